@@ -67,7 +67,7 @@ FITTED_WIDTHS = "tests/test_width_calibration.py::test_the_errors_that_were_obse
 
 TUNED: dict[str, dict[str, Guard]] = {
     "fem/error_control/levels.py": {
-        "LEVEL_RULE": Guard("both", (TRUTHS,)),
+        "RULE_OF_DEGREE_AND_GRADING": Guard("both", (TRUTHS,)),
     },
     "fem/width/factors.json": {
         "section_pressure": Guard(
@@ -82,13 +82,13 @@ TUNED: dict[str, dict[str, Guard]] = {
         "force": Guard("down", (FITTED_WIDTHS,)),
     },
     "fem/error_control/adapt.py": {
-        "LARGEST_PEAK_FRACTION_AT_LINING_END": Guard(
+        "LARGEST_PRESSURE_AT_LINING_END_OVER_PEAK": Guard(
             "up",
             (f"{STATED}::test_a_peak_that_finer_columns_may_find_at_an_end_is_unknown_before",),
         ),
     },
     "fem/error_control/degrees.py": dict.fromkeys(
-        ("MESH_FILE_SAFETY_FACTORS", "SHAPE_FACTORS"),
+        ("SAFETY_FACTORS_OF_MESH_FILES", "FACTORS_FROM_SHAPE_CHANGE_TO_MESH_SHAPE_ERROR"),
         Guard(
             "down",
             (
@@ -98,14 +98,14 @@ TUNED: dict[str, dict[str, Guard]] = {
         ),
     )
     | {
-        "EARLIER_DIFFERENCE_SHARE": Guard(
+        "SHARE_OF_EARLIER_LEVEL_DIFFERENCE": Guard(
             "down",
             (
                 "tests/test_mesh_degrees.py::test_a_uniform_mesh_of_large_elements_meets_a_tolerance",
             ),
             slow=True,
         ),
-        "ERROR_PER_COORDINATE_ROUNDING": Guard(
+        "ERROR_PER_ROUNDING_OVER_LINING_THICKNESS": Guard(
             "down",
             (
                 "tests/test_mesh_degrees.py::test_rounded_coordinates_change_a_response_by_less_than_stated",
@@ -119,7 +119,7 @@ TUNED: dict[str, dict[str, Guard]] = {
         ),
     },
     "fem/error_control/first_level.py": {
-        "SAFETY_FACTOR_OF_SAMPLE_ERROR": Guard(
+        "SAFETY_FACTOR_OF_LARGEST_ERROR_IN_SAMPLE": Guard(
             "down",
             (
                 "tests/test_sweep_sample.py"
@@ -139,8 +139,8 @@ TUNED: dict[str, dict[str, Guard]] = {
         )
     },
     "fem/hp/division.py": {
-        "UNRESOLVED_LENGTH": Guard("up", (TRUTHS,)),
-        "CORNER_COLUMN": Guard("both", (POWER_OF_CORNER,)),
+        "UNRESOLVED_LENGTH_OVER_CONTACT_LENGTH": Guard("up", (TRUTHS,)),
+        "ELEMENT_SIZE_AT_UNBOUNDED_CORNER": Guard("both", (POWER_OF_CORNER,)),
     },
     "fem/hp/ring.py": {
         "RING_ERROR_OVER_LINING_ERROR": Guard(
@@ -156,12 +156,12 @@ TUNED: dict[str, dict[str, Guard]] = {
         ),
     },
     "fem/error_control/singular_points.py": {
-        "NEGLIGIBLE_KINKS": Guard(
+        "NEGLIGIBLE_PRESSURE_ERROR_DUE_TO_GAP_KINKS": Guard(
             "down", (f"{ON_COLUMNS}::test_a_table_of_many_clearances_is_a_curve",)
         ),
     },
     "fem/preparation/load_places.py": {
-        "FORCE_SPREAD_OVER_BODY_THICKNESS": Guard(
+        "FORCE_SPREAD_RELATIVE_TO_BODY_THICKNESS": Guard(
             "either",
             (
                 "tests/test_further_loads.py::test_elastic_shoes_stretch_their_spring_by_their_motion",
@@ -175,7 +175,7 @@ TUNED: dict[str, dict[str, Guard]] = {
         ),
     },
     "fem/analysis/holding.py": {
-        "MOST_HALVINGS": Guard(
+        "MAX_HALVINGS_OF_ROTATION_INCREMENT": Guard(
             "down", ("tests/test_holding.py::test_an_increment_that_does_not_settle_is_halved",)
         ),
         "MARGIN_OF_FULL_SLIP_ROTATION": Guard(
@@ -400,7 +400,10 @@ def main(*wanted: str) -> int:
             for change, by in tried(module, name):
                 noticed[change.name, change.side] = by
                 unsafe = "unsafe" if guard.unsafe_at(change.side) else "safe"
-                said = f"{module}  {change.name}  {change.side} ({unsafe}): {change.now}  {by or 'NOT NOTICED'}"
+                said = (
+                    f"{module}  {change.name}  {change.side} ({unsafe}): {change.now}  "
+                    f"{by or 'NOT NOTICED'}"
+                )
                 sys.stdout.write(f"{said}\n")
                 sys.stdout.flush()
             open_ += [f"{module} {line}" for line in unguarded(guard, noticed)]

@@ -16,52 +16,59 @@ SPEED = "size of pieces that stay near the processor"
 
 NOT_TUNED: dict[str, dict[str, str]] = {
     "contact/active_set.py": {
-        "MOST_PIVOT_STEPS": PASSES,
-        "MOST_SET_CHANGES": PASSES,
-        "GOLDEN_RATIO": DEFINITION,
-        "SMALLEST_EXTRA_GAP": ROUND_OFF,
-        "MOST_STEPS_WITHOUT_PROGRESS": PASSES,
-        "COARSE_GUESS_FROM_NODES": SPEED,
-        "MOST_CANDIDATE_SETS": MEMORY,
-        "SET_ROUND_OFF": ROUND_OFF,
+        "MAX_STEPS_OF_ACTIVE_SET_METHOD": PASSES,
+        "MAX_CONTACT_SET_CHANGES_PER_NODE": PASSES,
+        "INVERSE_GOLDEN_RATIO": DEFINITION,
+        "SMALLEST_ADDED_GAP_OVER_LARGEST_GAP": ROUND_OFF,
+        "MAX_ACTIVE_SET_STEPS_WITHOUT_PROGRESS": PASSES,
+        "FEWEST_NODES_FOR_COARSE_CONTACT_GUESS": SPEED,
+        "MAX_CANDIDATE_SETS_OF_FIRST_TOUCHING_NODES": MEMORY,
+        "LARGEST_ROUND_OFF_OF_PRESSURE_OR_GAP": ROUND_OFF,
     },
-    "contact/equations.py": {"BORDERED_ABOVE_UNKNOWNS": SPEED, "MOST_CONTACT_NODES": MEMORY},
+    "contact/equations.py": {
+        "UNKNOWNS_ABOVE_WHICH_BORDERED_SYSTEM_IS_USED": SPEED,
+        "MAX_NODES_OF_CONTACT_PROBLEM": MEMORY,
+    },
     "contact/self_locking.py": {
-        "LARGEST_SOUGHT_FRICTION": "limit of the search that is said",
+        "LARGEST_SOUGHT_SELF_LOCKING_FRICTION": "limit of the search that is said",
         "TEST_DISTANCE_BELOW_SINGULAR_FRICTION": ROUND_OFF,
-        "FRICTION_RESOLUTION": ROUND_OFF,
-        "LARGEST_FRICTION_STEP": "first step of a search that adapts; a matter of time",
-        "LARGEST_FORCE_GROWTH": "growth up to half of mu_lock, by its pole",
-        "COARSE_PATH_ABOVE_NODES": SPEED,
-        "LARGEST_DIFFERENCE_BETWEEN_MESHES": "any number between 0.004 and 0.7 tells two answers from two meshes",
+        "RELATIVE_RESOLUTION_OF_FRICTION_LIMIT": ROUND_OFF,
+        "LARGEST_STEP_OF_GROWING_FRICTION": "first step of a search that adapts; a matter of time",
+        "LARGEST_CONTACT_FORCE_GROWTH_PER_STEP": "growth up to half of mu_lock, by its pole",
+        "NODES_ABOVE_WHICH_FRICTION_PATH_IS_COARSE": SPEED,
+        "LARGEST_PRESSURE_DIFFERENCE_OF_SAME_SOLUTION": "any number between 0.004 and 0.7 "
+        "tells two answers from two meshes",
     },
     "contact/pressure_friction.py": {
-        "FRICTION_TOLERANCE": "accuracy that is stated",
-        "MOST_STEPS_TO_FRICTION": PASSES,
-        "SMALLEST_FRICTION_PART": PASSES,
+        "NEWTON_TOLERANCE_OF_CONTACT_PRESSURES": "accuracy that is stated",
+        "MAX_NEWTON_STEPS_PER_FRICTION_CHANGE": PASSES,
+        "SMALLEST_ADDED_PART_OF_PRESSURE_DEPENDENCE": PASSES,
     },
-    "fem/equilibrium/pressure_friction.py": {"MOST_CHANGES_OF_SUPPORT": PASSES},
+    "fem/equilibrium/pressure_friction.py": {"MAX_REPEATED_SOLVES_WITH_CHANGED_SUPPORTS": PASSES},
     "contact/stick_slip.py": {
         **dict.fromkeys(("OPEN", "STICK", "FORWARD", "BACKWARD"), "names of states"),
-        "MOST_STATE_NEWTON_STEPS": PASSES,
-        "MOST_STATE_CHANGES": PASSES,
-        "STATE_ROUND_OFF": ROUND_OFF,
+        "MAX_NEWTON_STEPS_FOR_STICK_SLIP_STATES": PASSES,
+        "MAX_STICK_SLIP_CHANGES_PER_NODE": PASSES,
+        "ROUND_OFF_OF_STICK_SLIP_CONDITIONS": ROUND_OFF,
     },
-    "fem/preparation/cache.py": {"CACHE_BYTES": MEMORY},
+    "fem/preparation/cache.py": {"MOST_BYTES_OF_CACHED_BODIES": MEMORY},
     "fem/preparation/meshes.py": {
-        "MOST_LINING_ELEMENTS": MEMORY,
+        "MOST_ELEMENTS_ALONG_LINING": MEMORY,
         "MOST_NODES_AT_RAISED_DEGREE": MEMORY,
-        "DEGREE_OF_ELEMENT_GEOMETRY": "degree above which no shape changes",
+        "DEGREE_OF_SPLIT_ELEMENT_GEOMETRY": "degree above which no shape changes",
     },
-    "fem/substructure/body.py": {"NUMBER_OF_FRAME_DISPLACEMENTS": DEFINITION},
-    "fem/substructure/elimination.py": {"LEAF_NODES": SPEED},
+    "fem/substructure/body.py": {"DEGREES_OF_FREEDOM_OF_BODY_FRAME": DEFINITION},
+    "fem/substructure/elimination.py": {"NODES_OF_SMALLEST_DISSECTION_REGION": SPEED},
     "fem/width/correction.py": {
         "REMAINING_ERROR_OVER_WIDTH_CORRECTION": "measured error that is said",
     },
     "fem/width/error.py": {
-        "LARGEST_PRESSURE_ERROR_OF_COARSE_ELEMENTS": "any number between 0.05 and 0.45 tells sections that miss the contact",
-        "LEVEL_OF_PLANE_STRESS_ERROR_ESTIMATE": "level 0 of the rule that the levels of a solve follow",
-        "WIDTH_DEGREE_COMPARED_WITH_PLANE_STRESS": "the least degree that varies in a part of one width",
+        "LARGEST_PRESSURE_ERROR_OF_COARSE_ELEMENTS": "any number between 0.05 and 0.45 tells "
+        "sections that miss the contact",
+        "LEVEL_OF_PLANE_STRESS_ERROR_ESTIMATE": "level 0 of the rule that the levels of a "
+        "solve follow",
+        "WIDTH_DEGREE_COMPARED_WITH_PLANE_STRESS": "the least degree that varies in a part "
+        "of one width",
     },
     "fem/analysis/solid_fields.py": {
         "FEWEST_INTERVALS_ACROSS_WIDTH_PIECE": "points of fields that are written or drawn",
@@ -72,7 +79,7 @@ NOT_TUNED: dict[str, dict[str, str]] = {
         "RELATIVE_SIZE_OF_FREE_SIDE_ELEMENT": "mesh of another program, which has no stated errors",
         **dict.fromkeys(
             (
-                "HEXAHEDRON_CORNERS",
+                "SECTION_CORNERS_AND_Z_ENDS_OF_HEXAHEDRON",
                 "_BOTTOM_CORNERS_IN_VTK_ORDER",
                 "_CORNERS_IN_VTK_ORDER",
                 "_EDGE_CORNERS_IN_VTK_ORDER",
@@ -81,34 +88,39 @@ NOT_TUNED: dict[str, dict[str, str]] = {
         ),
     },
     "fem/width/face.py": {
-        "WRITTEN_INTERVALS_PER_WIDTH_PIECE": "points of a face that is written or drawn"
+        "WRITTEN_PRESSURE_INTERVALS_PER_WIDTH_PIECE": "points of a face that is written or drawn"
     },
     "fem/width/functions.py": {
         "SAME_HALF_WIDTH_TOLERANCE": ROUND_OFF,
         # Found by trial: other breaks need more functions for the same error, which is stated.
         **dict.fromkeys(
             (
-                "BREAK_DISTANCES_BESIDE_WEB",
-                "LEAST_LENGTH_BETWEEN_BREAK_AND_SIDE",
-                "BREAK_POSITION_IN_SHORT_OVERHANG",
-                "LARGEST_OVERHANG_WITHOUT_BREAK",
+                "WIDTH_BREAKPOINT_DISTANCES_BESIDE_WEB",
+                "LEAST_LENGTH_FROM_WIDTH_BREAKPOINT_TO_SIDE",
+                "WIDTH_BREAKPOINT_DISTANCE_IN_SHORT_OVERHANG",
+                "LARGEST_OVERHANG_WITHOUT_WIDTH_BREAKPOINT",
             ),
             "found by trial, for the work of one solve; the errors that remain are stated",
         ),
     },
-    "fem/width/integrals.py": {"SYMMETRIC_AND_ANTISYMMETRIC": DEFINITION},
+    "fem/width/integrals.py": {"SYMMETRY_NUMBERS_OF_COLUMN_DISPLACEMENTS": DEFINITION},
     "fem/width/ladder.py": {
         "LARGEST_WIDTH_DEGREE_WITH_STATED_ERROR": DEFINITION,
         "NUMBER_OF_COMPARED_HIGHER_WIDTH_DEGREES": "one even and one odd degree",
-        "WIDTH_DEGREE_OF_SECTION_ESTIMATE": "the least degree that varies across a lining beside its web",
-        "SECTION_SHARE_OF_TOLERANCE": "half of a tolerance for each of two parts of the error",
-        "MOST_SECTION_LEVELS": "bound of the work of one solve; the errors that remain are stated",
-        "MOST_UNKNOWNS_FOR_FURTHER_SECTION_LEVEL": "bound of the work of one solve; the errors that remain are stated",
+        "WIDTH_DEGREE_FOR_HP_ELEMENT_ERROR_ESTIMATE": "the least degree that varies across a "
+        "lining beside its web",
+        "SECTION_ERROR_SHARE_OF_TOLERANCE": "half of a tolerance for each of two parts of "
+        "the error",
+        "NUMBER_OF_LEVELS_FOR_SECTION_ERROR_ESTIMATE": "bound of the work of one solve; the "
+        "errors that remain are stated",
+        "MOST_UNKNOWNS_FOR_FURTHER_SECTION_LEVEL": "bound of the work of one solve; the "
+        "errors that remain are stated",
         "LARGEST_SOLID": MEMORY,
         "LARGEST_FIRST_PIECE": "half: most of a lining has all functions of each degree",
         "NEXT_DEGREE_FACTORS": "covers the brakes of an experiment that takes too long for a test",
         "LEAST_FALL": "bound of the work of one solve; the errors that remain are stated",
-        "LARGEST_DEGREE_IF_TOLERANCE_MAY_BE_MISSED": "bound of the work of one solve; the errors that remain are stated",
+        "LARGEST_WIDTH_DEGREE_IF_TOLERANCE_IS_OPTIONAL": "bound of the work of one solve; "
+        "the errors that remain are stated",
         "ASSUMED_WIDTH_ERROR_EXPONENT": "power for the strongest singularity at a corner",
     },
     "fem/width/prepare.py": {
@@ -116,70 +128,78 @@ NOT_TUNED: dict[str, dict[str, str]] = {
         "LARGEST_WIDTH_DEGREE": SAID,
     },
     "fem/equilibrium/group.py": {
-        "LARGEST_FRICTION_STEP_BETWEEN_CHECKS": "a quarter of self_locking.LARGEST_FRICTION_STEP",
-        "LAST_CHECK_DISTANCE_BELOW_LOCKING": "last digit of a limit that is printed",
+        "LARGEST_FRICTION_STEP_BETWEEN_CHECKS": "a quarter of "
+        "self_locking.LARGEST_STEP_OF_GROWING_FRICTION",
+        "RELATIVE_DISTANCE_OF_LAST_CHECK_BELOW_LOCKING": "last digit of a limit that is printed",
     },
     "fem/equilibrium/locking.py": {
-        "FRICTION_NEAR_RIGID_LAW_LIMIT": SAID,
-        "LARGEST_SOUGHT_FRICTION_RATIO": SAID,
+        "SMALLEST_FRICTION_RATIO_FOR_ELASTIC_LIMIT": SAID,
+        "LARGEST_SOUGHT_ELASTIC_LIMIT_OVER_FRICTION": SAID,
     },
-    "fem/equilibrium/problems.py": {"ROWS_AT_A_TIME": SPEED},
+    "fem/equilibrium/problems.py": {"COMPLIANCE_ROWS_ASSEMBLED_AT_A_TIME": SPEED},
     "fem/analysis/holding.py": {
         "FIRST_ROTATION_OF_FULL_SLIP_SEARCH": "start of a geometric search",
         "MOST_INCREMENTS_OF_FULL_SLIP_SEARCH": PASSES,
-        "LARGEST_TORQUE_DIFFERENCE": SAID,
-        "LARGEST_FRICTION_RATIO_DIFFERENCE": SAID,
+        "LARGEST_TORQUE_DIFFERENCE_OF_SAME_EQUILIBRIUM": SAID,
+        "LARGEST_FOOT_FRICTION_RATIO_DIFFERENCE": SAID,
     },
     "fem/analysis/prepared.py": {
-        "ANALYSIS_DEGREE": "a degree whose measured error is said; more degrees take longer",
+        "DEGREE_ACROSS_WIDTH_FOR_ANALYSES": "a degree whose measured error is said; more "
+        "degrees take longer",
     },
-    "fem/analysis/wide_moduli.py": {"MODULUS_STEP": "step whose error is said with the answer"},
-    "fem/error_control/first_level.py": {"FIRST_LEVEL_FACTORS": DEFINITION},
+    "fem/analysis/wide_moduli.py": {
+        "STEP_OF_MODULUS_LOGARITHM": "step whose error is said with the answer"
+    },
+    "fem/error_control/first_level.py": {"FACTORS_FROM_DISTANCE_TO_FIRST_LEVEL_ERROR": DEFINITION},
     "fem/error_control/adapt.py": {
-        "DEFAULT_TOLERANCE": "what a solve aims at, as README says",
+        "DEFAULT_TOLERANCES_OF_PRESSURE_AND_TORQUE": "what a solve aims at, as README says",
     },
     "fem/hp/corner.py": {
         "SMALLEST_SOUGHT_EXPONENT_ROOT": "limit of a search",
-        "ROOTS_TRIED": "steps of a search",
+        "NUMBER_OF_TRIED_PRESSURE_EXPONENTS": "steps of a search",
         "LENGTH_OF_PRESSURE_PIECE_AT_CORNER": ROUND_OFF,
-        "BOUNDED_EXPONENT": ROUND_OFF,
+        "LARGEST_EXPONENT_OF_BOUNDED_PRESSURE": ROUND_OFF,
         "TOLERANCE_OF_COLUMN_END_AT_GAP_KINK": ROUND_OFF,
     },
     "fem/hp/division.py": {
-        "SMALLEST_COLUMN": ROUND_OFF,
+        "SMALLEST_ELEMENT_SIZE_OVER_LINING_THICKNESS": ROUND_OFF,
         "HALF_FORCE_FRACTION_OF_CONTACT": DEFINITION,
         "LONGEST_CONTACT_WITH_CORNER_COLUMNS": DEFINITION,
     },
     "fem/error_control/singular_points.py": {
-        "CONTACT_END_BITS": ROUND_OFF,
-        "SHORTEST_KNOWN_CONTACT": SAID,
+        "BINARY_DIGITS_OF_ROUNDED_CONTACT_END": ROUND_OFF,
+        "SHORTEST_CONTACT_WITH_KNOWN_PRESSURE": SAID,
     },
     "fem/hp/element.py": {"SHAPE_FUNCTION_SLOPES_PER_BATCH": SPEED},
-    "fem/error_control/levels.py": {"DEG": DEFINITION, "LEVELS": DEFINITION, "MOST_PASSES": PASSES},
+    "fem/error_control/levels.py": {
+        "DEGREE_IN_RADIANS": DEFINITION,
+        "REFINEMENT_LEVELS_FROM_COARSE_TO_FINE": DEFINITION,
+        "MAX_DIVISIONS_OF_BRAKE_PER_LEVEL": PASSES,
+    },
     "fem/hp/ring.py": {
         "FULL_TURN_IN_RADIANS": DEFINITION,
-        "SAME_ANGLE": ROUND_OFF,
+        "SAME_ANGLE_TOLERANCE": ROUND_OFF,
     },
     "fem/substructure/ring.py": {
-        "MOST_RAY_CROSSING_STEPS": PASSES,
+        "MOST_NEWTON_STEPS_TO_RAY_CROSSING": PASSES,
         "RAY_CROSSING_STEP_TOLERANCE": ROUND_OFF,
     },
     "fem/mesh/abaqus.py": {
-        "NODES_PER_CELL": FORMAT,
+        "NODES_PER_MESHIO_CELL": FORMAT,
         "LABELS_PER_LINE_OF_SET": FORMAT,
     },
     "fem/mesh/check.py": dict.fromkeys(
         (
-            "MOST_LISTED_NAMES",
-            "LARGEST_LINING_END_DIFFERENCE",
-            "SAME_POINT",
+            "MOST_GROUP_NAMES_IN_MESSAGE",
+            "LARGEST_LINING_END_ANGLE_DIFFERENCE_OF_MESH",
+            "SAME_NODE_POSITION_TOLERANCE",
             "MOST_COUNTED_COINCIDENT_NODES",
             "LARGEST_RELATIVE_MESH_COORDINATE",
             "LARGEST_RELATIVE_MIDDLE_NODE_OFFSET",
-            "LARGEST_DISTANCE_OF_CONTACT_FROM_DRUM",
-            "LARGEST_OVERLAP_OF_CONTACT_WITH_DRUM",
+            "LARGEST_CONTACT_DISTANCE_FROM_DRUM_OVER_RADIUS",
+            "LARGEST_CONTACT_OVERLAP_OVER_LINING_THICKNESS",
             "LARGEST_SLOPE_OF_CONTACT_AGAINST_DRUM",
-            "SMALLEST_JACOBIAN_RATIO",
+            "SMALLEST_NODE_JACOBIAN_OVER_ELEMENT_SUM",
         ),
         SAID,
     ),
@@ -189,39 +209,46 @@ NOT_TUNED: dict[str, dict[str, str]] = {
             "LINING_SHAPE_OFFSET_IN_STANDARD_ERRORS",
             "NODE_ON_DRUM_TOLERANCE",
             "SMOOTHING_NODES_ON_EACH_SIDE",
-            "STRAIGHT_EDGE_TOLERANCE",
+            "LARGEST_STRAIGHT_EDGE_OFFSET_OVER_ARC_HEIGHT",
             "LEAST_STRAIGHT_EDGE_FRACTION",
             "LARGEST_SCATTER_OVER_ROUNDING_SCATTER",
         ),
         JUDGED_MOVE,
     ),
     "fem/mesh/content_of_file.py": {
-        "DIGITS_OF_EXACT_COORDINATE": FORMAT,
-        "ROUND_DECIMAL_TOLERANCE": ROUND_OFF,
+        "FEWEST_DIGITS_OF_EXACT_COORDINATE": FORMAT,
+        "ROUND_DECIMAL_COORDINATE_TOLERANCE": ROUND_OFF,
     },
     "fem/mesh/from_file.py": dict.fromkeys(
         (
-            "WAVE_HEIGHT_THAT_COUNTS_AS_ZIGZAG",
+            "ZIGZAG_WAVE_HEIGHT_OVER_LINING_COMPRESSION",
             "MOST_RISE_FALL_CHANGES_ON_ANY_MESH",
-            "SMALLEST_REPORTED_MOVE",
+            "SMALLEST_REPORTED_MOVE_OVER_LINING_COMPRESSION",
             "FEWEST_NODES_PER_RISE_FALL_CHANGE",
             "MOST_RISE_FALL_CHANGES_OF_LINING_FACE",
         ),
         SAID,
     ),
-    "fem/mesh/inp_deck.py": {"MOST_SET_MEMBERS": MEMORY},
+    "fem/mesh/inp_deck.py": {"MOST_MEMBERS_OF_ALL_DECK_SETS": MEMORY},
     "fem/mesh/inp_parts.py": {"IDENTITY_PLACEMENT": DEFINITION},
     "fem/mesh/msh4.py": {"CELL_NAME_AND_NODE_COUNT_OF_GMSH_TYPE": FORMAT},
     "fem/mesh/of_meshio.py": {"MOST_GROUP_NUMBERS_IN_ARRAY": MEMORY},
     "fem/mesh/plane_cells.py": {
-        "CIRCULAR_EDGE_RADIUS_TOLERANCE": "judgement; edges along circles and all others are far from it",
+        "CIRCULAR_EDGE_RADIUS_TOLERANCE": "judgement; edges along circles and all others are "
+        "far from it",
         "CORNERS_PER_PLANE_CELL": FORMAT,
         "CUBIC_EDGE_MIDDLE_WEIGHTS": DEFINITION,
         "FLAT_CORNER": "judgement; other corners that bend inwards are refused as inverted",
     },
     "fem/mesh/degree.py": {
         **dict.fromkeys(
-            ("TRIANGLE_CORNERS", "SQUARE_CORNERS", "TRIANGLE_SIDES", "SQUARE_SIDES"), DEFINITION
+            (
+                "REFERENCE_TRIANGLE_CORNER_COORDINATES",
+                "REFERENCE_SQUARE_CORNER_COORDINATES",
+                "CORNER_PAIRS_OF_TRIANGLE_SIDES",
+                "CORNER_PAIRS_OF_SQUARE_SIDES",
+            ),
+            DEFINITION,
         ),
         "STRAIGHT_TRIANGLE": "round-off; a smaller one takes longer for the same stiffness",
     },
@@ -229,34 +256,44 @@ NOT_TUNED: dict[str, dict[str, str]] = {
         "STEP": "judgement; steps from 1e-5 to 1e-2 give the same changes to four percent",
     },
     "fem/mesh/smooth_outline.py": {
-        "LARGEST_SMOOTH_TURN": "judgement; larger ones make stated errors larger where corners are",
-        "LARGEST_NONSINGULAR_CORNER_ANGLE": "judgement; slightly re-entrant corners change nothing that is seen",
+        "LARGEST_TURN_BETWEEN_CHORDS_OF_CURVE": "judgement; larger ones make stated errors "
+        "larger where corners are",
+        "LARGEST_NONSINGULAR_CORNER_ANGLE": "judgement; slightly re-entrant corners change "
+        "nothing that is seen",
     },
     "fem/error_control/degrees.py": {
-        "MESH_FILE_FORCE_FACTOR": "judgement; a larger one makes stated errors of forces larger",
-        "MESH_FILE_CANCELLED_FORCE_FACTOR": "judgement; a larger one makes stated errors of forces larger",
-        "MESH_LEVELS": "larger elements at singular points take a level more for the same errors",
-        "FINE_MESH_LEVELS": "larger elements at singular points take a level more for the same errors",
-        "LEAST_VERTICES_OF_FINE_MESH": "judgement; a smaller one takes a level more for the same errors on coarse meshes",
-        "NEGLIGIBLE_SHARE_OF_LEVEL_ERROR": "judgement; a smaller one takes a level more for the same errors",
-        "NEGLIGIBLE_DISTANCE_OF_SIDE_FROM_ARC": "judgement; saves time where the sides' error is below all others",
+        "SAFETY_FACTOR_OF_MESH_FILE_FORCES": "judgement; a larger one makes stated errors of "
+        "forces larger",
+        "SAFETY_FACTOR_OF_CANCELLED_MESH_FILE_FORCES": "judgement; a larger one makes stated "
+        "errors of forces larger",
+        "REFINEMENT_LEVELS_ON_MESH_FILES": "larger elements at singular points take a level "
+        "more for the same errors",
+        "REFINEMENT_LEVELS_ON_FINE_MESH_FILES": "larger elements at singular points take a "
+        "level more for the same errors",
+        "FEWEST_VERTICES_OF_FINE_MESH_FILE": "judgement; a smaller one takes a level more "
+        "for the same errors on coarse meshes",
+        "NEGLIGIBLE_SHARE_OF_LEVEL_ERROR": "judgement; a smaller one takes a level more for "
+        "the same errors",
+        "NEGLIGIBLE_DISTANCE_OF_SIDE_FROM_ARC": "judgement; saves time where the sides' "
+        "error is below all others",
     },
     "fem/mesh/splitting.py": {
-        "LARGEST_SIDE_OVER_SINGULAR_POINT_DISTANCE": "judgement; a smaller one makes more triangles",
-        "ROUND_OFF_OF_LENGTHS": ROUND_OFF,
+        "LARGEST_SIDE_OVER_SINGULAR_POINT_DISTANCE": "judgement; a smaller one makes more "
+        "triangles",
+        "EQUAL_MESH_LENGTH_TOLERANCE": ROUND_OFF,
     },
     "fem/mesh/file.py": {
         "LONGEST_REPEATED_MESHIO_MESSAGE": "length of a message",
-        "MOST_FILE_NODES": MEMORY,
+        "MOST_NODES_IN_MESH_FILE": MEMORY,
         "LARGEST_NODE_NUMBER_IN_FILE": MEMORY,
-        "METRES_PER_UNIT": FORMAT,
+        "METRES_PER_MESH_FILE_UNIT": FORMAT,
     },
     "fem/mesh/arc.py": {"EDGE_ON_ARC_FACE_TOLERANCE": ROUND_OFF, "MESH_KINDS": DEFINITION},
     "fem/mesh/beam.py": {"EDGE_ON_BEAM_SHOE_FACE_TOLERANCE": ROUND_OFF},
     "fem/mesh/grading.py": {
-        "MOST_OVERHANG_ELEMENTS": MEMORY,
-        "MOST_QUADRATIC_LAYERS": MEMORY,
-        "MOST_LINEAR_LAYERS": MEMORY,
+        "MOST_ELEMENTS_BEYOND_LINING_END": MEMORY,
+        "MOST_QUADRATIC_LAYERS_BEHIND_LINING": MEMORY,
+        "MOST_LINEAR_LAYERS_BEHIND_LINING": MEMORY,
     },
     "fem/mesh/vtu.py": {
         "LARGEST_UNPACKED_VTU_SIZE": MEMORY,
@@ -264,57 +301,58 @@ NOT_TUNED: dict[str, dict[str, str]] = {
         "_BYTES_OF_VTU_HEADER_INTEGER": FORMAT,
     },
     "fem/equilibrium/springs.py": {
-        "TOLERANCE_OF_SPRING_PULLS": ROUND_OFF,
-        "MOST_SPRING_STEPS": PASSES,
+        "RELATIVE_TOLERANCE_OF_SPRING_PULLS": ROUND_OFF,
+        "MAX_CONTACT_SOLVES_FOR_SPRING_PULLS": PASSES,
     },
     "fem/model.py": {
         "RELATIVE_SPACING_OF_DOUBLES": DEFINITION,
-        "LARGEST_SILENT_OVERLAP": SAID,
+        "LARGEST_SILENT_OVERLAP_OVER_LINING_THICKNESS": SAID,
         "DEFAULT_PENALTY_FACTOR": "default of an option, whose effect each response states",
-        "LARGEST_ANSWER_IMBALANCE": SAID,
-        "LARGEST_UNREFINED_ROUND_OFF": SAID,
+        "LARGEST_ACCEPTED_FORCE_IMBALANCE_OF_SHOE": SAID,
+        "LARGEST_PRESSURE_ROUND_OFF_LEFT_UNREFINED": SAID,
         "LARGEST_ACCEPTED_PRESSURE_ROUND_OFF": SAID,
-        "LARGEST_REFINED_SYSTEM": "limit of time: seconds of a refinement",
+        "LARGEST_SIZE_OF_REFINED_SYSTEM": "limit of time: seconds of a refinement",
         "LARGEST_CORRECTION_OF_CONVERGED_REFINEMENT": ROUND_OFF,
     },
     "fem/analysis/moving.py": {
-        "NODE_STEP": ROUND_OFF,
-        "LARGEST_NODE_MOTION": "tells another division from a moved one",
-        "LARGEST_UNMOVED_MOTION": ROUND_OFF,
+        "POINT_STEP_IN_DRUM_RADII_FOR_NODE_MOTION": ROUND_OFF,
+        "LARGEST_NODE_MOTION_PER_POINT_MOTION": "tells another division from a moved one",
+        "LARGEST_NEGLECTED_CONTACT_NODE_MOTION": ROUND_OFF,
     },
-    "fem/analysis/mutual_work.py": {"ELEMENTS_AT_A_TIME": MEMORY},
-    "fem/equilibrium/reach.py": {"LARGEST_TURN_TO_TOUCH": SAID},
+    "fem/analysis/mutual_work.py": {"NUMBER_OF_ELEMENTS_PER_CHUNK": MEMORY},
+    "fem/equilibrium/reach.py": {"LARGEST_SHOE_TURN_BEFORE_CONTACT": SAID},
     "fem/error_control/refinement.py": {
-        "MOST_CORRECTIONS": PASSES,
-        "CONVERGED_CORRECTION": ROUND_OFF,
-        "SLOWEST_CONVERGENCE": "factor by which corrections that converge shrink",
-        "MOST_REFINED_SETS": PASSES,
+        "MAX_CORRECTIONS_OF_ITERATIVE_REFINEMENT": PASSES,
+        "RELATIVE_PRESSURE_CORRECTION_AT_CONVERGENCE": ROUND_OFF,
+        "LARGEST_RATIO_OF_SUCCESSIVE_CORRECTIONS": "factor by which corrections that "
+        "converge shrink",
+        "MAX_CONTACT_SETS_OF_REFINEMENT": PASSES,
     },
-    "fem/analysis/sensitivity.py": {"PERCENT_PER_MM": DEFINITION},
-    "fem/equilibrium/sharing.py": {"LARGEST_FORCE_THAT_DOES_NOT_PUSH": ROUND_OFF},
-    "fem/solid.py": {"DEFAULT_SOLID_TOLERANCE": "default of an option that is said"},
-    "fem/solve.py": {"REPORTED_PRESSURE_CURVE_IMBALANCE": SAID},
+    "fem/analysis/sensitivity.py": {"FACTOR_FROM_PER_METRE_TO_PERCENT_PER_MM": DEFINITION},
+    "fem/equilibrium/sharing.py": {"LARGEST_STRUT_OR_CAM_FORCE_COUNTED_AS_ZERO": ROUND_OFF},
+    "fem/solid.py": {"DEFAULT_ERROR_TOLERANCE_OF_SOLID_MODEL": "default of an option that is said"},
+    "fem/solve.py": {"SMALLEST_REPORTED_PRESSURE_CURVE_IMBALANCE": SAID},
     "response/limits.py": {
         "LARGEST_SILENT_LINING_STRAIN": SAID,
         "LARGEST_ACCEPTED_LINING_STRAIN": SAID,
     },
     "response/response.py": {
-        "UNCOMPARED_EDGE_ZONE": DEFINITION,
-        "LARGEST_CURVE_STEP": "points of a picture or a table",
-        "SHORTEST_CURVE_PIECE_AT_LINING_END": ROUND_OFF,
-        "LARGEST_NEUTRAL_FRICTION_WORK_RATIO": ROUND_OFF,
-        "ZERO_SHOE_CHANGES": DEFINITION,
+        "UNCOMPARED_EDGE_ZONE_IN_RADIANS": DEFINITION,
+        "LARGEST_PRESSURE_CURVE_STEP_IN_RADIANS": "points of a picture or a table",
+        "LEAST_ANGLE_FROM_LINING_END_TO_PRESSURE_CURVE_POINT": ROUND_OFF,
+        "LARGEST_NEUTRAL_FRICTION_OVER_PRESSURE_WORK": ROUND_OFF,
+        "ZERO_CHANGES_OF_SHOE_RESULTS": DEFINITION,
         "NEGLIGIBLE_REACTION_OVER_NORMAL_FORCE": ROUND_OFF,
     },
     "response/resultants.py": {
         "GAUSS": DEFINITION,
         "WEIGHTS": DEFINITION,
-        "PEAK_SAMPLE_POINTS": DEFINITION,
+        "POINTS_OF_POLYNOMIAL_PIECE_SAMPLED_FOR_PEAK": DEFINITION,
         "PRESSURE_DROP_LENGTH_AT_SLOT": ROUND_OFF,
     },
     "response/self_locking.py": {"WARNED_FRACTION_OF_LOCKING_FRICTION": SAID},
     "response/show.py": {
-        "POINTS_PER_PIECE": "points of a small picture",
+        "DRAWN_POINTS_PER_POLYNOMIAL_PIECE": "points of a small picture",
         "TOP_OVER_PEAK": "room above the curves of a picture",
     },
 }

@@ -273,7 +273,7 @@ def test_varying_inside_a_table_that_was_given_leaves_that_table_alone(brake):
 
 
 def test_common_units_are_those_of_pint():
-    for si, factors in units.COMMON_UNIT_FACTORS.items():
+    for si, factors in units.FACTORS_OF_COMMON_UNITS_BY_SI_UNIT.items():
         for unit, factor in factors.items():
             assert factor == pytest.approx(units._si_factor_of_unit_by_pint(unit, si), rel=1e-15)
             assert units.quantity_in_si(f"2 {unit}", si, unit_required=True) == 2 * factor

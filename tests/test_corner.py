@@ -11,7 +11,7 @@ from scipy.special import betainc
 from drumlin.fem.error_control.levels import solve_brake_on_finer_and_finer_mesh_levels
 from drumlin.fem.hp.corner import (
     POWER_LAW_FRACTION_OF_CONTACT,
-    UnboundedCorner,
+    CornerWithUnboundedPressure,
     corners_with_unbounded_pressure,
     element_column_size_for_error_at_pointed_gap_kink,
     nodes_and_pressures_with_power_law_at_corner,
@@ -127,7 +127,7 @@ def test_what_gives_way_to_a_power_keeps_force_and_moment_and_finds_the_power_ag
         theta,
         p,
         order,
-        UnboundedCorner(at_start=at_start, exponent=power),
+        CornerWithUnboundedPressure(at_start=at_start, exponent=power),
         reach=POWER_LAW_FRACTION_OF_CONTACT,
     )
     at, q, weight = polynomial_values_at_gauss_points(new, value, order)
@@ -153,7 +153,7 @@ def test_p_between_the_nodes_near_a_corner_is_its_power_to_a_ten_thousandth():
         x,
         p,
         order,
-        UnboundedCorner(at_start=True, exponent=power),
+        CornerWithUnboundedPressure(at_start=True, exponent=power),
         reach=POWER_LAW_FRACTION_OF_CONTACT,
     )
     at, q, weight = (part.ravel() for part in polynomial_values_at_gauss_points(new, value, order))

@@ -38,7 +38,7 @@ from drumlin.fem.substructure.elasticity import (
 from drumlin.response.resultants import gauss_lobatto_points
 from drumlin.verification.triangles import lagrange
 from drumlin.verification.triangles.triangulation import (
-    TriangleLayer,
+    LayerOfTriangulatedBody,
     triangulate_grid_of_layered_body,
 )
 from drumlin_studies.two_bodies import scikit_fem_basis_of_mesh
@@ -298,7 +298,7 @@ def test_triangles_of_the_second_solver_carry_an_even_strain():
     """A straight layer of triangles under u = H x has the nodal forces of its even stress."""
     layer = LAYERS["straight"]
     mesh = triangulate_grid_of_layered_body(
-        np.linspace(0, 0.2, 4), [np.linspace(0, 1, 3)], [TriangleLayer(-1, 1, layer)]
+        np.linspace(0, 0.2, 4), [np.linspace(0, 1, 3)], [LayerOfTriangulatedBody(-1, 1, layer)]
     )
 
     def place(s, d):
@@ -306,7 +306,9 @@ def test_triangles_of_the_second_solver_carry_an_even_strain():
 
     degree = 3
     nodes = lagrange.nodes_of_triangle_mesh_of_given_degree(mesh, place, degree)
-    K = lagrange.triangle_stiffness_matrices(mesh, nodes, [TriangleLayer(-1, 1, layer)], degree)
+    K = lagrange.triangle_stiffness_matrices(
+        mesh, nodes, [LayerOfTriangulatedBody(-1, 1, layer)], degree
+    )
     H = np.array([[1e-3, 4e-4], [-2e-4, 5e-4]])
     u = nodes.xy @ H.T
     energy = sum(

@@ -12,7 +12,7 @@ from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.base.texts import error_text_in_percent
 from drumlin.brake.file import read_brake, vary
 from drumlin.brake.plane_brake import read_drum_or_plane_brake
-from drumlin.fem.error_control.levels import LEVELS
+from drumlin.fem.error_control.levels import REFINEMENT_LEVELS_FROM_COARSE_TO_FINE
 from drumlin.fem.error_control.singular_points import singular_points_of_each_shoe_shape
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.solve import solve
@@ -38,7 +38,7 @@ def one_width(brake):
     return brake
 
 
-def solid_answer(brake, plane, degree=5, level=LEVELS[1]):
+def solid_answer(brake, plane, degree=5, level=REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[1]):
     """The answer of shoes with their widths on the second level of the section."""
     points = singular_points_of_each_shoe_shape(
         brake, plane, error=level.pressure_error_due_to_column_size_ratio

@@ -17,7 +17,7 @@ from drumlin.brake.writing import brake_file_text
 from drumlin.contact import pressure_friction
 from drumlin.contact.active_set import solve_contact_problem
 from drumlin.contact.pressure_friction import (
-    NodalFriction,
+    NodalFrictionAndSlope,
     solve_contact_with_pressure_dependent_friction,
 )
 from drumlin.contact.self_locking import FrictionDependentProblem
@@ -28,7 +28,7 @@ from drumlin.peers.peer import mesh_shoes_for_peer_program
 from drumlin.response.balance import relative_imbalance_of_shoe
 from drumlin.response.resultants import integral_of_piecewise_polynomial
 from drumlin.verification.triangles import solve_brake_on_sequence_of_triangle_meshes
-from drumlin.verification.triangles.levels import TRIANGLE_LEVELS
+from drumlin.verification.triangles.levels import TRIANGLE_MESH_LEVELS_FROM_COARSE_TO_FINE
 from drumlin_studies.random_brake import draw_random_brake
 from drumlin_studies.stated_true import true_errors_of_response
 from flat_pads import pad
@@ -55,7 +55,7 @@ def test_a_winkler_lining_under_friction_linear_in_pressure_has_its_closed_form(
 
     def friction(p):
         steps.append(p)
-        return NodalFriction(mu + slope * p, np.full(len(p), slope))
+        return NodalFrictionAndSlope(mu + slope * p, np.full(len(p), slope))
 
     start = solve_contact_problem(without)
     found = solve_contact_with_pressure_dependent_friction(problem, friction, start, 0 * phi)
@@ -392,7 +392,9 @@ def test_the_second_solver_has_the_same_friction_over_pressure(file, friction):
     """Triangles iterate mu(p) at fixed coefficients, by no code of the elements."""
     brake = vary(read_drum_or_plane_brake(ROOT / "studies" / file), friction)
     found = drumlin.solve(brake, tolerance=1e-3, model_error=False)
-    coarse, fine = solve_brake_on_sequence_of_triangle_meshes(brake, TRIANGLE_LEVELS[:2])
+    coarse, fine = solve_brake_on_sequence_of_triangle_meshes(
+        brake, TRIANGLE_MESH_LEVELS_FROM_COARSE_TO_FINE[:2]
+    )
     own = true_errors_of_response(brake, coarse, fine)
     true = true_errors_of_response(brake, found.shoes, fine)
     for name in ("pressure", "torque", "peak", "reaction"):

@@ -224,7 +224,11 @@ def test_the_wheel_serves_in_an_empty_folder(built, tmp_path):
         assert done.returncode == 0, done.stderr
         return done.stdout
 
-    where = [python, "-c", "import drumlin.studies as s; print(s.FOLDER_OF_STUDIES_AND_MESHES)"]
+    where = [
+        python,
+        "-c",
+        "import drumlin.studies as s; print(s.FOLDER_OF_INSTALLED_OR_SOURCE_STUDIES_AND_MESHES)",
+    ]
     at = Path(
         subprocess.run(
             where, cwd=here, env=free, capture_output=True, text=True, check=True

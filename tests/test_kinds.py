@@ -21,7 +21,7 @@ from drumlin.fem.analysis.holding import (
     turn_holding_brake_and_return_states_at_rotations,
 )
 from drumlin.fem.analysis.sensitivity import compute_torque_sensitivity
-from drumlin.fem.error_control.levels import LEVELS
+from drumlin.fem.error_control.levels import REFINEMENT_LEVELS_FROM_COARSE_TO_FINE
 from drumlin.fem.mesh.file import write_shoe_mesh_to_file
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.laws import solve_brake_by_its_rigid_shoe_law
@@ -37,12 +37,12 @@ from drumlin.models import model_with_name_that_applies_to_brake
 from drumlin.response.balance import brake_with_forces_of_response
 from drumlin.verification import triangles
 from drumlin.verification.check import (
-    are_verdicts_within_tolerance,
+    are_curve_deviations_within_tolerance,
     compare_curves_with_reference,
     read_pressure_curves,
 )
 from drumlin.verification.reference import (
-    Refinement,
+    MeshesOfReferenceValues,
     compute_reference_values,
     solve_brake_for_reference_values,
 )
@@ -240,7 +240,11 @@ def exported(at: Posed) -> None:
     assert list(at.folder.glob("*.inp"))
 
 
-ROUGHLY = Refinement(2, LEVELS[1:3], triangles.TRIANGLE_LEVELS[:1])
+ROUGHLY = MeshesOfReferenceValues(
+    2,
+    REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[1:3],
+    triangles.TRIANGLE_MESH_LEVELS_FROM_COARSE_TO_FINE[:1],
+)
 
 
 def referred(at: Posed) -> None:
@@ -267,7 +271,7 @@ def checked(at: Posed) -> None:
     verdicts = compare_curves_with_reference(
         at.brake, known, read_pressure_curves(curves, at.brake)
     )
-    assert are_verdicts_within_tolerance(verdicts, 5e-3)
+    assert are_curve_deviations_within_tolerance(verdicts, 5e-3)
     for verdict, shoe in zip(verdicts, drumlin.solve(at.brake).shoes, strict=True):
         own = shoe.torque or drumlin.solve(at.brake).effect
         assert verdict.torque == pytest.approx(own, rel=2e-2)

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from drumlin.brake.plane_brake import read_drum_or_plane_brake
 from drumlin.report.drawing import draw_brake
-from drumlin.studies import import_study_and_find_its_folder
+from drumlin.studies import import_study_and_find_folder_above_studies
 from drumlin_studies.law_table import rows_of_shoe_factors_of_post_brake
 from drumlin_studies.worked_examples import row_of_printed_and_computed_number
 from picking import having, picked
@@ -20,7 +20,7 @@ STUDIES = Path(__file__).parent.parent / "studies"
 
 @pytest.fixture(scope="module")
 def laws() -> ModuleType:
-    return import_study_and_find_its_folder("laws")[0]
+    return import_study_and_find_folder_above_studies("laws")[0]
 
 
 def test_study_meets_every_worked_example_and_names_the_two_that_were_printed_rounded(

@@ -4,9 +4,12 @@ import math
 
 import pytest
 
-from drumlin.fem.error_control.estimate import QUANTITIES_WITH_STATED_ERROR, SafetyFactors
-from drumlin.fem.error_control.levels import LEVEL_RULE
-from drumlin_studies.calibration import LevelRecord
+from drumlin.fem.error_control.estimate import (
+    QUANTITIES_WITH_STATED_ERROR,
+    SafetyFactorsOfErrorEstimate,
+)
+from drumlin.fem.error_control.levels import RULE_OF_DEGREE_AND_GRADING
+from drumlin_studies.calibration import TrueErrorsAndEstimateTermsOnLevel
 from drumlin_studies.level_rules import (
     LevelErrorsAndTimesByRule,
     find_mesh_at_which_refinement_stops,
@@ -14,12 +17,12 @@ from drumlin_studies.level_rules import (
     report_text_on_refinement_rule,
 )
 
-FACTORS = SafetyFactors(pressure=0.5, force=0.5, cancelled=0.1, peak=1.0)
+FACTORS = SafetyFactorsOfErrorEstimate(pressure=0.5, force=0.5, cancelled=0.1, peak=1.0)
 
 
 def level(step, chance=0.0, true=1e-9):
     """A level on which every quantity differs by `step` from the level before."""
-    return LevelRecord(
+    return TrueErrorsAndEstimateTermsOnLevel(
         step=dict.fromkeys(QUANTITIES_WITH_STATED_ERROR, step),
         chance=dict.fromkeys(QUANTITIES_WITH_STATED_ERROR, chance),
         beside=dict.fromkeys(QUANTITIES_WITH_STATED_ERROR, 1e-6),
@@ -61,7 +64,7 @@ def test_a_rule_is_reported_by_what_a_user_would_see():
 
 def test_words_change_numbers_of_the_rule():
     rule = refinement_rule_with_changed_numbers(["fall=6", "first_degree=4"])
-    assert (rule.fall, rule.first_degree, rule.sizes) == (6.0, 4, LEVEL_RULE.sizes)
+    assert (rule.fall, rule.first_degree, rule.sizes) == (6.0, 4, RULE_OF_DEGREE_AND_GRADING.sizes)
     assert math.isclose(rule.refinement_level_with_number(2).degree, 5)
     with pytest.raises(ValueError, match="fal"):
         refinement_rule_with_changed_numbers(["fal=6"])

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from drumlin.brake import read_brake, read_drum_or_plane_brake, vary
-from drumlin.fem.error_control.levels import LEVELS
+from drumlin.fem.error_control.levels import REFINEMENT_LEVELS_FROM_COARSE_TO_FINE
 from drumlin.fem.preparation.bodies import (
     ShoeBodyElements,
     ShoeSubstructure,
@@ -29,7 +29,9 @@ STRAIN = 1e-3
 """Free strain of the heated bodies: some 80 K of steel."""
 EVEN = np.array([STRAIN, STRAIN])
 RING = {"thickness": 0.015, "width": 0.06, "material": {"E": 1.1e11, "nu": 0.26}}
-DIVISIONS = pytest.mark.parametrize("level", [LEVELS[1], None], ids=["hp elements", "mesh"])
+DIVISIONS = pytest.mark.parametrize(
+    "level", [REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[1], None], ids=["hp elements", "mesh"]
+)
 
 
 @pytest.fixture
@@ -153,7 +155,10 @@ def test_a_free_straight_body_swells_through_its_layers_alone(root, level):
 
 def test_further_columns_are_those_of_one_elimination_of_all_loads(brake):
     """A further load has the same result by element-wise elimination and by elimination at once."""
-    shoe, body = brake.shoes[0], make_prepared_model(brake, LEVELS[0]).bodies[0]
+    shoe, body = (
+        brake.shoes[0],
+        make_prepared_model(brake, REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[0]).bodies[0],
+    )
     warm = heated(body.condensed, body.basis, elastic_layers_of_shoe(shoe))
     assert warm.columns.sizes == ((ACTUATION_LOAD_NAME, 3), (HEAT_LOAD_NAME, 1))
     _, constraints, loads, _ = warm.assemble_equations_of_whole_body()
@@ -190,11 +195,16 @@ def test_a_shoe_is_coupled_with_all_its_columns(brake, level):
     warm = heated(body.condensed, body.basis, elastic_layers_of_shoe(shoe))
     division = ShoeBodyElements(body.mesh, body.basis, body.line)
     coupled = make_shoe_substructure(
-        ShoeSubstructure, shoe, division, warm, body.load_centre, friction=True
+        ShoeSubstructure,
+        shoe,
+        division,
+        warm,
+        body.application_point_of_actuation_loads,
+        friction=True,
     )
-    assert np.array_equal(coupled.closure_by_load[:, :3], body.closure_by_load)
+    assert np.array_equal(coupled.gap_closure_by_load[:, :3], body.gap_closure_by_load)
     u = displacement(warm, heat=1.0)[:, body.line.nodes].T.ravel()
-    closed = coupled.closure_by_load[:, 3]
+    closed = coupled.gap_closure_by_load[:, 3]
     assert closed == pytest.approx(coupled.coupling.N @ u, abs=1e-8 * np.abs(closed).max())
     assert unit_load_factors_under_all_loads(coupled, shoe, 10.0)[3] == 1.0
     assert unit_load_factors_under_all_loads(coupled, shoe, 10.0)[:3] == pytest.approx(

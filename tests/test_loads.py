@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from drumlin.brake.file import read_brake
-from drumlin.fem.error_control.levels import LEVELS
+from drumlin.fem.error_control.levels import REFINEMENT_LEVELS_FROM_COARSE_TO_FINE
 from drumlin.fem.hp import body as body_path
 from drumlin.fem.hp import shoe as shoe_path
 from drumlin.fem.hp.shoe import UnitLoadsOnLoadedEndFace, unit_actuation_loads_on_end_face
@@ -63,10 +63,13 @@ def test_factors_name_the_loads_that_act():
 
 
 def test_a_further_force_on_hp_elements_is_what_one_factorisation_leaves(brake, further):
-    shoe, body = brake.shoes[0], make_prepared_model(brake, LEVELS[1]).bodies[0]
+    shoe, body = (
+        brake.shoes[0],
+        make_prepared_model(brake, REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[1]).bodies[0],
+    )
     assert body.load_matrix_columns_by_load_name == TWO
-    assert body.closure_by_load.shape == (len(body.line.nodes), 4)
-    assert body.load_motion_by_load.shape == (4, 4)
+    assert body.gap_closure_by_load.shape == (len(body.line.nodes), 4)
+    assert body.load_point_motion_by_load.shape == (4, 4)
     _, ties, loads, _ = body.condensed.assemble_equations_of_whole_body()
     named = {ACTUATION_LOAD_NAME: loads[:, :3], FURTHER: loads[:, 3:]}
     other = condense_body_to_contact_and_hinge_face(
@@ -80,18 +83,24 @@ def test_a_further_force_on_hp_elements_is_what_one_factorisation_leaves(brake, 
 
 def test_the_frame_bears_a_further_force(brake, further):
     """All of the force, and its moment about the pin, held where the contact is free."""
-    shoe, body = brake.shoes[0], make_prepared_model(brake, LEVELS[1]).bodies[0]
+    shoe, body = (
+        brake.shoes[0],
+        make_prepared_model(brake, REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[1]).bodies[0],
+    )
     held = body.reaction_to_load @ TWO.column_factors_of_all_loads({FURTHER: np.array([1.0])})
     x = body.basis.doflocs[0, body.basis.sets["actuation"][0]]
     assert held == pytest.approx([0.0, -1.0, -(x - shoe.pin_position_in_shoe_frame[0])], abs=1e-8)
 
 
 def test_a_load_that_does_not_act_changes_no_answer(brake, further, monkeypatch):
-    scene = make_prepared_model(brake, LEVELS[1])
+    scene = make_prepared_model(brake, REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[1])
     factors, _ = actuation_factors_and_pin_moment_per_newton(scene.bodies[0], brake.shoes[0])
     assert factors.shape == (4,) and factors[3] == 0.0
     found = solve_prepared_model(scene, brake)
     monkeypatch.undo()
     assert found.torque == pytest.approx(
-        solve_prepared_model(make_prepared_model(brake, LEVELS[1]), brake).torque, rel=1e-9
+        solve_prepared_model(
+            make_prepared_model(brake, REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[1]), brake
+        ).torque,
+        rel=1e-9,
     )

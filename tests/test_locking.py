@@ -22,7 +22,7 @@ from drumlin.fem.analysis.self_locking import (
 )
 from drumlin.fem.equilibrium import group as shoe_group
 from drumlin.fem.equilibrium.group import ShoeGroup, divide_pressed_shoes_into_groups
-from drumlin.fem.error_control.levels import LEVELS
+from drumlin.fem.error_control.levels import REFINEMENT_LEVELS_FROM_COARSE_TO_FINE
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.solve import solve
@@ -216,7 +216,7 @@ def test_where_the_answer_turns_back_those_beyond_stand_apart_and_are_refused():
     brake = draw_random_brake(37, "locking")
     scenes = (
         make_prepared_model(brake, elements=16),
-        make_prepared_model(brake, LEVELS[2]),
+        make_prepared_model(brake, REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[2]),
         make_prepared_model(brake, elements=64),
     )
     ends = []
@@ -282,7 +282,9 @@ def test_a_large_problem_is_answered_as_if_it_were_followed_on_all_nodes(flexibl
         for mu in (0.2 * end, 0.6 * end, 0.9 * end, 1.001 * end, 2 * end):
             answers = []
             for large in (n, 10):
-                monkeypatch.setattr(self_locking, "COARSE_PATH_ABOVE_NODES", large)
+                monkeypatch.setattr(
+                    self_locking, "NODES_ABOVE_WHICH_FRICTION_PATH_IS_COARSE", large
+                )
                 try:
                     answers.append(
                         self_locking.solve_contact_reached_from_zero_friction(
@@ -306,7 +308,7 @@ def test_of_a_large_problem_the_fine_answer_is_solved_once(flexible, monkeypatch
     (_, group) = divide_pressed_shoes_into_groups(
         make_prepared_model(flexible, elements=24), flexible, 1e4
     )
-    monkeypatch.setattr(self_locking, "COARSE_PATH_ABOVE_NODES", 30)
+    monkeypatch.setattr(self_locking, "NODES_ABOVE_WHICH_FRICTION_PATH_IS_COARSE", 30)
     sizes = settled_sizes(monkeypatch)
     self_locking.solve_contact_reached_from_zero_friction(
         group.contact_problem_of_group_at_friction, 0.4, rigid_law_limit=1.0, brake_words=""
@@ -368,7 +370,7 @@ def test_of_two_stable_answers_the_one_that_friction_leads_to(elements, large, m
     At mu = 0.822, a hundredth below the jump of its contact, this shoe has another answer of four
     times the torque.
     """
-    monkeypatch.setattr(self_locking, "COARSE_PATH_ABOVE_NODES", large)
+    monkeypatch.setattr(self_locking, "NODES_ABOVE_WHICH_FRICTION_PATH_IS_COARSE", large)
     brake = vary(draw_random_brake(37, "locking"), {"friction": 0.82245})
     group = next(
         iter(
@@ -472,6 +474,6 @@ class FollowedDirections:
 
 @pytest.mark.parametrize("holds", [0.003, 0.0])
 def test_the_search_for_a_limit_ends_where_earlier_directions_come_back(holds):
-    before = self_locking.FrictionLimit(0.0, False, None, 0.0, 0)
+    before = self_locking.LargestFrictionWithEquilibrium(0.0, False, None, 0.0, 0)
     found = shoe_group._friction_limit_by_bisection(FollowedDirections(holds), before, 0.0, 0.0125)
     assert found.limit.friction == pytest.approx(0.005, rel=1e-7)

@@ -16,10 +16,10 @@ from drumlin.fem.error_control import degrees
 from drumlin.fem.error_control.changed_shape import prepared_model_with_moved_nodes
 from drumlin.fem.error_control.estimate import (
     QUANTITIES_WITH_STATED_ERROR,
-    Errors,
+    EstimatedErrors,
     relative_differences_of_responses_on_two_levels,
 )
-from drumlin.fem.error_control.levels import LEVELS
+from drumlin.fem.error_control.levels import REFINEMENT_LEVELS_FROM_COARSE_TO_FINE
 from drumlin.fem.mesh.arc import MESH_KINDS, parametric_mesh_of_shoe
 from drumlin.fem.mesh.content_of_file import MeshFileContent
 from drumlin.fem.mesh.degree import LagrangeElement, nodal_basis_of_mesh, nodal_basis_of_shoe_mesh
@@ -37,7 +37,7 @@ from drumlin.fem.mesh.splitting import (
 )
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation import meshes
-from drumlin.fem.preparation.cache import Cache
+from drumlin.fem.preparation.cache import CacheOfCondensedBodies
 from drumlin.fem.preparation.meshes import DegreeAndSplittingOfMesh
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.solve import prepared_model_with_finest_elements, solve
@@ -51,8 +51,8 @@ from drumlin_studies.mesh_cost import (
     write_mesh_and_return_brakes_of_main_example,
 )
 from drumlin_studies.mesh_degrees import (
-    JudgedMesh,
-    MeshForm,
+    ElementKindAndGradingOfGmshMesh,
+    StatedAndTrueErrorsOfMesh,
     draw_random_brake_with_one_shoe,
     judge_mesh_of_random_shoe,
     report_lines_on_judged_meshes,
@@ -128,7 +128,8 @@ def test_contact_nodes_keep_the_distance_of_the_meshs_own_nodes(shoe, brake, kin
     mesh = parametric_mesh_of_shoe(shoe, brake.size, ELEMENTS, kind)
     for gap in (0.0, 3e-5):
         off = replace(
-            mesh, doflocs=mesh.doflocs * (1 - shoe.sign_of_internal_shoe * gap / brake.size)
+            mesh,
+            doflocs=mesh.doflocs * (1 - shoe.sign_internal_plus_external_minus * gap / brake.size),
         )
         basis = nodal_basis_of_shoe_mesh(off, 4, shoe, brake.size)
         nodes = nodes_along_element_edges(basis, off.boundaries["contact"])
@@ -148,7 +149,9 @@ def test_contact_nodes_keep_the_distance_of_the_meshs_own_nodes(shoe, brake, kin
 @pytest.mark.parametrize("kind", ["quad2", "tri2"])
 def test_degree_two_is_that_of_scikit_fem(own, kind):
     filed = own(kind)
-    raised = make_prepared_model(filed, LEVELS[0], raised=DegreeAndSplittingOfMesh(2))
+    raised = make_prepared_model(
+        filed, REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[0], raised=DegreeAndSplittingOfMesh(2)
+    )
     found, known = solve_prepared_model(raised, filed), solve_on_elements_of_files(filed)
     assert found.torque == pytest.approx(known.torque, rel=1e-9)
     assert found.shoes[0].pressure == pytest.approx(known.shoes[0].pressure, rel=1e-6)
@@ -163,7 +166,7 @@ def test_straight_sides_on_arcs_become_arcs_and_corners_stay(shoe, brake):
     # The back of the body and the interface of the lining are circles about the drum's centre.
     depth = {"interface": shoe.lining.thickness, "back": shoe.total_thickness}
     for name, thickness in depth.items():
-        radius = brake.size - shoe.sign_of_internal_shoe * thickness
+        radius = brake.size - shoe.sign_internal_plus_external_minus * thickness
         on = np.abs(np.hypot(*mesh.p[:, mesh.facets]) - radius).max(axis=0) < 1e-9
         # Short sides of the body's front lie beyond the interface, at the same radius.
         on &= (mesh.f2t[1] >= 0) == (name == "interface")
@@ -187,7 +190,7 @@ def test_nodes_of_split_elements_follow_the_arcs_of_the_outline(shoe, brake):
     parts = split_mesh_into_triangles_towards_points(shape, finest, 10_000)
     split = nodal_basis_on_split_triangles(shape, parts, 2)
     moved = split.basis_with_moved_nodes(node_displacements_onto_smooth_outline(split))
-    back = brake.size - shoe.sign * shoe.depth
+    back = brake.size - shoe.sign_of_internal_shoe * shoe.total_thickness
     nodes = nodes_along_element_edges(split, split.mesh.boundary_facets())
     # Sides on the back of the body lie near its circle, and no side along a radius is among them.
     distance = np.hypot(*split.doflocs[:, nodes])
@@ -204,7 +207,9 @@ def test_the_load_of_moved_nodes_changes_a_response_as_moved_nodes_do(own, monke
     """The change by arcs in place of straight sides is that of a body on the moved mesh."""
     filed = own("tri1", 40)
     scene = make_prepared_model(
-        filed, LEVELS[0], raised=DegreeAndSplittingOfMesh(2, keep_factors=True)
+        filed,
+        REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[0],
+        raised=DegreeAndSplittingOfMesh(2, keep_factors=True),
     )
     before = solve_prepared_model(scene, filed)
     found, again = (
@@ -216,7 +221,9 @@ def test_the_load_of_moved_nodes_changes_a_response_as_moved_nodes_do(own, monke
         )
         for each in (
             scene,
-            make_prepared_model(filed, LEVELS[0], raised=DegreeAndSplittingOfMesh(2)),
+            make_prepared_model(
+                filed, REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[0], raised=DegreeAndSplittingOfMesh(2)
+            ),
         )
     )
 
@@ -226,7 +233,10 @@ def test_the_load_of_moved_nodes_changes_a_response_as_moved_nodes_do(own, monke
 
     monkeypatch.setattr(meshes, "nodal_basis_of_shoe_mesh", basis_with_arcs)
     known = solve_prepared_model(
-        make_prepared_model(filed, LEVELS[0], raised=DegreeAndSplittingOfMesh(2)), filed
+        make_prepared_model(
+            filed, REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[0], raised=DegreeAndSplittingOfMesh(2)
+        ),
+        filed,
     )
     for read in (
         lambda response: response.torque,
@@ -261,7 +271,7 @@ def test_a_tolerance_raises_the_degree_until_it_is_met_or_says_what_is_reached(o
     loose, tight = solve(fine, tolerance=0.3), solve(fine, tolerance=1e-7)
     assert loose.shoes[0].order == 3
     assert not saying(loose.notes, "warning:")
-    assert tight.shoes[0].order == degrees.MESH_LEVELS.levels[-1].degree - 2
+    assert tight.shoes[0].order == degrees.REFINEMENT_LEVELS_ON_MESH_FILES.levels[-1].degree - 2
     (warning,) = saying(tight.notes, "tolerance 1e-07 not reached")
     assert f"error of p {error_text_in_percent(tight.error['pressure'])}" in warning
     # The default tolerance is met as well as possible, without a warning.
@@ -282,7 +292,9 @@ def test_stress_at_the_drum_is_the_pressure_at_every_degree(own, kind):
     """A field of the file's degree on elements of a higher degree was some ten per cent off."""
     filed = own(kind)
     for degree in (2, 3, 4):
-        scene = make_prepared_model(filed, LEVELS[0], raised=DegreeAndSplittingOfMesh(degree))
+        scene = make_prepared_model(
+            filed, REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[0], raised=DegreeAndSplittingOfMesh(degree)
+        )
         answer = solve_prepared_model(scene, filed)
         found = stress_and_displacement_fields_of_shoe(scene, filed, answer, 0)
         # The stress is singular at the ends of the lining, and there is no end among these nodes.
@@ -337,7 +349,9 @@ def test_pads_rings_and_shoes_without_files_state_errors_as_well(tmp_path, brake
 def test_the_report_counts_stated_errors_that_are_too_small():
     true = dict.fromkeys(QUANTITIES_WITH_STATED_ERROR, 1.0)
     judged = [
-        JudgedMesh(i, None, 10.0, dict.fromkeys(QUANTITIES_WITH_STATED_ERROR, stated), true)
+        StatedAndTrueErrorsOfMesh(
+            i, None, 10.0, dict.fromkeys(QUANTITIES_WITH_STATED_ERROR, stated), true
+        )
         for i, stated in enumerate((0.5, 2.0, 3.0))
     ]
     judged.append(judged[0]._replace(true=dict.fromkeys(QUANTITIES_WITH_STATED_ERROR, math.nan)))
@@ -347,9 +361,12 @@ def test_the_report_counts_stated_errors_that_are_too_small():
 
 def test_rows_of_judged_meshes_are_kept_and_not_judged_again(tmp_path, monkeypatch, capsys):
     path = tmp_path / "rows.jsonl"
-    form = MeshForm(2, straight=False, recombined=True, decimals=3)
+    form = ElementKindAndGradingOfGmshMesh(2, straight=False, recombined=True, decimals=3)
     errors = dict.fromkeys(QUANTITIES_WITH_STATED_ERROR, 1e-3)
-    judged = {7: JudgedMesh(7, form, 12.0, errors, errors | {"peak": math.nan}), 8: "refused"}
+    judged = {
+        7: StatedAndTrueErrorsOfMesh(7, form, 12.0, errors, errors | {"peak": math.nan}),
+        8: "refused",
+    }
     seeds = []
 
     def judge_by_table(seed):
@@ -407,12 +424,19 @@ def test_rounded_coordinates_change_a_response_by_less_than_stated(tmp_path, see
     solved = []
     for decimals in (2, None):
         path = tmp_path / f"{decimals}.msh"
-        form = MeshForm(3, straight=False, recombined=False, decimals=decimals)
+        form = ElementKindAndGradingOfGmshMesh(
+            3, straight=False, recombined=False, decimals=decimals
+        )
         write_gmsh_mesh_of_shoe(shoe, form, size, path)
         brake = vary(shoe, {"shoe.mesh": str(path), "shoe.mesh_unit": "mm"})
         # Such a tolerance is not met, and both meshes are solved at the highest degree.
         response = solve(brake, tolerance=1e-6)
-        solved.append((response, degrees._errors_due_to_rounded_mesh_coordinates(brake, Cache())))
+        solved.append(
+            (
+                response,
+                degrees._errors_due_to_rounded_mesh_coordinates(brake, CacheOfCondensedBodies()),
+            )
+        )
     (rounded, stated), (exact, nothing) = solved
     changes = relative_differences_of_responses_on_two_levels(shoe, rounded, exact).differences
     assert not nothing.any()
@@ -432,7 +456,7 @@ def test_a_gap_that_rounding_may_have_caused_is_an_error_of_all_results(tmp_path
     solved = []
     for moved in (gap, 0.0):
         doflocs = mesh.doflocs.copy()
-        doflocs[:, in_middle] *= 1 - shoe.sign_of_internal_shoe * moved / brake.size
+        doflocs[:, in_middle] *= 1 - shoe.sign_internal_plus_external_minus * moved / brake.size
         path = tmp_path / f"{moved}.msh"
         rounded = shoe.convert_points_to_brake_frame(doflocs).round(6)
         doflocs = np.ascontiguousarray(shoe.convert_points_to_shoe_frame(rounded.T).T)
@@ -571,9 +595,11 @@ def test_hold_and_slopes_of_a_mesh_file_are_those_of_the_shoe(brake, shoe, own):
 @pytest.mark.parametrize(
     "form",
     [
-        MeshForm(3, straight=False, recombined=False, decimals=3),
-        MeshForm(3, straight=False, recombined=True, decimals=3),
-        MeshForm(2, straight=True, recombined=False, decimals=2, graded=True),
+        ElementKindAndGradingOfGmshMesh(3, straight=False, recombined=False, decimals=3),
+        ElementKindAndGradingOfGmshMesh(3, straight=False, recombined=True, decimals=3),
+        ElementKindAndGradingOfGmshMesh(
+            2, straight=True, recombined=False, decimals=2, graded=True
+        ),
     ],
 )
 def test_rounded_nodes_inside_sides_are_put_on_the_drum(tmp_path, form):
@@ -597,7 +623,7 @@ def test_long_third_order_sides_on_the_drum_stay_on_it(tmp_path, recombined):
     """
     pytest.importorskip("gmsh")
     brake = draw_random_brake_with_one_shoe(np.random.default_rng([104, 3]))
-    form = MeshForm(3, straight=False, recombined=recombined)
+    form = ElementKindAndGradingOfGmshMesh(3, straight=False, recombined=recombined)
     write_gmsh_mesh_of_shoe(brake, form, brake.size / 11, tmp_path / "shoe.msh")
     filed = vary(brake, {"shoe.mesh": str(tmp_path / "shoe.msh"), "shoe.mesh_unit": "mm"})
     read = read_shoe_mesh_with_notes(filed.shoes[0].mesh, filed.shoes[0], filed.size)
@@ -610,7 +636,7 @@ def test_bodies_beside_a_mesh_file_are_hp_elements_of_the_same_level(brake, own)
     whole = vary(brake, drum_ring(0.01, "fixed"))
     partly = vary(whole, {"shoe[0].mesh": str(own("quad2").shoes[0].mesh)})
     degrees_of_level = []
-    for level in degrees.MESH_LEVELS.levels[:2]:
+    for level in degrees.REFINEMENT_LEVELS_ON_MESH_FILES.levels[:2]:
         scene = degrees.prepared_model_of_mesh_files(partly, level)
         lines = [*(body.line for body in scene.bodies), scene.ring.line]
         degrees_of_level.append([line.interpolation_degree_along_contact_line for line in lines])
@@ -619,7 +645,7 @@ def test_bodies_beside_a_mesh_file_are_hp_elements_of_the_same_level(brake, own)
 
 def test_a_fine_mesh_begins_at_degree_one(own, monkeypatch):
     """The second level, with degree 2, is the first with stated errors."""
-    monkeypatch.setattr(degrees, "LEAST_VERTICES_OF_FINE_MESH", 1)
+    monkeypatch.setattr(degrees, "FEWEST_VERTICES_OF_FINE_MESH_FILE", 1)
     found = solve(own("quad2"), tolerance=0.3)
     assert found.shoes[0].order == 2
     assert 0 < found.error["pressure"] < 0.3
@@ -629,7 +655,7 @@ def test_a_fine_mesh_begins_at_degree_one(own, monkeypatch):
 def test_a_brake_without_a_solution_has_the_second_level_of_its_mesh(
     own, monkeypatch, fine_from, degree
 ):
-    monkeypatch.setattr(degrees, "LEAST_VERTICES_OF_FINE_MESH", fine_from)
+    monkeypatch.setattr(degrees, "FEWEST_VERTICES_OF_FINE_MESH_FILE", fine_from)
     locked = vary(own("quad2"), {"friction": 5.0, "rotation": "clockwise"})
     with pytest.raises(NoAnswer):
         solve(locked)
@@ -674,11 +700,12 @@ def renumbered(cells):
 
 
 def test_levels_end_when_no_level_reduces_the_error_that_misses_its_tolerance():
-    aim = degrees.Tolerance(pressure=1e-3, torque=1e-4)
+    aim = degrees.TolerancesOfPressureAndTorque(pressure=1e-3, torque=1e-4)
 
     def helps(error, of_level):
         whole, part = (
-            Errors(dict(zip(aim._fields, each, strict=True)), ()) for each in (error, of_level)
+            EstimatedErrors(dict(zip(aim._fields, each, strict=True)), ())
+            for each in (error, of_level)
         )
         return degrees._would_finer_mesh_level_reduce_error(whole, part, aim)
 

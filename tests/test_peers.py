@@ -17,7 +17,7 @@ from drumlin.comparison import length_of_uncompared_zone_at_lining_end
 from drumlin.fem.solve import solve
 from drumlin.peers import calculix, getfem
 from drumlin.peers.deck import (
-    PIN_SPRING_STIFFNESS,
+    PIN_SPRING_STIFFNESS_IN_N_PER_MM,
     CalculixDeckParameters,
     angles_of_drum_nodes,
     plane_stress_deck_text,
@@ -25,7 +25,10 @@ from drumlin.peers.deck import (
 from drumlin.peers.peer import mesh_hinged_shoes_under_actuation
 from drumlin.response.norms import relative_distance_of_pressures
 from drumlin_studies.brake_kinds import brake_and_reversed_brake
-from drumlin_studies.random_kinds import DRAW_BY_SUPPORT_KIND, draw_random_brake_of_support_kind
+from drumlin_studies.random_kinds import (
+    FUNCTIONS_THAT_DRAW_BRAKE_DATA_BY_SUPPORT_KIND,
+    draw_random_brake_of_support_kind,
+)
 from picking import picked
 
 STUDIES = Path(__file__).parents[1] / "studies"
@@ -128,8 +131,8 @@ def test_deck_states_the_brake(brake, kind, index):
     drum = [int(row[0]) for row in parsed.rows("ELEMENT", ELSET="DRUM")]
     # Faces lie on the friction surface and look out of their bodies.
     for faces, sign in (
-        (contact, shoe.sign_of_internal_shoe),
-        ([(e, int(drum_face[1])) for e in drum], -shoe.sign_of_internal_shoe),
+        (contact, shoe.sign_internal_plus_external_minus),
+        ([(e, int(drum_face[1])) for e in drum], -shoe.sign_internal_plus_external_minus),
     ):
         for number, face in faces:
             ends = parsed.edge(number, face)
@@ -229,7 +232,9 @@ def written(brake, loaded, setting, **changes) -> tuple[str, str, str, float]:
         nodes = R * np.array([np.cos(theta[on]), np.sin(theta[on])])
         x, ds = nodes @ psi, np.hypot(*(nodes @ slope)) * w * shoe.lining.width
         drag = brake.friction * brake.sign_of_motion
-        t = (-shoe.sign_of_internal_shoe * x + drag * np.array([-x[1], x[0]])) / np.hypot(*x)
+        t = (
+            -shoe.sign_internal_plus_external_minus * x + drag * np.array([-x[1], x[0]])
+        ) / np.hypot(*x)
         nodal[on] += np.einsum("aq,cq,q->ac", psi, t, ds)
         torque += drag * np.hypot(*x) @ ds
     total = nodal.sum(axis=0)
@@ -248,8 +253,8 @@ def written(brake, loaded, setting, **changes) -> tuple[str, str, str, float]:
     dat = [
         f" displacements (vx,vy,vz) for set PIN and time  {when}",
         "",
-        f"  900 {-pin[0] / PIN_SPRING_STIFFNESS:.6E} "
-        f"{-pin[1] / PIN_SPRING_STIFFNESS:.6E} 0.000000E+00",
+        f"  900 {-pin[0] / PIN_SPRING_STIFFNESS_IN_N_PER_MM:.6E} "
+        f"{-pin[1] / PIN_SPRING_STIFFNESS_IN_N_PER_MM:.6E} 0.000000E+00",
         "",
         f" displacements (vx,vy,vz) for set TURN and time  {when}",
         "",
@@ -495,7 +500,7 @@ def test_getfem_takes_shoes_however_they_are_held(file):
 
 @needs_getfem
 @pytest.mark.slow
-@pytest.mark.parametrize("kind", DRAW_BY_SUPPORT_KIND)
+@pytest.mark.parametrize("kind", FUNCTIONS_THAT_DRAW_BRAKE_DATA_BY_SUPPORT_KIND)
 def test_getfem_on_random_brakes_of_every_kind(kind):
     """GetFEM agrees on random brakes of every kind.
 
@@ -526,7 +531,7 @@ def test_getfem_on_other_brakes():
         )
         assert peer.response.torque == pytest.approx(own.torque, rel=2e-4)
     locked = vary(MAIN, {"friction": 1.3})
-    for formulation in getfem.CONTACT_FORMULATIONS:
+    for formulation in getfem.NAMES_OF_GETFEM_CONTACT_FORMULATIONS:
         with pytest.raises(NoAnswer, match="GetFEM"):
             peers.solve_brake_by_calculix_or_getfem(
                 "getfem", locked, elements=12, formulation=formulation

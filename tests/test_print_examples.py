@@ -15,7 +15,7 @@ from drumlin.brake import read_drum_or_plane_brake
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import vary
 from drumlin.laws.rigid import solve_brake_by_rigid_shoe_law
-from drumlin.laws.shapes import ratio_of_equivalent_friction
+from drumlin.laws.shapes import ratio_of_equivalent_to_lining_friction
 from drumlin.response.response import Response
 from drumlin.studies import paths_of_example_brakes
 
@@ -198,7 +198,7 @@ def clutch_by_hand() -> tuple[Brake, float]:
     speed, R = 400 * math.pi / 30, brake.size
     force = 6 * speed**2 * 0.160 - 1450
     return brake, 4 * brake.friction * force * R * float(
-        ratio_of_equivalent_friction(math.radians(3))
+        ratio_of_equivalent_to_lining_friction(math.radians(3))
     )
 
 

@@ -21,7 +21,7 @@ from drumlin.laws import solve_brake_by_its_rigid_shoe_law
 from drumlin.response.balance import brake_with_forces_of_response, resultant_of_contact_on_shoe
 from drumlin.response.resultants import planar_cross_product
 from drumlin_studies.random_kinds import (
-    DRAW_BY_SUPPORT_KIND,
+    FUNCTIONS_THAT_DRAW_BRAKE_DATA_BY_SUPPORT_KIND,
     brake_with_scaled_lengths_and_moduli,
     draw_random_brake_of_support_kind,
     mirror_turn_and_shift_brake,
@@ -29,7 +29,10 @@ from drumlin_studies.random_kinds import (
 from picking import picked
 
 ELEMENTS = 10
-SEEDS, NAMES = st.integers(0, 10**6), st.sampled_from(list(DRAW_BY_SUPPORT_KIND))
+SEEDS, NAMES = (
+    st.integers(0, 10**6),
+    st.sampled_from(list(FUNCTIONS_THAT_DRAW_BRAKE_DATA_BY_SUPPORT_KIND)),
+)
 
 
 def fem(brake: Brake) -> Response:
@@ -198,14 +201,15 @@ def rigid_limit(seed: int, kind: str) -> int:
 
 
 @pytest.mark.parametrize(
-    "kind", partly(DRAW_BY_SUPPORT_KIND, {"hinge", "abutment", "strut", "cam"})
+    "kind",
+    partly(FUNCTIONS_THAT_DRAW_BRAKE_DATA_BY_SUPPORT_KIND, {"hinge", "abutment", "strut", "cam"}),
 )
 def test_rigid_shoes_with_thin_linings_answer_as_the_law_both_ways(kind: str) -> None:
     assert rigid_limit(9, kind) >= 1
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("kind", DRAW_BY_SUPPORT_KIND)
+@pytest.mark.parametrize("kind", FUNCTIONS_THAT_DRAW_BRAKE_DATA_BY_SUPPORT_KIND)
 def test_rigid_shoes_with_thin_linings_answer_as_the_law_many_times(kind: str) -> None:
     assert sum(rigid_limit(seed, kind) for seed in range(12)) >= 12
 

@@ -2,7 +2,7 @@
 
 from drumlin_studies.recommendation import (
     AIMED_PEER_TIME_OVER_DRUMLIN_TIME,
-    TARGETS,
+    LARGEST_ALLOWED_ERRORS_OF_RECOMMENDED_METHODS,
     compare_times_with_peer_programs,
     recommended_methods_by_brake_and_target,
     rows_of_fastest_methods_by_target,
@@ -79,9 +79,9 @@ def test_what_to_use_is_a_matrix_of_brakes_and_targets():
         rows_of_fastest_methods_by_target(rows, floors)
     )
     assert (torque.quantity, pressure.quantity) == ("torque", "p (L2)")
-    assert torque.targets == TARGETS["torque_error"]
+    assert torque.targets == LARGEST_ALLOWED_ERRORS_OF_RECOMMENDED_METHODS["torque_error"]
     assert torque.by_law == [1, 1, 1, 0, 0] and pressure.by_law == [0] * len(
-        TARGETS["pressure_error"]
+        LARGEST_ALLOWED_ERRORS_OF_RECOMMENDED_METHODS["pressure_error"]
     )
     assert list(torque.lines) == ["right", "wrong", "vague"]
     assert picked(torque.lines["right"], "sort") == ["law"] * 3 + ["elastic"] * 2

@@ -217,7 +217,7 @@ def test_the_wide_columns_of_a_ring_change_p_less_than_its_error(monkeypatch):
 
 def test_a_ring_with_too_many_nodes_under_linings_is_refused(monkeypatch):
     brake = draw_random_brake(7, "linings on ring")
-    monkeypatch.setattr(hp_ring, "MOST_CONTACT_NODES", 20)
+    monkeypatch.setattr(hp_ring, "MAX_NODES_OF_CONTACT_PROBLEM", 20)
     with pytest.raises(NoAnswer, match=r"the ring has .* more than the 20 that are allowed"):
         solve(brake)
 

@@ -13,7 +13,7 @@ from command_line import drumlin
 from drumlin import Brake, NoAnswer, vary
 from drumlin.brake.plane_brake import FlatBrake, read_drum_or_plane_brake
 from drumlin.contact import stick_slip
-from drumlin.contact.stick_slip import BACKWARD, FORWARD, STICK, SlipHistory
+from drumlin.contact.stick_slip import BACKWARD, FORWARD, STICK, TractionsAndSlipsOfLastIncrement
 from drumlin.fem.analysis.at_rest import (
     FeetOnRoughAbutments,
     make_stick_slip_problem_and_slip_per_drum_rotation,
@@ -223,11 +223,11 @@ def test_solve_is_the_drum_that_slides_already_as_the_force_comes_on(count: int)
             )
             nothing, n = np.zeros(len(lever)), group.contact_node_slices_of_shoes[-1].stop
             slips = np.full(n, FORWARD if brake.sign_of_motion > 0 else BACKWARD)
-            start = np.append(slips, np.full(len(feet.shoe_numbers), STICK))
+            start = np.append(slips, np.full(len(feet.indices_of_shoes_on_rough_abutments), STICK))
             at = stick_slip.solve_stick_slip_load_increment(
                 slid,
                 feet.friction_coefficients_of_all_nodes(),
-                SlipHistory(nothing, nothing),
+                TractionsAndSlipsOfLastIncrement(nothing, nothing),
                 start,
             )
             assert STICK not in at.state[:n]

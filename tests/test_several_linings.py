@@ -23,7 +23,7 @@ from drumlin.response.resultants import (
     slots_from_nodes_and_lining_mask,
 )
 from drumlin.verification.triangles.levels import (
-    TRIANGLE_LEVELS,
+    TRIANGLE_MESH_LEVELS_FROM_COARSE_TO_FINE,
     solve_brake_on_sequence_of_triangle_meshes,
 )
 from several_linings import APART, BODY, brake_with, lining
@@ -278,7 +278,9 @@ def test_triangles_give_the_same_answer(kind: str) -> None:
     """The second solver shares only the brake with the first."""
     brake = KINDS[kind]
     response = drumlin.solve(brake, model_error=False)
-    (true,) = solve_brake_on_sequence_of_triangle_meshes(brake, TRIANGLE_LEVELS[:2])[-1]
+    (true,) = solve_brake_on_sequence_of_triangle_meshes(
+        brake, TRIANGLE_MESH_LEVELS_FROM_COARSE_TO_FINE[:2]
+    )[-1]
     (shoe,) = response.shoes
     assert response.error is not None
     assert abs(shoe.torque / true.torque - 1) < response.error["torque"] < 2e-4

@@ -9,7 +9,7 @@ import pytest
 import drumlin
 from drumlin import NoAnswer, vary
 from drumlin.fem.equilibrium.group import divide_pressed_shoes_into_groups
-from drumlin.fem.error_control.levels import LEVELS
+from drumlin.fem.error_control.levels import REFINEMENT_LEVELS_FROM_COARSE_TO_FINE
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.bodies import actuation_factors_and_pin_moment_per_newton
 from drumlin.fem.preparation.prepare import make_prepared_model
@@ -74,9 +74,13 @@ def test_a_cam_feels_the_corners_of_the_loaded_ends() -> None:
         body=0.02, thickness=0.012, web=0.002, table={"thickness": 0.004, "width": 0.04}
     )
     (true,) = triangles.solve_brake_on_sequence_of_triangle_meshes(
-        brake, triangles.TRIANGLE_LEVELS[:1]
+        brake, triangles.TRIANGLE_MESH_LEVELS_FROM_COARSE_TO_FINE[:1]
     )
-    found = solve_prepared_model(make_prepared_model(brake, LEVELS[1]), brake, penalty=math.inf)
+    found = solve_prepared_model(
+        make_prepared_model(brake, REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[1]),
+        brake,
+        penalty=math.inf,
+    )
     for a, b in zip(found.shoes, true, strict=True):
         assert a.hinge_reaction == pytest.approx(
             b.hinge_reaction, abs=1e-5 * np.linalg.norm(b.hinge_reaction)

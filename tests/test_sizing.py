@@ -201,7 +201,9 @@ def test_few_solves_lead_to_the_value(brake, monkeypatch, key, wanted, most):
 
 def test_a_torque_that_jumps_over_the_wanted_one_has_no_value(brake, monkeypatch):
     def jumping(question, value):
-        return sizing.Trial(value, 100.0 + value + 200.0 * (value > 2500.0), 1e6, {"torque": 0.0})
+        return sizing.TriedKeyValue(
+            value, 100.0 + value + 200.0 * (value > 2500.0), 1e6, {"torque": 0.0}
+        )
 
     monkeypatch.setattr(sizing.SizingQuestion, "solve_trial_at_key_value", jumping)
     with pytest.raises(NoAnswer, match=r"because the torque jumps from 2600 N m to 2800 N m at 25"):

@@ -23,7 +23,7 @@ from drumlin.fem.analysis.mutual_work import (
     mutual_work_derivatives_by_node_motions,
 )
 from drumlin.fem.analysis.sensitivity import compute_torque_sensitivity, sensitivity_as_text_lines
-from drumlin.fem.error_control.levels import LEVELS
+from drumlin.fem.error_control.levels import REFINEMENT_LEVELS_FROM_COARSE_TO_FINE
 from drumlin.fem.hp.grid import HpElementGrid
 from drumlin.fem.mesh.arc import parametric_mesh_of_shoe
 from drumlin.fem.mesh.degree import nodal_basis_of_mesh
@@ -32,7 +32,7 @@ from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.solve import prepared_model_with_finest_elements, solve
 from drumlin.fem.substructure.body import (
-    NUMBER_OF_FRAME_DISPLACEMENTS,
+    DEGREES_OF_FREEDOM_OF_BODY_FRAME,
     sparse_stiffness_of_body,
 )
 from drumlin_studies import consistency_slopes
@@ -105,7 +105,7 @@ def on_mesh(brake: Brake) -> Any:
 
 
 def on_columns(brake: Brake) -> Any:
-    return make_prepared_model(brake, LEVELS[0])
+    return make_prepared_model(brake, REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[0])
 
 
 def central(
@@ -226,7 +226,7 @@ def largest(brake: Brake, elements: int | None, key: str = "") -> float:
 
     Differences over three steps are the reference.
     """
-    divided = MeshKindForSlopes(elements, consistency_slopes.Cache())
+    divided = MeshKindForSlopes(elements, consistency_slopes.CacheOfCondensedBodies())
     base = divided.solve_brake_for_torque(brake)
     table = [
         slope
@@ -426,14 +426,16 @@ def test_displacements_by_way_of_the_sides_of_elements_are_those_of_the_whole_sy
         )
         nodal = rng.standard_normal((2 * len(body.line.nodes), 2)) if nodal is None else nodal
         frame, loads = (
-            np.zeros((NUMBER_OF_FRAME_DISPLACEMENTS, 2)),
+            np.zeros((DEGREES_OF_FREEDOM_OF_BODY_FRAME, 2)),
             rng.standard_normal((condensed.load_on_contact.shape[1], 2)),
         )
         inside = condensed.assemble_equations_of_whole_body()
-        right = inside.loads[:-NUMBER_OF_FRAME_DISPLACEMENTS] @ loads
+        right = inside.loads[:-DEGREES_OF_FREEDOM_OF_BODY_FRAME] @ loads
         right[-len(nodal) :] += nodal
         u = spsolve(
-            inside.A[:-NUMBER_OF_FRAME_DISPLACEMENTS, :-NUMBER_OF_FRAME_DISPLACEMENTS].tocsc(),
+            inside.A[
+                :-DEGREES_OF_FREEDOM_OF_BODY_FRAME, :-DEGREES_OF_FREEDOM_OF_BODY_FRAME
+            ].tocsc(),
             right,
         )
         expected = inside.constraints.matrix @ np.vstack([u, frame])
@@ -441,7 +443,9 @@ def test_displacements_by_way_of_the_sides_of_elements_are_those_of_the_whole_sy
         assert np.abs(found - expected).max() < 1e-6 * np.abs(expected).max()
 
 
-@pytest.mark.parametrize("seed", range(3, 2 * len(consistency_slopes.SLOPE_KINDS), 7))
+@pytest.mark.parametrize(
+    "seed", range(3, 2 * len(consistency_slopes.KINDS_OF_RANDOM_BRAKES_FOR_SLOPE_CHECK), 7)
+)
 @pytest.mark.slow
 def test_random_brakes_of_all_kinds_keep_their_slopes(seed):
     rows = consistency_slopes.rows_comparing_torque_slopes_of_random_brake(seed, 1)

@@ -9,17 +9,17 @@ import numpy as np
 import pytest
 
 from drumlin.base.errors import NoAnswer
-from drumlin.base.journal import Journal
+from drumlin.base.journal import JournalOfCaseResults
 from drumlin.contact import active_set
 from drumlin.contact.equations import ContactProblem, condition_number_on_contact_set
 from drumlin.fem import model
 from drumlin.fem.equilibrium.group import ShoeGroup
-from drumlin.fem.error_control.adapt import Tolerance, solve_brake_to_tolerance
+from drumlin.fem.error_control.adapt import TolerancesOfPressureAndTorque, solve_brake_to_tolerance
 from drumlin.fem.error_control.levels import solve_brake_on_finer_and_finer_mesh_levels
 from drumlin.fem.model import (
     ITERATIVE_REFINEMENT_REMARK,
     LARGEST_ACCEPTED_PRESSURE_ROUND_OFF,
-    LARGEST_UNREFINED_ROUND_OFF,
+    LARGEST_PRESSURE_ROUND_OFF_LEFT_UNREFINED,
     solve_full_system_of_group_by_refinement,
     solve_prepared_model,
 )
@@ -30,7 +30,10 @@ from drumlin.fem.substructure.elasticity import elastic_layers_of_shoe
 from drumlin.verification import triangles
 from drumlin_studies.extreme_cases import ExtremeCase, all_extreme_cases
 from drumlin_studies.random_brake import draw_random_brake
-from drumlin_studies.random_kinds import DRAW_BY_SUPPORT_KIND, draw_random_brake_of_support_kind
+from drumlin_studies.random_kinds import (
+    FUNCTIONS_THAT_DRAW_BRAKE_DATA_BY_SUPPORT_KIND,
+    draw_random_brake_of_support_kind,
+)
 from drumlin_studies.stated_true import solve_fine_reference_by_triangles, true_errors_of_response
 from drumlin_studies.trial import solve_and_judge_case, worst_numerical_accuracy_of_shoe_groups
 from picking import having, picked, saying
@@ -169,7 +172,9 @@ def test_a_soft_shoe_is_refined_instead_of_refused(assisted):
     assert second == pytest.approx(first * 0.9e-6 / 99e-6, rel=0.1)
 
 
-@pytest.mark.parametrize("kind", sorted({*DRAW_BY_SUPPORT_KIND} - {"cam", "strut", "chain"}))
+@pytest.mark.parametrize(
+    "kind", sorted({*FUNCTIONS_THAT_DRAW_BRAKE_DATA_BY_SUPPORT_KIND} - {"cam", "strut", "chain"})
+)
 @pytest.mark.slow
 def test_a_refined_reaction_is_that_of_the_strains_where_those_have_their_digits(kind, monkeypatch):
     """However a shoe is held; those that share a force are not refined."""
@@ -222,10 +227,17 @@ def test_a_mesh_that_states_no_error_is_refused_where_digits_are_missing():
 def test_digits_that_condensation_loses_on_a_fine_division_are_part_of_the_error():
     """Too many unknowns to refine: the answer stands, and what it may be off by."""
     _, found = solve_brake_to_tolerance(
-        draw_random_brake(7246), Tolerance(1e-3, 1e-3), solve_prepared_model, must=False
+        draw_random_brake(7246),
+        TolerancesOfPressureAndTorque(1e-3, 1e-3),
+        solve_prepared_model,
+        must=False,
     )
     (shoe,) = found.shoes
-    assert LARGEST_UNREFINED_ROUND_OFF < shoe.lost.pressure < LARGEST_ACCEPTED_PRESSURE_ROUND_OFF
+    assert (
+        LARGEST_PRESSURE_ROUND_OFF_LEFT_UNREFINED
+        < shoe.lost.pressure
+        < LARGEST_ACCEPTED_PRESSURE_ROUND_OFF
+    )
     for name, lost in shoe.lost._asdict().items():
         assert found.error[name] > lost > 0
 
@@ -252,10 +264,16 @@ def test_what_a_refinement_cannot_settle_is_part_of_the_error(monkeypatch):
     brake = draw_random_brake(8326)
     along, (true,) = (
         islice(solve_brake_on_finer_and_finer_mesh_levels(brake, solve_prepared_model), 2),
-        triangles.solve_brake_on_sequence_of_triangle_meshes(brake, triangles.TRIANGLE_LEVELS[:1]),
+        triangles.solve_brake_on_sequence_of_triangle_meshes(
+            brake, triangles.TRIANGLE_MESH_LEVELS_FROM_COARSE_TO_FINE[:1]
+        ),
     )
     found = solve_brake_to_tolerance(
-        brake, Tolerance(1e-6, 1e-6), solve_prepared_model, must=False, levels=along
+        brake,
+        TolerancesOfPressureAndTorque(1e-6, 1e-6),
+        solve_prepared_model,
+        must=False,
+        levels=along,
     ).response
     (shoe,) = found.shoes
     assert saying(found.notes, ITERATIVE_REFINEMENT_REMARK)
@@ -343,7 +361,7 @@ def test_a_trial_says_what_went_wrong():
 
 def test_an_empty_journal_is_one():
     """A study keeps its cases in the journal that it is given, from the first case on."""
-    assert Journal() and len(Journal()) == 0
+    assert JournalOfCaseResults() and len(JournalOfCaseResults()) == 0
 
 
 @pytest.mark.slow

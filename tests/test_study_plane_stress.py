@@ -76,7 +76,7 @@ def test_the_ladder_prices_every_rung_against_both_truths(result):
 
 def test_the_reader_is_told_which_brakes_plane_stress_prices():
     errors = {"torque": np.array([[0.3, 0.02], [0.04, 0.009], [0.03, -0.008]])}
-    chart = plane_stress.PlaneErrorMap(
+    chart = plane_stress.PlaneStressErrorMap(
         "some", ("width", "depth"), np.array([1.0, 2.0]), np.array([1.0, 4.0, 9.0]), errors
     )
     assert chart.describe_range_within_error(0.05) == "width from 2 on or depth from 4 on"

@@ -25,7 +25,7 @@ from drumlin.response.resultants import (
     planar_cross_product,
 )
 from drumlin_studies.fuzzing.endings import describe_fault_of_run, run_input_in_this_process
-from drumlin_studies.fuzzing.inputs import BrokenInput, content_of_brake_file
+from drumlin_studies.fuzzing.inputs import FilesAndCommandLineOfBrokenInput, content_of_brake_file
 from drumlin_studies.textbook_brakes import brake_with_one_hinged_shoe
 from picking import picked, saying
 
@@ -261,7 +261,7 @@ WORN = (
 def test_running_in_says_no_number_that_is_not_finite(tmp_path, words):
     """What has no value, an energy balance for another exponent, is left out."""
     more = [] if "--elements" in words else ["--elements", "6"]
-    given = BrokenInput(
+    given = FilesAndCommandLineOfBrokenInput(
         "wear",
         {"b.toml": content_of_brake_file("double_shoe/brake")},
         ["wear", "b.toml", "--json", "r.json", *words],

@@ -15,7 +15,7 @@ from drumlin.explore.answers import SliderSolver
 from drumlin.explore.knobs import brake_at_slider_setting, slider_setting_at_brake_file_values
 from drumlin.explore.page import http_reply_to_requested_address
 from drumlin.explore.picture import drawing_lines_of_brake
-from drumlin.fem.error_control.levels import LEVELS
+from drumlin.fem.error_control.levels import REFINEMENT_LEVELS_FROM_COARSE_TO_FINE
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.foundation.post import (
     _fractions_of_sectors_beyond_stations,
@@ -33,9 +33,12 @@ from drumlin.lining_wear.run_in import (
 )
 from drumlin.lining_wear.worn_in import post_brake_with_worn_in_clearances
 from drumlin.verification import triangles
-from drumlin.verification.check import PressureTable, _pressure_integral_along_lining
+from drumlin.verification.check import (
+    PressureCurveOfShoe,
+    _integral_of_pressure_over_theta_on_linings,
+)
 from drumlin.verification.reference import (
-    Refinement,
+    MeshesOfReferenceValues,
     compute_reference_values,
     solve_brake_for_reference_values,
 )
@@ -205,15 +208,22 @@ def test_the_integral_of_a_table_leaves_out_the_slot() -> None:
     (shoe,) = APART.shoes
     theta = np.radians(np.arange(-55.5, 56.0))
     # What a table says between the linings means nothing.
-    curve = PressureTable(theta, np.where(np.abs(theta) < math.radians(5), 50.0, 2.0))
-    assert _pressure_integral_along_lining(shoe, curve) == pytest.approx(2 * math.radians(102))
+    curve = PressureCurveOfShoe(theta, np.where(np.abs(theta) < math.radians(5), 50.0, 2.0))
+    assert _integral_of_pressure_over_theta_on_linings(shoe, curve) == pytest.approx(
+        2 * math.radians(102)
+    )
 
 
 @pytest.mark.slow
 def test_reference_values_of_several_linings_agree_with_triangles(tmp_path: Path) -> None:
     """Two finite-element solvers that share only the brake; a further check is a coarse file."""
     trio = solve_brake_for_reference_values(
-        APART, Refinement(2, LEVELS[1:3], triangles.TRIANGLE_LEVELS[:1])
+        APART,
+        MeshesOfReferenceValues(
+            2,
+            REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[1:3],
+            triangles.TRIANGLE_MESH_LEVELS_FROM_COARSE_TO_FINE[:1],
+        ),
     )
     known = compute_reference_values(APART, brake_file_text(APART), "", trio)
     (shoe,) = known.shoes
@@ -272,7 +282,9 @@ def test_triangles_agree_on_an_elastic_ring_under_several_linings() -> None:
     brake = make_drum_brake_from_data(data)
     response = drumlin.solve(brake, model_error=False)
     rigid = drumlin.solve(THREE, model_error=False)
-    (true,) = solve_brake_on_sequence_of_triangle_meshes(brake, triangles.TRIANGLE_LEVELS[:2])[-1]
+    (true,) = solve_brake_on_sequence_of_triangle_meshes(
+        brake, triangles.TRIANGLE_MESH_LEVELS_FROM_COARSE_TO_FINE[:2]
+    )[-1]
     (shoe,) = response.shoes
     assert response.error is not None
     assert abs(shoe.torque / true.torque - 1) < response.error["torque"] < 2e-5

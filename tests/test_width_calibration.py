@@ -11,12 +11,12 @@ from drumlin.fem.width import ladder
 from drumlin.fem.width.ladder import SAFETY_FACTORS_OF_SOLID_ERRORS, SafetyFactorsOfSolidErrors
 from drumlin_studies.width_calibration import (
     FRACTION_COVERED_BY_STATED_WIDTH_ERROR,
-    LARGEST_TRUE_OVER_STATED_ERROR,
-    LEAST_FITTED_ERROR_OVER_UNCERTAINTY,
-    LEAST_FITTED_TRUE_ERRORS,
-    SECTION_SEEDS,
-    WIDTH_SEEDS,
-    WidthCalibrationRow,
+    LARGEST_TRUE_OVER_STATED_ERROR_ALLOWED_IN_FIT,
+    LEAST_TRUE_ERROR_IN_FIT_BY_QUANTITY,
+    LEAST_TRUE_ERROR_IN_FIT_OVER_ITS_UNCERTAINTY,
+    SEEDS_FOR_FIT_TO_ERRORS_OF_SECTION_MESH,
+    SEEDS_FOR_FIT_TO_ERRORS_OF_WIDTH_DEGREE,
+    EstimatedAndTrueErrorOfSolidShoe,
     fit_safety_factors_of_width_errors,
     read_width_error_rows_from_csv,
     smallest_safety_factor_of_width_errors,
@@ -37,7 +37,9 @@ def kept(root):
 def made_up(ratios, quantity="pressure"):
     """Rows of one brake each, with these ratios of true errors to estimates."""
     return [
-        WidthCalibrationRow("free", seed, "width", 2, quantity, 0.01, 0.01 * ratio, unsure=0.0)
+        EstimatedAndTrueErrorOfSolidShoe(
+            "free", seed, "width", 2, quantity, 0.01, 0.01 * ratio, unsure=0.0
+        )
         for seed, ratio in enumerate(ratios)
     ]
 
@@ -45,7 +47,10 @@ def made_up(ratios, quantity="pressure"):
 def test_the_factors_are_those_of_the_kept_rows(kept):
     assert fit_safety_factors_of_width_errors(kept) == SAFETY_FACTORS_OF_SOLID_ERRORS
     brakes = {(row.part, row.kind, row.seed) for row in kept}
-    for part, kinds in (("width", WIDTH_SEEDS), ("section", SECTION_SEEDS)):
+    for part, kinds in (
+        ("width", SEEDS_FOR_FIT_TO_ERRORS_OF_WIDTH_DEGREE),
+        ("section", SEEDS_FOR_FIT_TO_ERRORS_OF_SECTION_MESH),
+    ):
         for kind, seeds in kinds.items():
             own = {seed for one, two, seed in brakes if (one, two) == (part, kind)}
             assert own <= set(seeds)
@@ -72,7 +77,7 @@ def test_the_errors_that_were_observed_are_stated(kept):
             assert sum(ratio < 1 for ratio in ratios) <= max(
                 2, (1 - FRACTION_COVERED_BY_STATED_WIDTH_ERROR) * len(ratios)
             )
-            assert min(ratios) > 0.99 / LARGEST_TRUE_OVER_STATED_ERROR
+            assert min(ratios) > 0.99 / LARGEST_TRUE_OVER_STATED_ERROR_ALLOWED_IN_FIT
 
 
 def test_the_smallest_factor_covers_all_but_the_share_that_may_be_missed():
@@ -83,12 +88,15 @@ def test_the_smallest_factor_covers_all_but_the_share_that_may_be_missed():
     assert 0.5 <= smallest_safety_factor_of_width_errors(few) < 0.6
     missed = made_up([0.5] * 20 + [3.0])
     assert smallest_safety_factor_of_width_errors(missed) == pytest.approx(
-        3.0 / LARGEST_TRUE_OVER_STATED_ERROR
+        3.0 / LARGEST_TRUE_OVER_STATED_ERROR_ALLOWED_IN_FIT
     )
 
 
 def test_errors_that_are_nothing_are_left_out():
-    tiny = [row._replace(true=0.5 * LEAST_FITTED_TRUE_ERRORS["pressure"]) for row in made_up([1.0])]
+    tiny = [
+        row._replace(true=0.5 * LEAST_TRUE_ERROR_IN_FIT_BY_QUANTITY["pressure"])
+        for row in made_up([1.0])
+    ]
     assert math.isnan(smallest_safety_factor_of_width_errors(tiny))
     assert smallest_safety_factor_of_width_errors([*tiny, *made_up([1.0, 1.0])]) == 1.0
 
@@ -96,12 +104,12 @@ def test_errors_that_are_nothing_are_left_out():
 def test_errors_that_the_truth_does_not_know_are_left_out():
     known = made_up([1.0, 1.0])
     doubtful = [
-        row._replace(unsure=1.1 * row.true / LEAST_FITTED_ERROR_OVER_UNCERTAINTY)
+        row._replace(unsure=1.1 * row.true / LEAST_TRUE_ERROR_IN_FIT_OVER_ITS_UNCERTAINTY)
         for row in made_up([9.0] * 3)
     ]
     assert smallest_safety_factor_of_width_errors([*known, *doubtful]) == 1.0
     surer = [
-        row._replace(unsure=0.9 * row.true / LEAST_FITTED_ERROR_OVER_UNCERTAINTY)
+        row._replace(unsure=0.9 * row.true / LEAST_TRUE_ERROR_IN_FIT_OVER_ITS_UNCERTAINTY)
         for row in doubtful
     ]
     assert smallest_safety_factor_of_width_errors([*known, *surer]) == pytest.approx(9.0)

@@ -10,7 +10,7 @@ from drumlin.base.files import require_fields_file_name_ends_in_vtu
 from drumlin.base.texts import did_you_mean_hint
 from drumlin.brake.brake import Brake
 from drumlin.brake.orthotropic import reason_if_any_part_is_orthotropic
-from drumlin.laws import LAWS, flat, hinged, naming, pivoted, rigid
+from drumlin.laws import LAWS_OF_HINGED_SHOES_BY_NAME, flat, hinged, naming, pivoted, rigid
 from drumlin.laws.own import PressureShapeFunction, make_law_from_pressure_shape
 from drumlin.laws.pressure_friction import (
     reason_why_law_cannot_take_pressure_dependent_friction,
@@ -100,7 +100,7 @@ def _reason_why_solid_shoe_model_does_not_apply(brake: Brake) -> str | None:
     return reason_why_width_model_does_not_apply(brake)
 
 
-class ShortShoeLaw(NamedTuple):
+class ShortShoeLawOfSurface(NamedTuple):
     """The law of the short shoe on one kind of surface.
 
     Attributes
@@ -113,14 +113,14 @@ class ShortShoeLaw(NamedTuple):
     solve: Callable[[Brake], Response]
 
 
-SHORT_SHOE_LAWS: Mapping[str, ShortShoeLaw] = {
-    "drum": ShortShoeLaw(
-        partial(hinged.reason_against_hinged_shoe_law, LAWS["short"]),
-        partial(hinged.solve_brake_with_hinged_shoes_by_law, LAWS["short"]),
+SHORT_SHOE_LAWS: Mapping[str, ShortShoeLawOfSurface] = {
+    "drum": ShortShoeLawOfSurface(
+        partial(hinged.reason_against_hinged_shoe_law, LAWS_OF_HINGED_SHOES_BY_NAME["short"]),
+        partial(hinged.solve_brake_with_hinged_shoes_by_law, LAWS_OF_HINGED_SHOES_BY_NAME["short"]),
     ),
-    "plane": ShortShoeLaw(
-        partial(flat.reason_against_flat_law, flat.FLAT_SHORT_SHOE_LAW),
-        partial(flat.solve_brake_on_plane_by_law, flat.FLAT_SHORT_SHOE_LAW),
+    "plane": ShortShoeLawOfSurface(
+        partial(flat.reason_against_flat_law, flat.SHORT_SHOE_LAW_ON_PLANE),
+        partial(flat.solve_brake_on_plane_by_law, flat.SHORT_SHOE_LAW_ON_PLANE),
     ),
 }
 """The law of the short shoe for each kind of surface, "drum" or "plane"."""
@@ -138,7 +138,7 @@ def _solve_by_short_shoe_law(brake: Brake) -> Response:
 
 def _make_model_of_hinged_law(name: str) -> Model:
     """Make the model of the law of hinged shoes that has this name."""
-    law = LAWS[name]
+    law = LAWS_OF_HINGED_SHOES_BY_NAME[name]
     return _make_model_of_closed_form_law(
         name,
         law.assumes,
@@ -197,7 +197,7 @@ MODELS: dict[str, Model] = {
         _make_model_of_hinged_law("uniform"),
         _make_model_of_closed_form_law(
             "short",
-            LAWS["short"].assumes,
+            LAWS_OF_HINGED_SHOES_BY_NAME["short"].assumes,
             _reason_why_short_shoe_law_does_not_apply,
             _solve_by_short_shoe_law,
         ),
@@ -233,13 +233,13 @@ MODELS: dict[str, Model] = {
 `register_law_with_pressure_shape` adds the laws of the user.
 """
 
-BUILT_IN_MODELS = frozenset(MODELS)
+NAMES_OF_BUILT_IN_MODELS = frozenset(MODELS)
 """Names of drumlin's own models, which no law of the user may have."""
 
 
 def require_allowed_name_for_law_of_user(name: object) -> None:
     """Raise BadInput for a name that is no word, or that a model of drumlin has."""
-    if not isinstance(name, str) or not name.isidentifier() or name in BUILT_IN_MODELS:
+    if not isinstance(name, str) or not name.isidentifier() or name in NAMES_OF_BUILT_IN_MODELS:
         raise BadInput(
             f"name = {name!r}: must be a word of letters, digits and underscores that is none of "
             f"{', '.join(MODELS)}"
@@ -305,10 +305,12 @@ def model_options_given_by_user(**options: Any) -> dict[str, Any]:
     elements = options.get("elements")
     # A number of elements out of range is refused before any model is loaded.
     if elements is not None:
-        from drumlin.fem.preparation.meshes import MOST_LINING_ELEMENTS
+        from drumlin.fem.preparation.meshes import MOST_ELEMENTS_ALONG_LINING
 
-        if not 1 <= elements <= MOST_LINING_ELEMENTS:
-            raise BadInput(f"--elements = {elements}: must be from 1 to {MOST_LINING_ELEMENTS}")
+        if not 1 <= elements <= MOST_ELEMENTS_ALONG_LINING:
+            raise BadInput(
+                f"--elements = {elements}: must be from 1 to {MOST_ELEMENTS_ALONG_LINING}"
+            )
     return {
         name: value for name, value in options.items() if value is not None and value is not False
     }

@@ -13,9 +13,9 @@ import numpy as np
 
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.brake.surface import DRUM, PLANE
+from drumlin.brake.surface import FRICTION_SURFACE_OF_DRUM, FRICTION_SURFACE_OF_PLANE
 from drumlin.comparison import (
-    Outcome,
+    ModelResultOrReasonOfFailure,
     length_of_uncompared_zone_at_lining_end,
     solve_and_time_model,
 )
@@ -30,11 +30,11 @@ from drumlin.response.norms import relative_distance_of_pressures, relative_erro
 from drumlin.response.response import Response
 from drumlin_studies.tables import values_of_key_in_rows
 
-TRUSTED_LAW_ERROR = 0.05
+LARGEST_ERROR_OF_TRUSTED_LAW = 0.05
 """Relative error up to which the study's report says that a rigid-shoe law can be trusted."""
-ROUGH_LAW_ERROR = 0.15
+LARGEST_ERROR_OF_ROUGH_LAW = 0.15
 """Relative error up to which the study's report calls a rigid-shoe law a rough estimate."""
-NO_EFFECT_ERROR = 1e-9
+LARGEST_LAW_ERROR_OF_TORQUE_SET_BY_EQUILIBRIUM = 1e-9
 """Relative error of the law's torque below which the report says that the torque follows from
 equilibrium alone, whatever the pressure.
 
@@ -64,7 +64,7 @@ class BrakeSolvedByAllModels(NamedTuple):
     law: Response
     new: Response
     worn: Response
-    others: Mapping[str, Outcome]
+    others: Mapping[str, ModelResultOrReasonOfFailure]
 
 
 def brake_and_reversed_brake(brake: Brake) -> tuple[Brake, Brake]:
@@ -97,7 +97,7 @@ def solve_brake_by_all_models(
     models = [*applicable_models(brake)]
     if solid and MODELS["solid"].why_not(brake) is None:
         models.append(MODELS["solid"])
-    others: dict[str, Outcome] = {}
+    others: dict[str, ModelResultOrReasonOfFailure] = {}
     for model in models:
         # The law and the default finite elements are left out, because the result holds them
         # elsewhere.
@@ -153,7 +153,7 @@ def row_of_errors_of_rigid_shoe_law(
         "motion": brake.direction_as_text_in_tables,
         "law": found.law.model,
         "effect": size,
-        "unit": brake.surface.effect_unit,
+        "unit": brake.surface.unit_of_torque_or_brake_force,
         "factor": brake_factor(brake, new),
         "factor_worn": brake_factor(brake, found.worn),
         "peak": max(shoe.peak_pressure for shoe in new.shoes),
@@ -211,27 +211,41 @@ def sentence_on_whether_law_can_be_trusted(rows: list[dict[str, Any]]) -> str:
 
     `rows` are the results of `row_of_errors_of_rigid_shoe_law` for both senses of motion.
     """
-    surface, name = PLANE if rows[0]["unit"] == PLANE.effect_unit else DRUM, rows[0]["law"]
-    effect_ = surface.word_for_effect
+    surface, name = (
+        FRICTION_SURFACE_OF_PLANE
+        if rows[0]["unit"] == FRICTION_SURFACE_OF_PLANE.unit_of_torque_or_brake_force
+        else FRICTION_SURFACE_OF_DRUM,
+        rows[0]["law"],
+    )
+    effect_ = surface.word_for_torque_or_brake_force
 
-    def verdict_on_error_of_law(key: str) -> str:
+    def text_that_judges_error_of_law(key: str) -> str:
         """A verdict such as "can be trusted (off by up to 3 %)".
 
         `key` names an error of the law in the rows, such as "worn". The larger error of the two
         senses of motion decides.
         """
         error = np.abs(values_of_key_in_rows(rows, key)).max()
-        word = "is an estimate" if error <= ROUGH_LAW_ERROR else "cannot be trusted"
-        word = "can be trusted" if error <= TRUSTED_LAW_ERROR else word
+        word = "is an estimate" if error <= LARGEST_ERROR_OF_ROUGH_LAW else "cannot be trusted"
+        word = "can be trusted" if error <= LARGEST_ERROR_OF_TRUSTED_LAW else word
         size = f"up to {100 * error:.2g}" if error > 1e-4 else "less than 0.01"
         return f"{word} (off by {size} %)"
 
-    if np.abs(values_of_key_in_rows(rows, "new")).max() < NO_EFFECT_ERROR:
+    if (
+        np.abs(values_of_key_in_rows(rows, "new")).max()
+        < LARGEST_LAW_ERROR_OF_TORQUE_SET_BY_EQUILIBRIUM
+    ):
         return (
             f"The {effect_} follows from equilibrium alone, whatever the pressure. "
             f"The pressure of the law {name!r} "
-            f"{verdict_on_error_of_law('p')} new, and {verdict_on_error_of_law('p_worn')} worn in."
+            f"{text_that_judges_error_of_law('p')} new, and "
+            f"{text_that_judges_error_of_law('p_worn')} worn in."
         )
-    new = f"{verdict_on_error_of_law('new')}, its pressure {verdict_on_error_of_law('p')}"
-    worn = f"{verdict_on_error_of_law('worn')}, its pressure {verdict_on_error_of_law('p_worn')}"
+    new = (
+        f"{text_that_judges_error_of_law('new')}, its pressure {text_that_judges_error_of_law('p')}"
+    )
+    worn = (
+        f"{text_that_judges_error_of_law('worn')}, its pressure "
+        f"{text_that_judges_error_of_law('p_worn')}"
+    )
     return f"New, the {effect_} of the law {name!r} {new}; worn in, the {effect_} {worn}."

@@ -10,7 +10,7 @@ from collections import Counter
 from collections.abc import Sequence
 from typing import NamedTuple
 
-CHECK_OUTCOMES = ("agrees", "said", "differs", "refused")
+OUTCOMES_OF_TWO_PATH_COMPARISON = ("agrees", "said", "differs", "refused")
 """The possible outcomes of comparing one quantity by two paths.
 
 "said" means that the values differ and that drumlin itself prints the reason. "refused" means that
@@ -50,7 +50,7 @@ class TwoPathComparison(NamedTuple):
 
     @property
     def outcome(self) -> str:
-        """The outcome of the comparison, one of CHECK_OUTCOMES."""
+        """The outcome of the comparison, one of OUTCOMES_OF_TWO_PATH_COMPARISON."""
         if self.refused:
             return "refused"
         if self.difference <= self.allowed:

@@ -21,7 +21,7 @@ from drumlin_studies.stated_true import row_of_stated_and_true_errors, stated_ov
 from drumlin_studies.stored_truth import solve_brake_on_corner_or_kink_by_fine_triangles
 from drumlin_studies.tables import rows_with_given_values, values_of_key_in_rows
 
-CORNER_TOLERANCES = (5e-3, 1e-3, 1e-4)
+TOLERANCES_OF_CORNER_BRAKE_SOLVES = (5e-3, 1e-3, 1e-4)
 """Relative tolerances to which each brake is solved."""
 SEED_OF_FIRST_CORNER_BRAKE = 420_000
 """Seed of the first brake with a corner on which stated errors are tested.
@@ -63,7 +63,7 @@ def rows_of_stated_and_true_errors_of_corner_brake(seed: int) -> list[dict[str, 
     base |= {"kind": kind, "power": smallest_pressure_exponent_at_corners(brake)}
     return [
         base | row_of_stated_and_true_errors(brake, tolerance, solve, true, failure)
-        for tolerance in CORNER_TOLERANCES
+        for tolerance in TOLERANCES_OF_CORNER_BRAKE_SOLVES
     ]
 
 
@@ -92,7 +92,7 @@ def error_summary_rows_by_kind(rows: Sequence[Mapping[str, Any]]) -> list[dict[s
     gentle = [one for one in rows if one["power"] >= SMALLEST_JUDGED_PRESSURE_EXPONENT]
     table = []
     for kind, mine in {**kinds, "all": list(rows), "all but the steepest corners": gentle}.items():
-        for tolerance in CORNER_TOLERANCES:
+        for tolerance in TOLERANCES_OF_CORNER_BRAKE_SOLVES:
             own = rows_with_given_values(mine, tolerance=tolerance)
             # A brake without a solution, or without a true error, has no finite ratio.
             ratios = np.array([stated_over_true_error_of_row(one, "pressure") for one in own])

@@ -21,18 +21,18 @@ from drumlin.brake.file import make_drum_brake_from_data
 from drumlin.fem.mesh.arc import parametric_mesh_of_shoe
 from drumlin.fem.mesh.grading import LiningDivision, divide_lining_into_elements
 
-HYPERCUBE_SEED = 7
+SEED_OF_LATIN_HYPERCUBE_SAMPLE = 7
 """Seed of the random numbers of the Latin hypercube sample."""
-MOST_ELEMENTS_IN_SHORT_SET = 12
+MOST_ELEMENTS_PER_LINING_IN_SHORT_CASE_SET = 12
 """Largest number of elements along a lining in the short set of cases, which runs in little time.
 """
 CASE_RADIUS, CASE_WIDTH = 0.15, 0.04  # m
 """Radius of the drum, and width of shoe and lining [m], of the case that all others change."""
-DEFAULT_HINGE_POLAR_COORDINATES = (0.125, math.radians(-75.0))  # radius [m], angle [rad]
+HINGE_POLAR_COORDINATES_OF_DEFAULT_CASE = (0.125, math.radians(-75.0))  # radius [m], angle [rad]
 """Polar coordinates (radius [m], angle [rad]) of the hinge of the case that all others change."""
-DEFAULT_LINING_MODULUS = 3e8  # Pa
+LINING_MODULUS_OF_DEFAULT_CASE = 3e8  # Pa
 """Young's modulus [Pa] of the lining of the case that all others change."""
-CLEARANCE_TABLES: dict[str, tuple[tuple[float, float], ...]] = {
+LINING_CLEARANCE_TABLES_BY_NAME: dict[str, tuple[tuple[float, float], ...]] = {
     "toe": ((0, 3.0), (0.7, 1.0), (1, 0.0)),
     "heel": ((0, 0.0), (0.3, 1.0), (1, 6.0)),
     "split": ((0, 0.0), (0.4, 1.0), (0.6, 1.0), (1, 0.0)),
@@ -72,7 +72,7 @@ class ExtremeCase:
     arc : float
         Arc of the lining [deg].
     clearance : float or str
-        Clearance [m], or a name of CLEARANCE_TABLES.
+        Clearance [m], or a name of LINING_CLEARANCE_TABLES_BY_NAME.
     force : float
         Actuating force [N].
     lever : float
@@ -132,7 +132,10 @@ class ExtremeCase:
             data["drum"]["ring"] = {
                 "thickness": 0.015 * self.size,
                 "width": CASE_WIDTH * self.size,
-                "material": {"E": DEFAULT_LINING_MODULUS * self.ring * self.pressure, "nu": 0.25},
+                "material": {
+                    "E": LINING_MODULUS_OF_DEFAULT_CASE * self.ring * self.pressure,
+                    "nu": 0.25,
+                },
                 "support": self.support,
             }
         return make_drum_brake_from_data(data)
@@ -140,14 +143,14 @@ class ExtremeCase:
     def _data_of_left_or_right_shoe(self, side: int) -> dict[str, Any]:
         """The data, as in a brake file, of the right shoe (side 1) or of its mirror image (-1)."""
         size = self.size
-        start = DEFAULT_HINGE_POLAR_COORDINATES[1] + math.radians(5.0)
+        start = HINGE_POLAR_COORDINATES_OF_DEFAULT_CASE[1] + math.radians(5.0)
         pin = (
-            DEFAULT_HINGE_POLAR_COORDINATES[0]
+            HINGE_POLAR_COORDINATES_OF_DEFAULT_CASE[0]
             * size
             * np.array(
                 [
-                    math.cos(DEFAULT_HINGE_POLAR_COORDINATES[1]),
-                    math.sin(DEFAULT_HINGE_POLAR_COORDINATES[1]),
+                    math.cos(HINGE_POLAR_COORDINATES_OF_DEFAULT_CASE[1]),
+                    math.sin(HINGE_POLAR_COORDINATES_OF_DEFAULT_CASE[1]),
                 ]
             )
         )
@@ -167,7 +170,7 @@ class ExtremeCase:
                 **arc_ends_mirrored_for_left_shoe(start, start + arc),
                 "thickness": self.thickness * CASE_RADIUS * size,
                 "width": CASE_WIDTH * size,
-                "material": {"E": DEFAULT_LINING_MODULUS * self.pressure, "nu": self.nu},
+                "material": {"E": LINING_MODULUS_OF_DEFAULT_CASE * self.pressure, "nu": self.nu},
                 "clearance": self._lining_clearance_of_left_or_right_shoe(side, start),
             },
             "actuation": {
@@ -179,11 +182,14 @@ class ExtremeCase:
         if self.shoe is not None:
             shoe["body"] = {
                 **arc_ends_mirrored_for_left_shoe(
-                    DEFAULT_HINGE_POLAR_COORDINATES[1], start + arc + math.radians(5.0)
+                    HINGE_POLAR_COORDINATES_OF_DEFAULT_CASE[1], start + arc + math.radians(5.0)
                 ),
                 "thickness": 0.024 * size,
                 "width": CASE_WIDTH * size,
-                "material": {"E": DEFAULT_LINING_MODULUS * self.shoe * self.pressure, "nu": 0.3},
+                "material": {
+                    "E": LINING_MODULUS_OF_DEFAULT_CASE * self.shoe * self.pressure,
+                    "nu": 0.3,
+                },
             }
         return shoe
 
@@ -200,7 +206,7 @@ class ExtremeCase:
         arc = math.radians(self.arc)
         rows = [
             (start + part * arc, gap * 1e-3 * self.size)
-            for part, gap in CLEARANCE_TABLES[self.clearance]
+            for part, gap in LINING_CLEARANCE_TABLES_BY_NAME[self.clearance]
         ]
         return rows if side > 0 else [(math.pi - a, gap) for a, gap in reversed(rows)]
 
@@ -270,7 +276,9 @@ def all_extreme_cases(*, short: bool = False) -> list[ExtremeCase]:
         + _cases_of_latin_hypercube(8)
     )
     coarse = (
-        dataclasses.replace(case, elements=min(case.elements, MOST_ELEMENTS_IN_SHORT_SET))
+        dataclasses.replace(
+            case, elements=min(case.elements, MOST_ELEMENTS_PER_LINING_IN_SHORT_CASE_SET)
+        )
         for case in chosen
     )
     return list(dict.fromkeys(coarse))
@@ -349,13 +357,13 @@ def _parameter_changes_of_contact_sweeps() -> dict[str, list[dict[str, Any]]]:
             "force", [*_powers_of_ten(-9, 12), 0.0, -2000.0], clearance=1e-4
         ),
         "contact": _parameter_changes_for_values_of_one_parameter(
-            "clearance", list(CLEARANCE_TABLES)
+            "clearance", list(LINING_CLEARANCE_TABLES_BY_NAME)
         )
         + _parameter_changes_for_values_of_one_parameter(
-            "clearance", list(CLEARANCE_TABLES), assisted=False, penalty=math.inf
+            "clearance", list(LINING_CLEARANCE_TABLES_BY_NAME), assisted=False, penalty=math.inf
         )
         + _parameter_changes_for_values_of_one_parameter(
-            "clearance", list(CLEARANCE_TABLES), elements=2
+            "clearance", list(LINING_CLEARANCE_TABLES_BY_NAME), elements=2
         ),
     }
 
@@ -436,7 +444,7 @@ def _cases_on_grids_of_two_parameters() -> list[ExtremeCase]:
 
 def _cases_of_latin_hypercube(count: int) -> list[ExtremeCase]:
     """A Latin hypercube sample of `count` cases: 13 parameters, most on logarithmic scales."""
-    rng = np.random.default_rng(HYPERCUBE_SEED)
+    rng = np.random.default_rng(SEED_OF_LATIN_HYPERCUBE_SAMPLE)
     # Each of the 13 columns has one number in each of `count` equal intervals of [0, 1].
     strata = np.array([rng.permutation(count) for _ in range(13)]).T
     samples = (strata + rng.random(strata.shape)) / count

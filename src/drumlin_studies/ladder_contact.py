@@ -17,11 +17,15 @@ from drumlin.contact.equations import ContactProblem
 from drumlin.fem.mesh.grading import points_graded_to_both_ends
 from drumlin.response.resultants import integral_of_piecewise_polynomial
 from drumlin_studies import closed_forms
-from drumlin_studies.ladder_case import DISCRETISATION_TIER, MODEL_LIMIT_TIER, KnownAnswer
+from drumlin_studies.ladder_case import (
+    TOLERANCE_REASON_DISCRETISATION,
+    TOLERANCE_REASON_MODEL_LIMIT,
+    KnownAnswerCase,
+)
 from drumlin_studies.two_bodies import (
-    LADDER_STEEL,
-    BodyPair,
-    ContactBody,
+    STEEL_OF_KNOWN_ANSWER_CASES,
+    BodyCondensedToContactNodes,
+    InnerAndOuterBodyInContact,
     angles_graded_from_middle_to_both_ends,
     condense_body_to_contact_nodes,
     first_contact_set_from_coarse_problem,
@@ -40,13 +44,13 @@ RELATIVE_CURVATURE_RADIUS_OF_HALF_PLANES = 2.0
 """Relative radius of curvature of the contact between half-planes [m]."""
 BONDED_THIN_LINING_MATERIAL = Material(E=3e8, nu=0.25)
 """Material of the thin lining on a rigid back."""
-RING_WAVES = 40
+NUMBER_OF_WAVES_AROUND_WAVY_RING = 40
 """Number of waves around the circumference of the ring with a wavy surface."""
 
 
 def condensed_half_plane_body(
-    sign: int, per_half: int, material: Material = LADDER_STEEL
-) -> ContactBody:
+    sign: int, per_half: int, material: Material = STEEL_OF_KNOWN_ANSWER_CASES
+) -> BodyCondensedToContactNodes:
     """A condensed thick sector of radius 1 m as a half-plane, with equal elements at the contact.
 
     Parameters
@@ -85,11 +89,11 @@ def _peak_pressure_over_hertz() -> float:
     load = (
         HALF_PLANE_CONTACT_HALF_WIDTH**2
         * math.pi
-        * LADDER_STEEL.E
+        * STEEL_OF_KNOWN_ANSWER_CASES.E
         / 2
         / (4 * RELATIVE_CURVATURE_RADIUS_OF_HALF_PLANES)
     )
-    pair = BodyPair.couple_two_bodies_at_contact_nodes(
+    pair = InnerAndOuterBodyInContact.couple_two_bodies_at_contact_nodes(
         condensed_half_plane_body(-1, 16), condensed_half_plane_body(1, 13), motions="x"
     )
     p = solve_nodal_contact_pressures(
@@ -100,12 +104,12 @@ def _peak_pressure_over_hertz() -> float:
     return float(
         p.max()
         / closed_forms.hertz_half_width_and_peak_pressure(
-            load, RELATIVE_CURVATURE_RADIUS_OF_HALF_PLANES, LADDER_STEEL.E / 2
+            load, RELATIVE_CURVATURE_RADIUS_OF_HALF_PLANES, STEEL_OF_KNOWN_ANSWER_CASES.E / 2
         )[1]
     )
 
 
-class PeakAndWidth(NamedTuple):
+class PeakPressureAndContactHalfWidth(NamedTuple):
     """The peak pressure [N/mm^2] and the half-width [mm] of a contact."""
 
     peak: float
@@ -113,7 +117,7 @@ class PeakAndWidth(NamedTuple):
 
 
 @cache
-def _peak_pressure_and_contact_width_of_cylinder() -> PeakAndWidth:
+def _peak_pressure_and_half_width_of_cylinder() -> PeakPressureAndContactHalfWidth:
     """Contact of a steel cylinder of radius 50 mm on aluminium under 35 kN for 1 mm of length.
 
     The benchmark is in plane strain, which equals plane stress with E/(1 - nu^2) and nu/(1 - nu).
@@ -123,7 +127,7 @@ def _peak_pressure_and_contact_width_of_cylinder() -> PeakAndWidth:
     aluminium = Material(E=70e9 / (1 - 0.3**2), nu=0.3 / 0.7)
     scale = 6.21e-3 / HALF_PLANE_CONTACT_HALF_WIDTH
     load = 35e3 / 1e-3 / scale
-    pair = BodyPair.couple_two_bodies_at_contact_nodes(
+    pair = InnerAndOuterBodyInContact.couple_two_bodies_at_contact_nodes(
         condensed_half_plane_body(-1, 16, steel),
         condensed_half_plane_body(1, 13, aluminium),
         motions="x",
@@ -136,12 +140,14 @@ def _peak_pressure_and_contact_width_of_cylinder() -> PeakAndWidth:
     # away from the end therefore gives the half-width without the inexact values at the end.
     near = np.abs(s) < 0.8 * HALF_PLANE_CONTACT_HALF_WIDTH
     slope, top = np.polyfit(s[near] ** 2, p[near] ** 2, 1)
-    return PeakAndWidth(float(p.max() * 1e-6), math.sqrt(-top / slope) * scale * 1e3)
+    return PeakPressureAndContactHalfWidth(
+        float(p.max() * 1e-6), math.sqrt(-top / slope) * scale * 1e3
+    )
 
 
 def _mean_punch_pressure_over_closed_form() -> float:
     """Mean pressure under the middle half of a rigid flat punch, divided by the closed form."""
-    pair = BodyPair.couple_two_bodies_at_contact_nodes(
+    pair = InnerAndOuterBodyInContact.couple_two_bodies_at_contact_nodes(
         condensed_half_plane_body(-1, 24), None, motions="x"
     )
     s = pair.contact_node_angles
@@ -161,7 +167,7 @@ def _mean_punch_pressure_over_closed_form() -> float:
     )
 
 
-class DiscInHole(NamedTuple):
+class DiscInHoleResultsOverPersson(NamedTuple):
     """Results of a loaded disc in a hole, each divided by its value by Persson's closed form.
 
     The results are the pressure in the middle of the contact and the half-angle of the contact.
@@ -172,7 +178,7 @@ class DiscInHole(NamedTuple):
 
 
 @cache
-def _disc_in_hole_results_over_persson(half_angle: float) -> DiscInHole:
+def _disc_in_hole_results_over_persson(half_angle: float) -> DiscInHoleResultsOverPersson:
     """Results for a loaded disc in a hole of a large plate, relative to Persson's closed form.
 
     The clearance is chosen so that the closed form gives the half-angle of contact [deg].
@@ -186,7 +192,7 @@ def _disc_in_hole_results_over_persson(half_angle: float) -> DiscInHole:
             1.0,
             -1,
         ),
-        LADDER_STEEL,
+        STEEL_OF_KNOWN_ANSWER_CASES,
     )
     plate = condense_body_to_contact_nodes(
         plane_mesh_of_closed_ring(
@@ -195,24 +201,28 @@ def _disc_in_hole_results_over_persson(half_angle: float) -> DiscInHole:
             1.0,
             1,
         ),
-        LADDER_STEEL,
+        STEEL_OF_KNOWN_ANSWER_CASES,
     )
-    pair = BodyPair.couple_two_bodies_at_contact_nodes(disc, plate, motions="x")
+    pair = InnerAndOuterBodyInContact.couple_two_bodies_at_contact_nodes(disc, plate, motions="x")
     b = math.tan(eps / 2)
     gap = (
-        closed_forms.persson_clearance_of_disc_in_hole(b)
+        closed_forms.dimensionless_persson_clearance_of_disc_in_hole(b)
         * load
-        / LADDER_STEEL.E
+        / STEEL_OF_KNOWN_ANSWER_CASES.E
         * (1 - np.cos(pair.contact_node_angles))
     )
     p = solve_nodal_contact_pressures(pair.frictionless_contact_problem(gap, [load]))
     middle = int(np.argmin(np.abs(pair.contact_node_angles)))
     touching = pair.contact_node_angles[p > 0]
     exact = (
-        closed_forms.persson_pressure_of_disc_in_hole(b, pair.contact_node_angles[[middle]])[0]
+        closed_forms.dimensionless_persson_pressure_of_disc_in_hole(
+            b, pair.contact_node_angles[[middle]]
+        )[0]
         * load
     )
-    return DiscInHole(float(p[middle] / exact), float(np.ptp(touching) / (2 * eps)))
+    return DiscInHoleResultsOverPersson(
+        float(p[middle] / exact), float(np.ptp(touching) / (2 * eps))
+    )
 
 
 def _node_angles_around_circle(count: int, eps: float) -> Floats:
@@ -231,27 +241,35 @@ def _wavy_ring_pressure_over_westergaard(share: float) -> float:
 
     `share` is roughly the mean pressure divided by the pressure p* of full contact.
     """
-    count = 12 * RING_WAVES
+    count = 12 * NUMBER_OF_WAVES_AROUND_WAVY_RING
     angles = np.linspace(-math.pi, math.pi, count + 1)[:-1]
     depths = points_with_steps_growing_to_end(2 * math.pi / count, 1.4, 0.5)
     inner = condense_body_to_contact_nodes(
-        plane_mesh_of_closed_ring(angles, depths, 1.0, -1), LADDER_STEEL
+        plane_mesh_of_closed_ring(angles, depths, 1.0, -1), STEEL_OF_KNOWN_ANSWER_CASES
     )
     outer = condense_body_to_contact_nodes(
-        plane_mesh_of_closed_ring(angles, depths, 1.0, 1), LADDER_STEEL
+        plane_mesh_of_closed_ring(angles, depths, 1.0, 1), STEEL_OF_KNOWN_ANSWER_CASES
     )
-    pair = BodyPair.couple_two_bodies_at_contact_nodes(inner, outer)
+    pair = InnerAndOuterBodyInContact.couple_two_bodies_at_contact_nodes(inner, outer)
     height = 1e-6
-    full = math.pi * LADDER_STEEL.E / 2 * height * RING_WAVES / (2 * math.pi)
+    full = (
+        math.pi
+        * STEEL_OF_KNOWN_ANSWER_CASES.E
+        / 2
+        * height
+        * NUMBER_OF_WAVES_AROUND_WAVY_RING
+        / (2 * math.pi)
+    )
     # Radial displacement of the two rings towards each other under a uniform pressure of 1 Pa.
-    E, nu = LADDER_STEEL.E, LADDER_STEEL.nu
+    E, nu = STEEL_OF_KNOWN_ANSWER_CASES.E, STEEL_OF_KNOWN_ANSWER_CASES.nu
     soft = sum(
         abs(closed_forms.ring_displacement_per_harmonic_pressure(0, 1.0, held, E, nu))
         for held in (0.5, 1.5)
     )
     p = active_set.solve_contact_problem(
         pair.frictionless_contact_problem(
-            -height * np.cos(RING_WAVES * pair.contact_node_angles) - share * full * soft
+            -height * np.cos(NUMBER_OF_WAVES_AROUND_WAVY_RING * pair.contact_node_angles)
+            - share * full * soft
         )
     ).p
     # Westergaard's closed form is evaluated at the mean pressure of the computed solution.
@@ -259,7 +277,7 @@ def _wavy_ring_pressure_over_westergaard(share: float) -> float:
         integral_of_piecewise_polynomial(pair.contact_node_angles, p, 2)
         / np.ptp(pair.contact_node_angles)
     )
-    crests = np.abs(np.cos(RING_WAVES * pair.contact_node_angles) - 1) < 1e-9
+    crests = np.abs(np.cos(NUMBER_OF_WAVES_AROUND_WAVY_RING * pair.contact_node_angles) - 1) < 1e-9
     return float(
         p[crests].mean()
         / closed_forms.westergaard_pressure_of_wavy_surface(mean, full, np.array(0.0))
@@ -267,20 +285,22 @@ def _wavy_ring_pressure_over_westergaard(share: float) -> float:
 
 
 @cache
-def _make_concentric_rings() -> BodyPair:
+def _make_concentric_rings_in_contact() -> InnerAndOuterBodyInContact:
     """Two concentric rings in contact at the radius 1, with contact nodes that do not match.
 
     The inner ring is fixed at the radius 0.6, the outer ring at the radius 1.4.
     """
     angles = np.linspace(-math.pi, math.pi, 49)[:-1]
     inner = condense_body_to_contact_nodes(
-        plane_mesh_of_closed_ring(angles, np.linspace(0, 0.4, 6), 1.0, -1), LADDER_STEEL
+        plane_mesh_of_closed_ring(angles, np.linspace(0, 0.4, 6), 1.0, -1),
+        STEEL_OF_KNOWN_ANSWER_CASES,
     )
     angles = np.linspace(-math.pi, math.pi, 61)[:-1]
     outer = condense_body_to_contact_nodes(
-        plane_mesh_of_closed_ring(angles + 0.01, np.linspace(0, 0.4, 7), 1.0, 1), LADDER_STEEL
+        plane_mesh_of_closed_ring(angles + 0.01, np.linspace(0, 0.4, 7), 1.0, 1),
+        STEEL_OF_KNOWN_ANSWER_CASES,
     )
-    return BodyPair.couple_two_bodies_at_contact_nodes(inner, outer)
+    return InnerAndOuterBodyInContact.couple_two_bodies_at_contact_nodes(inner, outer)
 
 
 class PressureMeanAndHarmonic(NamedTuple):
@@ -296,16 +316,16 @@ def _pressure_harmonics_of_pressed_rings(n: int) -> PressureMeanAndHarmonic:
 
     The overlap of the rings is chosen so that the exact pressure is 3 MPa + 1 MPa cos(n theta).
     """
-    pair = _make_concentric_rings()
+    pair = _make_concentric_rings_in_contact()
     angle = pair.contact_node_angles
 
-    def gap_amplitude_per_pressure(k: int) -> float:
+    def gap_amplitude_per_harmonic_pressure(k: int) -> float:
         """Amplitude [m/Pa] of the gap between the rings under the pressure cos(k theta)."""
-        E, nu = LADDER_STEEL.E, LADDER_STEEL.nu
+        E, nu = STEEL_OF_KNOWN_ANSWER_CASES.E, STEEL_OF_KNOWN_ANSWER_CASES.nu
         inner = closed_forms.ring_displacement_per_harmonic_pressure(k, 1.0, 0.6, E, nu)
         return inner - closed_forms.ring_displacement_per_harmonic_pressure(k, 1.0, 1.4, E, nu)
 
-    soft = [gap_amplitude_per_pressure(0), gap_amplitude_per_pressure(n)]
+    soft = [gap_amplitude_per_harmonic_pressure(0), gap_amplitude_per_harmonic_pressure(n)]
     p = active_set.solve_contact_problem(
         pair.frictionless_contact_problem(3e6 * soft[0] + 1e6 * soft[1] * np.cos(n * angle))
     ).p
@@ -315,11 +335,11 @@ def _pressure_harmonics_of_pressed_rings(n: int) -> PressureMeanAndHarmonic:
     return PressureMeanAndHarmonic(float(fit[0]), float(fit[1]))
 
 
-def _computed_bonded_layer_stiffness() -> float:
+def _computed_pressure_per_indentation_of_lining() -> float:
     """Pressure per indentation [Pa/m] in the middle of a thin lining on a rigid back."""
     thickness, depth = 1e-3, 1e-6
     angles = np.linspace(-0.03, 0.03, 61)
-    pair = BodyPair.couple_two_bodies_at_contact_nodes(
+    pair = InnerAndOuterBodyInContact.couple_two_bodies_at_contact_nodes(
         condense_body_to_contact_nodes(
             plane_mesh_of_ring_sector(angles, np.linspace(0, thickness, 4), 1.0, -1),
             BONDED_THIN_LINING_MATERIAL,
@@ -333,14 +353,14 @@ def _computed_bonded_layer_stiffness() -> float:
 
 
 @cache
-def _make_lining_strip_on_rigid_back(nu: float) -> BodyPair:
+def _make_lining_strip_on_rigid_back(nu: float) -> InnerAndOuterBodyInContact:
     """A lining with sharp edges on a rigid back, against a rigid opposite body.
 
     Towards the lining's ends and its face the elements shrink to some 1e-7 of its thickness.
     """
     fine = points_with_steps_growing_to_end(1e-8, 1.45, 0.1)
     angles = np.concatenate([-0.1 + fine, (0.1 - fine)[::-1][1:]])
-    return BodyPair.couple_two_bodies_at_contact_nodes(
+    return InnerAndOuterBodyInContact.couple_two_bodies_at_contact_nodes(
         condense_body_to_contact_nodes(
             plane_mesh_of_ring_sector(
                 angles, points_with_steps_growing_to_end(1e-8, 1.45, 0.05), 1.0, -1
@@ -351,7 +371,7 @@ def _make_lining_strip_on_rigid_back(nu: float) -> BodyPair:
     )
 
 
-def _pressure_exponent_at_sliding_edge(mu: float, nu: float) -> float:
+def _displacement_exponent_at_sliding_edge(mu: float, nu: float) -> float:
     """The exponent lambda of p ~ r^(lambda - 1) at the edge where the drum enters the contact.
 
     r is the distance from the edge, which is sharp and belongs to a lining on a rigid back.
@@ -376,142 +396,142 @@ MICHELL, PERSSON = (
     "Persson 1964; Ciavarella & Decuzzi 2001",
 )
 """Citations for rings and for a disc in a hole, for the ladder's table."""
-CONTACT_CASES = (
-    KnownAnswer(
+KNOWN_ANSWER_CASES_ON_CONTACT_WITHOUT_STICKING = (
+    KnownAnswerCase(
         family="equal cylinders",
         shows="contact of two bodies",
         source="Hertz 1881",
         quantity="p_0 over the closed form",
         expected=1.0,
         tolerance=4e-3,
-        tier=DISCRETISATION_TIER,
+        tier=TOLERANCE_REASON_DISCRETISATION,
         found=_peak_pressure_over_hertz,
     ),
-    KnownAnswer(
+    KnownAnswerCase(
         family="cylinder on a block",
         shows="contact of two materials",
         source=KONTER_CITATION,
         quantity="peak pressure [N/mm^2]",
         expected=3585.37,
         tolerance=1e-2,
-        tier=DISCRETISATION_TIER,
-        found=lambda: _peak_pressure_and_contact_width_of_cylinder().peak,
+        tier=TOLERANCE_REASON_DISCRETISATION,
+        found=lambda: _peak_pressure_and_half_width_of_cylinder().peak,
     ),
-    KnownAnswer(
+    KnownAnswerCase(
         family="cylinder on a block",
         shows="contact of two materials",
         source=KONTER_CITATION,
         quantity="half-width [mm]",
         expected=6.21,
         tolerance=1e-2,
-        tier=DISCRETISATION_TIER,
-        found=lambda: _peak_pressure_and_contact_width_of_cylinder().half_width,
+        tier=TOLERANCE_REASON_DISCRETISATION,
+        found=lambda: _peak_pressure_and_half_width_of_cylinder().half_width,
     ),
-    KnownAnswer(
+    KnownAnswerCase(
         family="rigid flat punch",
         shows="contact with a sharp end",
         source="Sadowsky 1928",
         quantity="p over the closed form, |x| < a/2",
         expected=1.0,
         tolerance=2e-2,
-        tier=DISCRETISATION_TIER,
+        tier=TOLERANCE_REASON_DISCRETISATION,
         found=_mean_punch_pressure_over_closed_form,
     ),
     *(
-        KnownAnswer(
+        KnownAnswerCase(
             family="disc in a hole",
             shows="conforming contact",
             source=PERSSON,
             quantity=f"p(0) over the closed form, {angle} deg",
             expected=1.0,
             tolerance=1e-2,
-            tier=DISCRETISATION_TIER,
+            tier=TOLERANCE_REASON_DISCRETISATION,
             found=partial(lambda angle: _disc_in_hole_results_over_persson(angle).pressure, angle),
         )
         for angle in (30, 75)
     ),
-    KnownAnswer(
+    KnownAnswerCase(
         family="disc in a hole",
         shows="conforming contact",
         source=PERSSON,
         quantity="half-angle of contact over the closed form, 75 deg",
         expected=1.0,
         tolerance=1e-2,
-        tier=DISCRETISATION_TIER,
+        tier=TOLERANCE_REASON_DISCRETISATION,
         found=lambda: _disc_in_hole_results_over_persson(75).half_angle,
     ),
-    KnownAnswer(
+    KnownAnswerCase(
         family="wavy surface, full contact",
         shows="contact without ends",
         source="Westergaard 1939",
         quantity="p at crests over the closed form",
         expected=1.0,
         tolerance=1e-2,
-        tier=DISCRETISATION_TIER,
+        tier=TOLERANCE_REASON_DISCRETISATION,
         found=partial(_wavy_ring_pressure_over_westergaard, 1.5),
     ),
-    KnownAnswer(
+    KnownAnswerCase(
         family="wavy surface, partial contact",
         shows="many contacts",
         source="Westergaard 1939",
         quantity="p at crests over the closed form",
         expected=1.0,
         tolerance=3e-2,
-        tier=DISCRETISATION_TIER,
+        tier=TOLERANCE_REASON_DISCRETISATION,
         found=partial(_wavy_ring_pressure_over_westergaard, 0.2),
     ),
-    KnownAnswer(
+    KnownAnswerCase(
         family="ring pressed into a ring",
         shows="patch test on the arc, other meshes",
         source="Lame 1852",
         quantity="mean p [Pa]",
         expected=3e6,
         tolerance=2e-4,
-        tier=DISCRETISATION_TIER,
+        tier=TOLERANCE_REASON_DISCRETISATION,
         found=lambda: _pressure_harmonics_of_pressed_rings(2).mean,
     ),
-    KnownAnswer(
+    KnownAnswerCase(
         family="rings pressed by p_0 + p_1 cos 2 theta",
         shows="contact of rings, other meshes",
         source=MICHELL,
         quantity="p_1 [Pa]",
         expected=1e6,
         tolerance=5e-4,
-        tier=DISCRETISATION_TIER,
+        tier=TOLERANCE_REASON_DISCRETISATION,
         found=lambda: _pressure_harmonics_of_pressed_rings(2).harmonic,
     ),
-    KnownAnswer(
+    KnownAnswerCase(
         family="eccentric ring in a ring",
         shows="contact of rings, other meshes",
         source=MICHELL + ", off centre: cos theta",
         quantity="p_1 [Pa]",
         expected=1e6,
         tolerance=5e-4,
-        tier=DISCRETISATION_TIER,
+        tier=TOLERANCE_REASON_DISCRETISATION,
         found=lambda: _pressure_harmonics_of_pressed_rings(1).harmonic,
     ),
-    KnownAnswer(
+    KnownAnswerCase(
         family="thin bonded lining",
         shows="lining as springs",
         source="E/((1 - nu^2) t) in the limit",
         quantity="stiffness [Pa/m]",
-        expected=closed_forms.bonded_layer_stiffness(
+        expected=closed_forms.pressure_per_compression_of_thin_bonded_layer(
             BONDED_THIN_LINING_MATERIAL.E, BONDED_THIN_LINING_MATERIAL.nu, 1e-3
         ),
         tolerance=5e-3,
-        tier=MODEL_LIMIT_TIER,
-        found=_computed_bonded_layer_stiffness,
+        tier=TOLERANCE_REASON_MODEL_LIMIT,
+        found=_computed_pressure_per_indentation_of_lining,
     ),
     *(
-        KnownAnswer(
+        KnownAnswerCase(
             family="sharp sliding edge",
             shows="singular pressure",
             source="eigenvalue of the corner (Williams 1952)",
             quantity=f"lambda, nu = {nu}, mu = {mu}",
-            expected=closed_forms.pressure_exponent_at_sliding_corner(mu, nu),
+            expected=closed_forms.displacement_exponent_at_sliding_corner(mu, nu),
             tolerance=1e-2,
-            tier=DISCRETISATION_TIER,
-            found=partial(_pressure_exponent_at_sliding_edge, mu, nu),
+            tier=TOLERANCE_REASON_DISCRETISATION,
+            found=partial(_displacement_exponent_at_sliding_edge, mu, nu),
         )
         for nu, mu in ((0.1, 0.3), (0.3, 0.3), (0.3, 0.5), (0.45, 0.3))
     ),

@@ -16,7 +16,12 @@ from drumlin.brake.elasticity import ElasticLayer
 from drumlin.brake.fields import Material
 from drumlin.brake.file import vary
 from drumlin.contact import active_set, equations, self_locking, stick_slip
-from drumlin.contact.stick_slip import OPEN, STICK, SlipHistory, StickSlipProblem
+from drumlin.contact.stick_slip import (
+    OPEN,
+    STICK,
+    StickSlipProblem,
+    TractionsAndSlipsOfLastIncrement,
+)
 from drumlin.fem.mesh.degree import nodal_basis_of_mesh
 from drumlin.fem.solve import solve
 from drumlin.fem.substructure.body import (
@@ -26,9 +31,9 @@ from drumlin.fem.substructure.interface import (
     ContactCouplingMatrices,
     ContactLine,
     NormalsAndTangentsFunction,
+    coupling_matrices_of_contact_line,
     function_that_returns_drum_normals_and_tangents,
     make_contact_line_of_lining,
-    weak_coupling_of_contact_line,
 )
 from drumlin.laws import solve_brake_by_sine_law
 from drumlin.laws.simscape import DoubleShoe
@@ -41,18 +46,22 @@ from drumlin.lining_wear.archard import (
 from drumlin.response.response import Response
 from drumlin_studies import closed_forms
 from drumlin_studies.ladder_case import (
-    DISCRETISATION_TIER,
-    MODEL_LIMIT_TIER,
-    PRINTED_DIGITS_TIER,
-    ROUND_OFF_TIER,
-    KnownAnswer,
+    TOLERANCE_REASON_DISCRETISATION,
+    TOLERANCE_REASON_MODEL_LIMIT,
+    TOLERANCE_REASON_PRINTED_DIGITS,
+    TOLERANCE_REASON_ROUND_OFF,
+    KnownAnswerCase,
 )
 from drumlin_studies.ladder_contact import (
     HALF_PLANE_CONTACT_HALF_WIDTH,
     RELATIVE_CURVATURE_RADIUS_OF_HALF_PLANES,
     condensed_half_plane_body,
 )
-from drumlin_studies.two_bodies import LADDER_STEEL, BodyPair, first_contact_set_from_coarse_problem
+from drumlin_studies.two_bodies import (
+    STEEL_OF_KNOWN_ANSWER_CASES,
+    InnerAndOuterBodyInContact,
+    first_contact_set_from_coarse_problem,
+)
 
 
 def _problem_of_node_on_springs(push: float, shift: float, k: float = 100.0) -> StickSlipProblem:
@@ -88,7 +97,7 @@ def _problem_of_node_on_springs(push: float, shift: float, k: float = 100.0) -> 
 
 def _friction_force_on_node(shift: float) -> float:
     """Friction force [N] on one node under 10 N at mu = 0.5, after the drum moves by `shift`."""
-    untouched = SlipHistory(np.zeros(1), np.zeros(1))
+    untouched = TractionsAndSlipsOfLastIncrement(np.zeros(1), np.zeros(1))
     answer = stick_slip.solve_stick_slip_load_increment(
         _problem_of_node_on_springs(10.0, shift), 0.5, untouched, np.array([STICK])
     )
@@ -104,7 +113,11 @@ def _energy_dissipated_in_slip_loop() -> float:
     path = np.concatenate(
         [np.linspace(0, 0.2, 21), np.linspace(0.2, -0.2, 41), np.linspace(-0.2, 0.2, 41)]
     )
-    history, state, dissipated = SlipHistory(np.zeros(1), np.zeros(1)), np.array([STICK]), 0.0
+    history, state, dissipated = (
+        TractionsAndSlipsOfLastIncrement(np.zeros(1), np.zeros(1)),
+        np.array([STICK]),
+        0.0,
+    )
     for i, shift in enumerate(path):
         answer = stick_slip.solve_stick_slip_load_increment(
             _problem_of_node_on_springs(10.0, shift), 0.5, history, state
@@ -134,7 +147,7 @@ def _make_function_of_constant_normal_and_tangent(
     return normal_and_tangent_at_points
 
 
-def _push_over_weight_on_wedge() -> float:
+def _push_over_weight_of_block_on_wedge() -> float:
     """Push on a block that slides up a wedge, divided by the weight of the block.
 
     The push is horizontal, the wedge has the slope 0.1, and mu is 0.3.
@@ -143,7 +156,7 @@ def _push_over_weight_on_wedge() -> float:
     up = np.array([math.cos(slope), math.sin(slope)])
     # A straight contact line of two quadratic edges.
     line = ContactLine(np.arange(5), up[:, None] * x, x, np.array([[0, 2], [1, 3], [2, 4]]))
-    coupling = weak_coupling_of_contact_line(
+    coupling = coupling_matrices_of_contact_line(
         line, 1.0, _make_function_of_constant_normal_and_tangent(np.array([up[1], -up[0]]), -up)
     )
     # Forces on the block under a uniform pressure of 7 Pa. The push and the weight balance these
@@ -165,16 +178,18 @@ def _sticking_over_contact_half_width(share: float) -> float:
         0.3,
         HALF_PLANE_CONTACT_HALF_WIDTH**2
         * math.pi
-        * LADDER_STEEL.E
+        * STEEL_OF_KNOWN_ANSWER_CASES.E
         / 2
         / (4 * RELATIVE_CURVATURE_RADIUS_OF_HALF_PLANES),
     )
-    pair = BodyPair.couple_two_bodies_at_contact_nodes(
+    pair = InnerAndOuterBodyInContact.couple_two_bodies_at_contact_nodes(
         condensed_half_plane_body(-1, 14), condensed_half_plane_body(1, 12), motions="xy"
     )
     s = pair.contact_node_angles
     gap, n = s**2 / (2 * RELATIVE_CURVATURE_RADIUS_OF_HALF_PLANES), len(s)
-    along = BodyPair(pair.inner, pair.coupling, pair.pressed, pair.dragged, pair.motions[:, :1])
+    along = InnerAndOuterBodyInContact(
+        pair.inner, pair.coupling, pair.pressed, pair.dragged, pair.motions[:, :1]
+    )
     pressing = along.frictionless_contact_problem(gap, [load])
     state = np.where(
         active_set.solve_contact_problem(
@@ -184,7 +199,7 @@ def _sticking_over_contact_half_width(share: float) -> float:
         OPEN,
     )
     # The normal load comes first, then the tangential load in two steps.
-    untouched = SlipHistory(np.zeros(n), np.zeros(n))
+    untouched = TractionsAndSlipsOfLastIncrement(np.zeros(n), np.zeros(n))
     found = stick_slip.solve_stick_slip_load_increment(
         pair.frictional_contact_problem(gap, [load, 0.0]), mu, untouched, state
     )
@@ -206,7 +221,7 @@ def _sticking_over_contact_half_width(share: float) -> float:
     return float(1 - ratio + (exact_t.mean() / exact_p.mean() - (1 - c)))
 
 
-class FlexibleBody(NamedTuple):
+class ElasticBodyWithContactLine(NamedTuple):
     """An elastic body with some fixed displacements and a contact line.
 
     Attributes
@@ -233,7 +248,7 @@ class FlexibleBody(NamedTuple):
         held: Ints,
         directions: NormalsAndTangentsFunction,
         middle: float,
-    ) -> "FlexibleBody":
+    ) -> "ElasticBodyWithContactLine":
         """The elastic body of a mesh that has the boundary "contact".
 
         Parameters
@@ -255,7 +270,7 @@ class FlexibleBody(NamedTuple):
         ).tocsc()
         line = make_contact_line_of_lining(basis, mesh.boundaries["contact"], middle)
         free = np.setdiff1d(np.arange(2 * basis.N), held)
-        return cls(basis, K, line, weak_coupling_of_contact_line(line, 1.0, directions), free)
+        return cls(basis, K, line, coupling_matrices_of_contact_line(line, 1.0, directions), free)
 
     @property
     def indices_of_contact_node_displacements(self) -> Ints:
@@ -318,9 +333,9 @@ def _tension_ratio_of_belt_on_drum(mu: float, wrap: float) -> float:
         lambda d, phi: phi > wrap - 1e-9,
     )
     at = nodal_basis_of_mesh(mesh).get_dofs(mesh.boundaries["support"]).flatten()
-    belt = FlexibleBody.elastic_body_of_mesh(
+    belt = ElasticBodyWithContactLine.elastic_body_of_mesh(
         mesh,
-        LADDER_STEEL,
+        STEEL_OF_KNOWN_ANSWER_CASES,
         np.concatenate([2 * at, 2 * at + 1]),
         function_that_returns_drum_normals_and_tangents(-1),
         wrap / 2,
@@ -366,7 +381,9 @@ def _largest_pressure_in_patch_test(turned: float) -> float:
     top = nodal_basis_of_mesh(mesh).get_dofs(mesh.boundaries["support"]).flatten()
     directions = _make_function_of_constant_normal_and_tangent(np.array([s, -c]), np.array([c, s]))
     held = np.concatenate([2 * top, 2 * top + 1])
-    strip = FlexibleBody.elastic_body_of_mesh(mesh, Material(E=2e6, nu=0.0), held, directions, 0.3)
+    strip = ElasticBodyWithContactLine.elastic_body_of_mesh(
+        mesh, Material(E=2e6, nu=0.0), held, directions, 0.3
+    )
     N, M = strip.coupling.N, strip.coupling.M
     n = len(M)
     # Weighted opening of the gap by unit nodal pressures. At first the plane lies 0.05 m inside the
@@ -382,7 +399,7 @@ def _largest_pressure_in_patch_test(turned: float) -> float:
     return float(active_set.solve_contact_problem(problem).p.max())
 
 
-PLATE_EDGE = 40.0
+EDGE_LENGTH_OF_SQUARE_PLATE = 40.0
 """Length of the edges of the square plate of Raous, Chabrand & Lebon (1988)."""
 
 
@@ -412,7 +429,7 @@ def solve_pressed_and_pushed_plate() -> PressedPlateResults:
     vertical force that fixes the plate there.
     """
     body = _plate_with_plane_of_symmetry()
-    plate, f = body.body, _forces_on_upper_edge_and_side(body.body.basis)
+    plate, f = body.body, _nodal_forces_on_plate_edge_and_side(body.body.basis)
     N, T = plate.coupling.N, plate.coupling.T
     u = plate.displacements_under_forces(
         np.column_stack(
@@ -426,7 +443,7 @@ def solve_pressed_and_pushed_plate() -> PressedPlateResults:
     problem = _stick_slip_problem_of_pushed_plate(plate, f, u)
     n = len(N)
     found = stick_slip.solve_stick_slip_load_increment(
-        problem, 1.0, SlipHistory(np.zeros(n), np.zeros(n)), np.full(n, STICK)
+        problem, 1.0, TractionsAndSlipsOfLastIncrement(np.zeros(n), np.zeros(n)), np.full(n, STICK)
     )
     whole = u @ np.concatenate([[1.0], -found.p, found.t])
     total = f.copy()
@@ -447,19 +464,19 @@ class _PlateWithSymmetryPlane(NamedTuple):
 
     Attributes
     ----------
-    body : FlexibleBody
+    body : ElasticBodyWithContactLine
         The plate, whose lower edge is in contact.
     left : array of int
         Numbers of its nodes on the plane of symmetry.
     """
 
-    body: FlexibleBody
+    body: ElasticBodyWithContactLine
     left: Ints
 
 
 def _plate_with_plane_of_symmetry() -> _PlateWithSymmetryPlane:
     """The plate of Raous, Chabrand & Lebon, fixed along x at x = 0, and along y at the origin."""
-    L = PLATE_EDGE
+    L = EDGE_LENGTH_OF_SQUARE_PLATE
     grid = skfem.MeshQuad.init_tensor(np.linspace(0, L, 13), np.linspace(0, L, 25))
     mesh = _quadratic_mesh_of_mapped_grid(
         grid, lambda depth, x: np.array([x, depth]), lambda depth, x: x < 1e-9
@@ -467,7 +484,7 @@ def _plate_with_plane_of_symmetry() -> _PlateWithSymmetryPlane:
     basis = nodal_basis_of_mesh(mesh)
     left = basis.get_dofs(mesh.boundaries["support"]).flatten()
     corner = left[np.argmax(basis.doflocs[1][left])]
-    plate = FlexibleBody.elastic_body_of_mesh(
+    plate = ElasticBodyWithContactLine.elastic_body_of_mesh(
         mesh,
         Material(E=130e9, nu=0.2),
         np.concatenate([2 * left, [2 * corner + 1]]),
@@ -477,23 +494,27 @@ def _plate_with_plane_of_symmetry() -> _PlateWithSymmetryPlane:
     return _PlateWithSymmetryPlane(plate, left)
 
 
-def _forces_on_upper_edge_and_side(basis: Any) -> Floats:
+def _nodal_forces_on_plate_edge_and_side(basis: Any) -> Floats:
     """The nodal forces (nodes, 2) of 5 MPa on the plate's upper edge and 10 MPa on its side."""
     x, y = basis.doflocs
     f = np.zeros((basis.N, 2))
-    f[:, 1] -= 5e6 * _nodal_forces_of_unit_traction(x, np.flatnonzero(y > PLATE_EDGE - 1e-9))
-    f[:, 0] -= 10e6 * _nodal_forces_of_unit_traction(y, np.flatnonzero(x > PLATE_EDGE - 1e-9))
+    f[:, 1] -= 5e6 * _nodal_forces_of_unit_traction(
+        x, np.flatnonzero(y > EDGE_LENGTH_OF_SQUARE_PLATE - 1e-9)
+    )
+    f[:, 0] -= 10e6 * _nodal_forces_of_unit_traction(
+        y, np.flatnonzero(x > EDGE_LENGTH_OF_SQUARE_PLATE - 1e-9)
+    )
     return f
 
 
 def _stick_slip_problem_of_pushed_plate(
-    plate: FlexibleBody, f: Floats, u: Floats
+    plate: ElasticBodyWithContactLine, f: Floats, u: Floats
 ) -> StickSlipProblem:
     """The stick-slip problem of a plate that may also move up and down as a rigid body.
 
     Parameters
     ----------
-    plate : FlexibleBody
+    plate : ElasticBodyWithContactLine
         The plate with n contact nodes.
     f : array (nodes, 2)
         Nodal forces of the loads.
@@ -562,7 +583,7 @@ def _wear_problem_and_node_angles_of_winkler_shoe(mu: float) -> tuple[WearContac
     """
     phi = np.linspace(*WINKLER_LINING_END_ANGLES, 49)
     xy = SPRING_RADIUS * np.array([np.cos(phi), np.sin(phi)])
-    coupling = weak_coupling_of_contact_line(
+    coupling = coupling_matrices_of_contact_line(
         ContactLine(np.arange(49), xy, phi, np.arange(0, 48, 2) + np.arange(3)[:, None]),
         SPRING_WIDTH,
         function_that_returns_drum_normals_and_tangents(1),
@@ -640,7 +661,7 @@ def _worn_volume_over_archard_volume() -> float:
     return float(worn_volume / (WINKLER_LINING_WEAR_LAW.coefficient * states[-1].pressed))
 
 
-class ThinLiningResults(NamedTuple):
+class BrakeWithThinLiningsAndItsResults(NamedTuple):
     """A brake with thin linings on rigid shoes, and its results.
 
     Attributes
@@ -659,10 +680,10 @@ class ThinLiningResults(NamedTuple):
 
 
 @cache
-def _solve_brake_with_thin_linings() -> ThinLiningResults:
+def _solve_brake_with_thin_linings() -> BrakeWithThinLiningsAndItsResults:
     """Solve the double-shoe brake with linings of 3 mm on rigid shoes by law and by elements."""
     rigid = vary(DoubleShoe().brake(2000.0), {"shoe.lining.thickness": 3e-3})
-    return ThinLiningResults(
+    return BrakeWithThinLiningsAndItsResults(
         solve_brake_by_sine_law(rigid).torque, solve(rigid, elements=24), rigid
     )
 
@@ -682,84 +703,84 @@ def _external_moment_over_torque() -> float:
     return abs(math.fsum(moments)) / response.torque
 
 
-FRICTION_CASES = (
+KNOWN_ANSWER_CASES_ON_FRICTION_AND_WEAR = (
     *(
-        KnownAnswer(
+        KnownAnswerCase(
             family="one node on springs",
             shows="friction states",
             source="spring force k s up to mu p",
             quantity=f"traction at s = {shift} m",
             expected=min(100 * shift, 5.0),
             tolerance=1e-12,
-            tier=ROUND_OFF_TIER,
+            tier=TOLERANCE_REASON_ROUND_OFF,
             found=partial(_friction_force_on_node, shift),
         )
         for shift in (0.02, 0.05, 0.2)
     ),
-    KnownAnswer(
+    KnownAnswerCase(
         family="closed loop of slip",
         shows="dissipation",
         source="area of the loop, 4 mu p (s - mu p/k)",
         quantity="energy [J]",
         expected=4 * 0.5 * 10 * (0.2 - 0.5 * 10 / 100),
         tolerance=1e-9,
-        tier=ROUND_OFF_TIER,
+        tier=TOLERANCE_REASON_ROUND_OFF,
         found=_energy_dissipated_in_slip_loop,
     ),
     *(
-        KnownAnswer(
+        KnownAnswerCase(
             family="flat patch test",
             shows="even pressure",
             source="El-Abbasi & Bathe 2001: E times the strain -.05",
             quantity=f"largest p [Pa], inclined by {turned} rad",
             expected=1e5,
             tolerance=1e-10,
-            tier=ROUND_OFF_TIER,
+            tier=TOLERANCE_REASON_ROUND_OFF,
             found=partial(_largest_pressure_in_patch_test, turned),
         )
         for turned in (0.0, 0.4)
     ),
-    KnownAnswer(
+    KnownAnswerCase(
         family="block on a wedge",
         shows="direction of friction",
         source="NAFEMS CGS-4: (tan a + mu)/(1 - mu tan a)",
         quantity="push over weight",
         expected=0.412371,
         tolerance=1e-6,
-        tier=PRINTED_DIGITS_TIER,
-        found=_push_over_weight_on_wedge,
+        tier=TOLERANCE_REASON_PRINTED_DIGITS,
+        found=_push_over_weight_of_block_on_wedge,
     ),
-    KnownAnswer(
+    KnownAnswerCase(
         family="tangentially loaded cylinders",
         shows="partial slip",
         source="Cattaneo 1938, Mindlin 1949: c/a = sqrt(1 - Q/(mu P))",
         quantity="c/a at Q = mu P/2",
         expected=math.sqrt(0.5),
         tolerance=1e-2,
-        tier=DISCRETISATION_TIER,
+        tier=TOLERANCE_REASON_DISCRETISATION,
         found=partial(_sticking_over_contact_half_width, 0.5),
     ),
-    KnownAnswer(
+    KnownAnswerCase(
         family="belt on a drum",
         shows="drag of a flexible body",
         source="capstan: e^(mu theta)",
         quantity="ratio of tensions, mu = .3, 120 deg",
         expected=closed_forms.capstan_tension_ratio(0.3, 2 * math.pi / 3),
         tolerance=1e-2,
-        tier=MODEL_LIMIT_TIER,
+        tier=TOLERANCE_REASON_MODEL_LIMIT,
         found=partial(_tension_ratio_of_belt_on_drum, 0.3, 2 * math.pi / 3),
     ),
-    KnownAnswer(
+    KnownAnswerCase(
         family="plate on a rigid plane",
         shows="stick, slip and open in one contact",
         source="balance of moments about a corner",
         quantity="moment of p over all others",
         expected=1.0,
         tolerance=1e-9,
-        tier=ROUND_OFF_TIER,
+        tier=TOLERANCE_REASON_ROUND_OFF,
         found=lambda: solve_pressed_and_pushed_plate().moment,
     ),
-    KnownAnswer(
+    KnownAnswerCase(
         family="shoe on springs, self-locking",
         shows="limit of friction",
         source="moments of p ~ sin about the hinge",
@@ -768,50 +789,50 @@ FRICTION_CASES = (
             SPRING_RADIUS, SPRING_PIN, *WINKLER_LINING_END_ANGLES
         ),
         tolerance=1e-5,
-        tier=DISCRETISATION_TIER,
+        tier=TOLERANCE_REASON_DISCRETISATION,
         found=_locking_friction_of_winkler_shoe,
     ),
-    KnownAnswer(
+    KnownAnswerCase(
         family="shoe on springs, running in",
         shows="Archard wear in time",
         source="exp(-k K s), all in contact",
         quantity="deviation left at k K s = 2",
         expected=math.exp(-2),
         tolerance=1e-3,
-        tier=DISCRETISATION_TIER,
+        tier=TOLERANCE_REASON_DISCRETISATION,
         found=_remaining_deviation_from_sine_law,
     ),
-    KnownAnswer(
+    KnownAnswerCase(
         family="worn volume",
         shows="Archard wear",
         source="Archard 1953: V = k N s",
         quantity="V over k Int N ds",
         expected=1.0,
         tolerance=1e-9,
-        tier=ROUND_OFF_TIER,
+        tier=TOLERANCE_REASON_ROUND_OFF,
         found=_worn_volume_over_archard_volume,
     ),
-    KnownAnswer(
+    KnownAnswerCase(
         family="rigid shoe with a thin lining",
         shows="whole brake by elements",
         source="sine law in the limit",
         quantity="torque over the law's",
         expected=1.0,
         tolerance=2e-2,
-        tier=MODEL_LIMIT_TIER,
+        tier=TOLERANCE_REASON_MODEL_LIMIT,
         found=lambda: (
             _solve_brake_with_thin_linings().response.torque
             / _solve_brake_with_thin_linings().law_torque
         ),
     ),
-    KnownAnswer(
+    KnownAnswerCase(
         family="balance of a whole brake",
         shows="hinge reactions",
         source="moments about the drum's centre",
         quantity="moment over torque",
         expected=1.0,
         tolerance=1e-8,
-        tier=ROUND_OFF_TIER,
+        tier=TOLERANCE_REASON_ROUND_OFF,
         found=_external_moment_over_torque,
     ),
 )

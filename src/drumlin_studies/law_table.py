@@ -8,7 +8,7 @@ import numpy as np
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import vary
-from drumlin.laws import LAWS
+from drumlin.laws import LAWS_OF_HINGED_SHOES_BY_NAME
 from drumlin.models import MODELS
 from drumlin.response.merit import barecki_shoe_factor
 from drumlin.response.response import (
@@ -134,7 +134,7 @@ def responses_of_one_shoe_by_law(block: Brake, pad: Brake) -> dict[str, ShoeResp
     gets a pivot, which lies away from the point that would make the pressure symmetric. The law
     "linear" solves the first shoe of the brake `pad`, which presses on a plane.
     """
-    shoes = {name: MODELS[name].solve(block).shoes[0] for name in LAWS}
+    shoes = {name: MODELS[name].solve(block).shoes[0] for name in LAWS_OF_HINGED_SHOES_BY_NAME}
     pivoted = vary(block, {"shoe.pivot": {"radius": "140 mm", "angle": "84 deg"}})
     shoes["pivoted"] = MODELS["pivoted"].solve(pivoted).shoes[0]
     shoes["linear"] = MODELS["linear"].solve(pad).shoes[0]

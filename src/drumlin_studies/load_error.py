@@ -27,7 +27,7 @@ PROBABILITY_OF_DUO_SERVO_BRAKE = 0.25
 """Probability with which a brake is a duo-servo brake, whose shoes can leave their anchor."""
 PROBABILITY_OF_LOAD_FEATURE = 0.5
 """Probability with which a brake has a given feature, such as springs, masses or heated parts."""
-RANGE_OF_FRICTION_RATIO_AT_HIGH_PRESSURE = (0.4, 1.2)
+RANGE_OF_FRICTION_AT_HIGH_OVER_ZERO_PRESSURE = (0.4, 1.2)
 """Range of the ratio of the friction coefficient at a high pressure to that at zero pressure."""
 RANGE_OF_FURTHER_LOAD_OVER_ACTUATION = (0.02, 0.2)
 """Smallest and largest spring force and centrifugal force, relative to the largest actuation force.
@@ -82,7 +82,7 @@ def _draw_friction_data_of_linings(rng: np.random.Generator, brake: Brake) -> di
         # The table spans some three times the mean pressure of a shoe without self-energising.
         length = brake.length_per_surface_coordinate * (shoe.lining.end - shoe.lining.start)
         mean = shoe.largest_force_of_any_load / (shoe.lining.width * length)
-        faded = brake.friction * float(rng.uniform(*RANGE_OF_FRICTION_RATIO_AT_HIGH_PRESSURE))
+        faded = brake.friction * float(rng.uniform(*RANGE_OF_FRICTION_AT_HIGH_OVER_ZERO_PRESSURE))
         changes["friction"] = {"pressure": [0.0, 3 * mean], "mu": [brake.friction, faded]}
     if rng.random() < PROBABILITY_OF_LOAD_FEATURE:
         changes["shoe[0].lining.friction"] = float(rng.uniform(0.7, 1.0)) * brake.friction

@@ -49,14 +49,14 @@ solution in hp elements that serves as the truth.
 
 A smaller true error may be an error of this solution instead.
 """
-RANDOM_SHOE_WIDTH = 0.04
+WIDTH_OF_EVERY_RANDOM_SHOE = 0.04
 """Width [m] of lining and body of every random shoe.
 
 In plane stress the width has no influence on the ratios of stated to true errors.
 """
 
 
-class MeshForm(NamedTuple):
+class ElementKindAndGradingOfGmshMesh(NamedTuple):
     """The kind of elements and nodes of a mesh by Gmsh.
 
     Attributes
@@ -75,17 +75,17 @@ class MeshForm(NamedTuple):
     graded: bool = False
 
 
-MESH_FORMS = (
-    MeshForm(1, straight=True, recombined=False),
-    MeshForm(2, straight=False, recombined=False),
-    MeshForm(2, straight=True, recombined=False),
-    MeshForm(1, straight=True, recombined=True),
-    MeshForm(2, straight=False, recombined=True),
-    MeshForm(3, straight=False, recombined=False),
-    MeshForm(3, straight=False, recombined=True),
+ELEMENT_KINDS_AND_GRADINGS_OF_JUDGED_MESHES = (
+    ElementKindAndGradingOfGmshMesh(1, straight=True, recombined=False),
+    ElementKindAndGradingOfGmshMesh(2, straight=False, recombined=False),
+    ElementKindAndGradingOfGmshMesh(2, straight=True, recombined=False),
+    ElementKindAndGradingOfGmshMesh(1, straight=True, recombined=True),
+    ElementKindAndGradingOfGmshMesh(2, straight=False, recombined=True),
+    ElementKindAndGradingOfGmshMesh(3, straight=False, recombined=False),
+    ElementKindAndGradingOfGmshMesh(3, straight=False, recombined=True),
 )
 """The forms of meshes. The seed modulo the number of forms is the number of a mesh's form."""
-DRAWN_COORDINATE_DECIMALS = (None, 2, 3, 4, 5, 6)
+NUMBERS_OF_COORDINATE_DECIMALS_TO_DRAW_FROM = (None, 2, 3, 4, 5, 6)
 """Numbers of decimals of coordinates in mm, from which one is drawn for each mesh.
 
 None stands for all digits.
@@ -96,7 +96,7 @@ END_ELEMENT_SIZE_OVER_INNER_SIZE = 0.25
 """Size of the elements at the lining's ends of a graded mesh, relative to the size elsewhere."""
 
 
-class JudgedMesh(NamedTuple):
+class StatedAndTrueErrorsOfMesh(NamedTuple):
     """The stated and the true relative errors of a mesh, by QUANTITIES_WITH_STATED_ERROR.
 
     Attributes
@@ -109,7 +109,7 @@ class JudgedMesh(NamedTuple):
     """
 
     seed: int
-    form: MeshForm
+    form: ElementKindAndGradingOfGmshMesh
     size: float
     stated: Mapping[str, float]
     true: Mapping[str, float]
@@ -131,14 +131,14 @@ def draw_random_brake_with_one_shoe(rng: np.random.Generator) -> Brake:
         "start": start - before,
         "end": loaded,
         "thickness": depth,
-        "width": RANDOM_SHOE_WIDTH,
+        "width": WIDTH_OF_EVERY_RANDOM_SHOE,
     }
     body["material"] = {"E": float(rng.choice([20e9, 100e9, 210e9])), "nu": 0.3}
     lining: dict[str, Any] = {
         "start": start,
         "end": end,
         "thickness": thickness,
-        "width": RANDOM_SHOE_WIDTH,
+        "width": WIDTH_OF_EVERY_RANDOM_SHOE,
     }
     lining["material"] = {"E": float(rng.choice([100e6, 300e6, 1e9])), "nu": 0.25}
     hinge = {
@@ -161,7 +161,9 @@ def draw_random_brake_with_one_shoe(rng: np.random.Generator) -> Brake:
     return make_drum_brake_from_data(data)
 
 
-def write_gmsh_mesh_of_shoe(brake: Brake, form: MeshForm, size: float, path: Path) -> None:
+def write_gmsh_mesh_of_shoe(
+    brake: Brake, form: ElementKindAndGradingOfGmshMesh, size: float, path: Path
+) -> None:
     """Mesh the only shoe of a drum brake with Gmsh, and write the mesh file with lengths in mm.
 
     The file has the named groups of elements that drumlin needs.
@@ -209,7 +211,7 @@ def _add_shoe_outline_to_gmsh_model(model: Any, brake: Brake, size_at_ends: floa
 
     def add_point_at_depth_and_angle(depth: float, angle: float) -> int:
         """The tag of the point at a depth [m] behind the friction surface and an angle [rad]."""
-        r = brake.size - shoe.sign_of_internal_shoe * depth
+        r = brake.size - shoe.sign_internal_plus_external_minus * depth
         if (depth, angle) not in points:
             size = size_at_ends if depth == 0 else 0
             points[depth, angle] = geo.addPoint(r * math.cos(angle), r * math.sin(angle), 0, size)
@@ -262,8 +264,8 @@ def _add_shoe_outline_to_gmsh_model(model: Any, brake: Brake, size_at_ends: floa
 
 
 def draw_random_mesh_size_decimals_and_grading(
-    rng: np.random.Generator, form: MeshForm
-) -> tuple[float, MeshForm]:
+    rng: np.random.Generator, form: ElementKindAndGradingOfGmshMesh
+) -> tuple[float, ElementKindAndGradingOfGmshMesh]:
     """Draw the size, decimals and grading of a mesh by chance.
 
     Returns the drum's radius divided by the size of the elements, and the form with the drawn
@@ -271,14 +273,21 @@ def draw_random_mesh_size_decimals_and_grading(
     """
     coarsest, finest = RANGE_OF_DRUM_RADIUS_OVER_ELEMENT_SIZE
     size = coarsest * (finest / coarsest) ** rng.random()
-    decimals = DRAWN_COORDINATE_DECIMALS[rng.integers(len(DRAWN_COORDINATE_DECIMALS))]
+    decimals = NUMBERS_OF_COORDINATE_DECIMALS_TO_DRAW_FROM[
+        rng.integers(len(NUMBERS_OF_COORDINATE_DECIMALS_TO_DRAW_FROM))
+    ]
     return float(size), form._replace(decimals=decimals, graded=bool(rng.random() < 0.5))
 
 
-def judge_mesh_of_random_shoe(seed: int) -> JudgedMesh | str:
+def judge_mesh_of_random_shoe(seed: int) -> StatedAndTrueErrorsOfMesh | str:
     """The stated and true errors of the mesh of a seed, or the reason why there are none."""
     rng = np.random.default_rng([seed, 3])
-    size, form = draw_random_mesh_size_decimals_and_grading(rng, MESH_FORMS[seed % len(MESH_FORMS)])
+    size, form = draw_random_mesh_size_decimals_and_grading(
+        rng,
+        ELEMENT_KINDS_AND_GRADINGS_OF_JUDGED_MESHES[
+            seed % len(ELEMENT_KINDS_AND_GRADINGS_OF_JUDGED_MESHES)
+        ],
+    )
     try:
         brake = draw_random_brake_with_one_shoe(rng)
         known = solve(brake, tolerance=TOLERANCE_OF_HP_TRUTH)
@@ -288,7 +297,7 @@ def judge_mesh_of_random_shoe(seed: int) -> JudgedMesh | str:
             response = solve(vary(brake, {"shoe.mesh": str(path), "shoe.mesh_unit": "mm"}))
     except (BadInput, NoAnswer) as error:
         return f"{type(error).__name__}: {error}"
-    return JudgedMesh(
+    return StatedAndTrueErrorsOfMesh(
         seed,
         form,
         size,
@@ -316,7 +325,7 @@ def _true_relative_errors_of_response(
     }
 
 
-def report_lines_on_judged_meshes(judged: Sequence[JudgedMesh]) -> Iterator[str]:
+def report_lines_on_judged_meshes(judged: Sequence[StatedAndTrueErrorsOfMesh]) -> Iterator[str]:
     """Yield a line of text on the ratios of stated to true errors, for each quantity."""
     for name in QUANTITIES_WITH_STATED_ERROR:
         ratios = np.array([mesh.stated[name] / mesh.true[name] for mesh in judged if mesh.stated])
@@ -330,7 +339,7 @@ def report_lines_on_judged_meshes(judged: Sequence[JudgedMesh]) -> Iterator[str]
         )
 
 
-def write_row_of_judged_mesh(path: Path, seed: int, found: JudgedMesh | str) -> None:
+def write_row_of_judged_mesh(path: Path, seed: int, found: StatedAndTrueErrorsOfMesh | str) -> None:
     """Append the row of a seed to the file `path`, as a line of JSON.
 
     `found` is the judged mesh, or the reason why there is none.
@@ -343,22 +352,24 @@ def write_row_of_judged_mesh(path: Path, seed: int, found: JudgedMesh | str) -> 
         file.write(json.dumps(row) + "\n")
 
 
-def read_rows_of_judged_meshes(path: Path) -> dict[int, JudgedMesh | str]:
+def read_rows_of_judged_meshes(path: Path) -> dict[int, StatedAndTrueErrorsOfMesh | str]:
     """The judged meshes of the file `path` by their seeds, or the reasons why there are none.
 
     A file that does not exist has no rows.
     """
-    rows: dict[int, JudgedMesh | str] = {}
+    rows: dict[int, StatedAndTrueErrorsOfMesh | str] = {}
     lines = path.read_text(encoding="utf-8").splitlines() if path.exists() else []
     for row in map(json.loads, lines):
         if "reason" in row:
             rows[row["seed"]] = row["reason"]
         else:
-            rows[row["seed"]] = JudgedMesh(**row | {"form": MeshForm(**row["form"])})
+            rows[row["seed"]] = StatedAndTrueErrorsOfMesh(
+                **row | {"form": ElementKindAndGradingOfGmshMesh(**row["form"])}
+            )
     return rows
 
 
-def report_line_of_judged_mesh(seed: int, found: JudgedMesh | str) -> str:
+def report_line_of_judged_mesh(seed: int, found: StatedAndTrueErrorsOfMesh | str) -> str:
     """The line of text on the mesh of a seed, or on the reason why there is none."""
     if isinstance(found, str):
         return f"{seed}: {found}"
@@ -386,7 +397,7 @@ def main(words: Sequence[str]) -> int:
         print(report_line_of_judged_mesh(seed, rows[seed]), flush=True)  # noqa: T201
         if path is not None:
             write_row_of_judged_mesh(path, seed, rows[seed])
-    judged = [found for found in rows.values() if isinstance(found, JudgedMesh)]
+    judged = [found for found in rows.values() if isinstance(found, StatedAndTrueErrorsOfMesh)]
     for line in report_lines_on_judged_meshes(judged):
         print(line, flush=True)  # noqa: T201
     return 0

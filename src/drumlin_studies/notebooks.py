@@ -34,7 +34,7 @@ HTML_TAG_PATTERN = re.compile(r"<[^>]*>")
 PNG_SIGNATURE = b"\x89PNG\r\n\x1a\n"
 """First bytes of each PNG file (PNG specification, section 5.2)."""
 
-PNG_CHUNKS_ABOUT_FILE = (b"tEXt", b"zTXt", b"iTXt", b"tIME", b"eXIf")
+TYPES_OF_PNG_CHUNKS_WITH_TEXTS_AND_TIMES = (b"tEXt", b"zTXt", b"iTXt", b"tIME", b"eXIf")
 """Types of the PNG chunks with texts and times, such as the version of matplotlib."""
 
 
@@ -60,7 +60,7 @@ def execute_notebook(path: Path) -> Any:
         cell.metadata = {}
         cell.outputs = _outputs_with_joined_texts(cell.outputs)
         for output in cell.outputs:
-            _remove_traces_of_run(output, number)
+            _remove_traces_of_run_from_output(output, number)
     notebook.metadata.pop("language_info", None)
     return notebook
 
@@ -79,7 +79,7 @@ def _outputs_with_joined_texts(outputs: list[Any]) -> list[Any]:
     return joined
 
 
-def _remove_traces_of_run(output: Any, number: int) -> None:
+def _remove_traces_of_run_from_output(output: Any, number: int) -> None:
     """Give an output the number of its cell, and a picture no text, beside it or in it.
 
     The text beside a picture is "<Figure size ...>". The texts in a picture have the version of
@@ -107,7 +107,7 @@ def png_without_texts(picture: bytes) -> bytes:
     while start < len(picture):
         length, kind = struct.unpack_from(">I4s", picture, start)
         end = start + 12 + length
-        if kind not in PNG_CHUNKS_ABOUT_FILE:
+        if kind not in TYPES_OF_PNG_CHUNKS_WITH_TEXTS_AND_TIMES:
             kept.append(picture[start:end])
         start = end
     return b"".join(kept)
@@ -129,7 +129,7 @@ def texts_of_outputs(notebook: Any) -> list[str]:
     return texts
 
 
-def words_and_numbers_of_text(text: str) -> tuple[str, list[float]]:
+def text_with_stars_for_numbers_and_its_numbers(text: str) -> tuple[str, list[float]]:
     """A text with a star for each number, and the numbers."""
     return " ".join(PATTERN_OF_NUMBER_IN_TEXT.sub("*", text).split()), list(
         map(float, PATTERN_OF_NUMBER_IN_TEXT.findall(text))

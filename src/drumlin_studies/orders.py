@@ -15,20 +15,23 @@ from drumlin.base.arrays import Floats
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import vary
-from drumlin.comparison import Convergence
-from drumlin.fem.error_control.levels import LEVELS
+from drumlin.comparison import ResultsOnRefinedMeshes
+from drumlin.fem.error_control.levels import REFINEMENT_LEVELS_FROM_COARSE_TO_FINE
 from drumlin.fem.error_control.singular_points import singular_points_of_each_shoe_shape
-from drumlin.fem.hp.division import Level
+from drumlin.fem.hp.division import RefinementLevel
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.solve import solve
 from drumlin.laws import solve_brake_by_sine_law
 from drumlin.response.norms import relative_distance_of_pressures, relative_error_of_number
 from drumlin.response.response import Response, ShoeResponse
-from drumlin.verification.reference import Refinement, solve_brake_for_reference_values
+from drumlin.verification.reference import MeshesOfReferenceValues, solve_brake_for_reference_values
 from drumlin_studies.tables import values_of_key_in_rows
 
-RIGID_CHANGES = {"shoe.body.material.E": 2.1e15, "shoe.lining.thickness": 3e-3}
+BRAKE_CHANGES_FOR_NEARLY_RIGID_SHOE = {
+    "shoe.body.material.E": 2.1e15,
+    "shoe.lining.thickness": 3e-3,
+}
 """Changes of a brake file that make a shoe nearly rigid.
 
 Young's modulus of its body becomes 1e4 times that of steel. The thickness of its lining becomes 3
@@ -86,16 +89,18 @@ def convergence_order_rows_of_meshes(
 
 
 # The arguments are degree, zone, edge, end, ratio, opening, largest, back, hinge, through: see
-# `Level`.
-COARSE_LEVEL = Level(2, 0.9, 0.3, 0.4, 0.15, 0.15, math.radians(30), 1.0, 1.0, 0.1)
+# `RefinementLevel`.
+COARSEST_HP_MESH_OF_ERROR_ROWS = RefinementLevel(
+    2, 0.9, 0.3, 0.4, 0.15, 0.15, math.radians(30), 1.0, 1.0, 0.1
+)
 """The first and coarsest hp mesh of `error_rows_of_hp_levels`. The errors on it are some percent.
 """
 
-REFERENCE_MESHES_OF_HP_LEVELS = Refinement(
+REFERENCE_MESHES_OF_HP_LEVELS = MeshesOfReferenceValues(
     3,
     (
-        Level(8, 0.002, 0.0015, 3e-4, 0.5, 0.5, math.radians(12), 0.003, 0.0015, 0.4),
-        Level(9, 0.001, 7e-4, 1e-4, 0.5, 0.5, math.radians(12), 0.0015, 7e-4, 0.4),
+        RefinementLevel(8, 0.002, 0.0015, 3e-4, 0.5, 0.5, math.radians(12), 0.003, 0.0015, 0.4),
+        RefinementLevel(9, 0.001, 7e-4, 1e-4, 0.5, 0.5, math.radians(12), 0.0015, 7e-4, 0.4),
     ),
     (),
 )
@@ -106,7 +111,7 @@ They are so fine that the errors of four coarser levels are known to within 50 %
 
 
 def error_rows_of_hp_levels(
-    brake: Brake, refinement: Refinement = REFERENCE_MESHES_OF_HP_LEVELS
+    brake: Brake, refinement: MeshesOfReferenceValues = REFERENCE_MESHES_OF_HP_LEVELS
 ) -> list[ConvergenceRow]:
     """A row for each level of hp elements: the errors of pressure and torque, with exact contact.
 
@@ -120,7 +125,7 @@ def error_rows_of_hp_levels(
     true, places = reference.value, singular_points_of_each_shoe_shape(brake, reference.value)
     floor = 2 * largest_pressure_distance_of_shoes(reference.before, true)
     rows = []
-    for level in (COARSE_LEVEL, *LEVELS):
+    for level in (COARSEST_HP_MESH_OF_ERROR_ROWS, *REFINEMENT_LEVELS_FROM_COARSE_TO_FINE):
         made = make_prepared_model(brake, level, places)
         # An infinite penalty asks for exact contact; the contact set of the reference is the start.
         response = solve_prepared_model(made, brake, penalty=math.inf, start=true)
@@ -143,7 +148,7 @@ def error_rows_of_hp_levels(
     return rows
 
 
-class FittedLine(NamedTuple):
+class FittedErrorDecayOfHpMeshes(NamedTuple):
     """The fit log10(error) = a - fall n^(1/3) to the errors of hp meshes with n unknowns.
 
     Attributes
@@ -161,11 +166,11 @@ class FittedLine(NamedTuple):
     decades: float
 
 
-def fit_line_to_log_errors(rows: Sequence[ConvergenceRow]) -> FittedLine:
+def fit_line_to_log_errors(rows: Sequence[ConvergenceRow]) -> FittedErrorDecayOfHpMeshes:
     """The straight line through the errors of p in the rows of `error_rows_of_hp_levels`."""
     x = np.array(values_of_key_in_rows(rows, "root"))
     y = np.array(list(map(math.log10, values_of_key_in_rows(rows, "pressure"))))
-    return FittedLine(
+    return FittedErrorDecayOfHpMeshes(
         -float(np.polyfit(x, y, 1)[0]), -float(np.corrcoef(x, y)[0, 1]), float(np.ptp(y))
     )
 
@@ -212,7 +217,7 @@ def estimated_and_true_error_row(
     }
 
 
-def torque_convergence_rows_of_meshes(convergence: Convergence) -> list[ConvergenceRow]:
+def torque_convergence_rows_of_meshes(convergence: ResultsOnRefinedMeshes) -> list[ConvergenceRow]:
     """A row for each of several meshes, each twice as fine as the one before.
 
     A row has the torque [N m], the relative distance of the torque from its limit, and under the
@@ -251,9 +256,10 @@ def rows_comparing_sine_law_with_rigid_shoe_solves(
     the largest minus the smallest p/sin(phi), divided by the mean, for the pressure p by finite
     elements at the angle phi from the hinge. By the sine law `spread` is zero.
 
-    brake : the brake, before RIGID_CHANGES; elements : number of elements along each lining.
+    brake : the brake, before BRAKE_CHANGES_FOR_NEARLY_RIGID_SHOE; elements : number of elements
+        along each lining.
     """
-    rigid = vary(brake, RIGID_CHANGES)
+    rigid = vary(brake, BRAKE_CHANGES_FOR_NEARLY_RIGID_SHOE)
     law, fem = solve_brake_by_sine_law(rigid), solve(rigid, elements=elements)
     rows: list[ConvergenceRow] = []
     for spec, a, b in zip(rigid.shoes, law.shoes, fem.shoes, strict=True):

@@ -15,11 +15,11 @@ from drumlin_studies.tables import (
     rows_with_given_values,
     values_of_key_in_rows,
 )
-from drumlin_studies.trial import TRIAL_FAULTS
+from drumlin_studies.trial import TRIAL_OUTCOMES_THAT_ARE_FAULTS_OF_DRUMLIN
 
 TrialRow = dict[str, Any]
 """A row of a table: the values of a trial by key."""
-POINTWISE_OUTCOMES = (
+OUTCOMES_OF_POINTWISE_PENALTY_TRIALS = (
     "agrees",
     "differs",
     "cycles",
@@ -33,13 +33,19 @@ POINTWISE_OUTCOMES = (
 
 "a number where there is none": the method gives an answer to a case that drumlin refuses.
 """
-TIME_KEYS = ("seconds", "seconds_whole", "pointwise_seconds", "steps", "pointwise_steps")
+ROW_KEYS_OF_TIMES_AND_ITERATION_COUNTS = (
+    "seconds",
+    "seconds_whole",
+    "pointwise_seconds",
+    "steps",
+    "pointwise_steps",
+)
 """Keys of a row that hold times [s] and numbers of iterations."""
 
 
 def trial_rows_with_fault_as_outcome(rows: Sequence[TrialRow]) -> list[TrialRow]:
     """Rows of trials that ended with a fault: neither right answer nor refusal with a reason."""
-    return [row for row in rows if row["outcome"] in TRIAL_FAULTS]
+    return [row for row in rows if row["outcome"] in TRIAL_OUTCOMES_THAT_ARE_FAULTS_OF_DRUMLIN]
 
 
 def rows_with_fewest_correct_digits(rows: Sequence[TrialRow], count: int = 10) -> list[TrialRow]:
@@ -78,14 +84,14 @@ def count_row_values_by_varied_quantity(
 
 
 def solve_time_rows_by_varied_quantity(rows: Sequence[TrialRow]) -> list[TrialRow]:
-    """A row for each varied quantity (knob) with median and largest value of each of TIME_KEYS.
+    """A row for each varied quantity (knob) with median and largest times and iteration counts.
 
     The last row is for all trials.
     """
     table = []
     for knob, own in _group_rows_by_varied_quantity(rows).items():
         line: TrialRow = {"knob": knob, "cases": len(own)}
-        for key in TIME_KEYS:
+        for key in ROW_KEYS_OF_TIMES_AND_ITERATION_COUNTS:
             # A trial that drumlin refuses before the solve has no times and is left out here.
             values = values_of_key_in_rows(rows_that_have_value_of_key(own, key), key)
             line[key] = statistics.median(values) if values else None

@@ -18,8 +18,8 @@ from drumlin.base.arrays import Floats
 from drumlin.base.texts import number_as_text
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import vary
-from drumlin.fem.error_control.levels import LEVELS
-from drumlin.fem.hp.division import Level
+from drumlin.fem.error_control.levels import REFINEMENT_LEVELS_FROM_COARSE_TO_FINE
+from drumlin.fem.hp.division import RefinementLevel
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.solve import solve as by_elements
@@ -27,7 +27,7 @@ from drumlin.fem.width.correction import correct_response_for_shoe_widths
 from drumlin.fem.width.face import ContactFaceWithWidth
 from drumlin.fem.width.prepare import prepare_model_with_shoe_widths
 from drumlin.foundation import model as foundation
-from drumlin.laws import LAWS, hinged, solve_brake_by_sine_law
+from drumlin.laws import LAWS_OF_HINGED_SHOES_BY_NAME, hinged, solve_brake_by_sine_law
 from drumlin.lining_wear.archard import WearLaw, wear_linings_in_given_steps
 from drumlin.lining_wear.linings import wear_setup_by_finite_elements
 from drumlin.response.norms import (
@@ -36,14 +36,14 @@ from drumlin.response.norms import (
     relative_error_of_number,
 )
 from drumlin.response.response import (
-    PressureOverWidth,
+    PressureOverArcAndWidth,
     Response,
     ShoeResponse,
     length_of_edge_zone_left_out_of_peak_search,
 )
 from drumlin_studies.tables import values_of_key_in_rows
 from drumlin_studies.uncertainty import (
-    Validation,
+    ComparisonOfSimulationWithData,
     compare_simulated_value_with_reference_value,
 )
 
@@ -73,7 +73,7 @@ error of plane stress is within it.
 """
 
 
-class SolidAndPlane(NamedTuple):
+class ResponsesBySolidAndPlaneStress(NamedTuple):
     """A brake with its responses by solid shoes, by plane stress, and by corrected plane stress.
 
     The correction estimates the effect of the widths of the shoes' parts.
@@ -87,16 +87,20 @@ class SolidAndPlane(NamedTuple):
 
 def solve_by_solid_and_plane_stress(
     brake: Brake, across: int = DEFAULT_DEGREE_ACROSS_SOLID_WIDTH
-) -> SolidAndPlane:
-    """The responses of a brake by the three models of `SolidAndPlane`.
+) -> ResponsesBySolidAndPlaneStress:
+    """The responses of a brake by the three models of `ResponsesBySolidAndPlaneStress`.
 
     All models have the same mesh in the plane of the drum.
 
     across : degree across the width of the solid shoes.
     """
-    plane = solve_prepared_model(make_prepared_model(brake, LEVELS[0]), brake)
+    plane = solve_prepared_model(
+        make_prepared_model(brake, REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[0]), brake
+    )
     true = solve_with_solid_shoes(brake, across)
-    return SolidAndPlane(brake, true, plane, correct_response_for_shoe_widths(brake, plane))
+    return ResponsesBySolidAndPlaneStress(
+        brake, true, plane, correct_response_for_shoe_widths(brake, plane)
+    )
 
 
 def relative_pressure_deviation_across_width(shoe: ShoeResponse, zone: float) -> float:
@@ -124,7 +128,7 @@ def relative_pressure_deviation_across_width(shoe: ShoeResponse, zone: float) ->
     return float(np.sqrt(variance / size)) if size > 0 else 0.0
 
 
-def pressure_over_friction_face_of_solid_shoe(shoe: ShoeResponse) -> PressureOverWidth:
+def pressure_over_friction_face_of_solid_shoe(shoe: ShoeResponse) -> PressureOverArcAndWidth:
     """The pressure on the whole friction face of a solid shoe, along and across."""
     assert shoe.surface is not None
     return shoe.surface
@@ -139,7 +143,9 @@ def largest_pressure_on_solid_face(shoe: ShoeResponse, zone: float) -> float:
     return float(pressure_over_friction_face_of_solid_shoe(shoe).pressure[inside].max())
 
 
-def plane_stress_error_rows_of_shoes(three: SolidAndPlane, case: str = "") -> list[dict[str, Any]]:
+def plane_stress_error_rows_of_shoes(
+    three: ResponsesBySolidAndPlaneStress, case: str = ""
+) -> list[dict[str, Any]]:
     """A row for each shoe with the relative errors of plane stress against the solid shoe.
 
     Keys: `torque`; `pressure`, the L2 error of the mean pressure over the width; `peak`, the peak
@@ -203,7 +209,7 @@ def value_of_largest_magnitude_in_rows(table: Sequence[dict[str, Any]], key: str
 
 
 @dataclass(frozen=True)
-class PlaneErrorMap:
+class PlaneStressErrorMap:
     """Map of the relative errors of plane stress over two quantities that are varied.
 
     Attributes
@@ -254,14 +260,14 @@ def map_plane_stress_errors(
     x: Sequence[float],
     y: Sequence[float],
     say: Callable[[str], None],
-) -> PlaneErrorMap:
+) -> PlaneStressErrorMap:
     """The map of the errors of plane stress over a grid of brakes.
 
     Parameters
     ----------
     name, axes : str, tuple of two str
         Title of the map and names of its two quantities, which become attributes of the
-        `PlaneErrorMap`.
+        `PlaneStressErrorMap`.
     brake_at : function
         Returns the brake for a value of each quantity.
     x, y : sequence of float
@@ -279,10 +285,12 @@ def map_plane_stress_errors(
             )
             for key in keys:
                 errors[key][j, i] = value_of_largest_magnitude_in_rows(table, key)
-    return PlaneErrorMap(name, axes, np.asarray(x), np.asarray(y), errors)
+    return PlaneStressErrorMap(name, axes, np.asarray(x), np.asarray(y), errors)
 
 
-def rows_of_shares_within_error_limits(charts: Sequence[PlaneErrorMap]) -> list[dict[str, Any]]:
+def rows_of_shares_within_error_limits(
+    charts: Sequence[PlaneStressErrorMap],
+) -> list[dict[str, Any]]:
     """A row for each map and each error: its largest value, and the shares within the limits.
 
     The limits are REPORTED_PLANE_STRESS_ERROR_LIMITS.
@@ -321,7 +329,7 @@ class TorqueOnLevels(NamedTuple):
 
 
 def solve_torque_on_refinement_levels(
-    torque: Callable[[Level], float], levels: Sequence[Level]
+    torque: Callable[[RefinementLevel], float], levels: Sequence[RefinementLevel]
 ) -> TorqueOnLevels:
     """The torque of a brake on several levels, which are finer and finer meshes.
 
@@ -332,7 +340,7 @@ def solve_torque_on_refinement_levels(
 
 def compare_plane_stress_torque_with_solid(
     plane: TorqueOnLevels, true: TorqueOnLevels
-) -> Validation:
+) -> ComparisonOfSimulationWithData:
     """The error of the torque by plane stress against the solid shoe, with its uncertainty.
 
     The uncertainty comes from the meshes of both models.
@@ -374,7 +382,7 @@ class TimeAndErrors(NamedTuple):
     plane_pressure: float
 
 
-class ModelOnBrake(NamedTuple):
+class ModelWithFunctionThatSolvesBrake(NamedTuple):
     """A model with its setting, and a function that returns its response to the brake."""
 
     method: str
@@ -402,7 +410,10 @@ def measure_time_and_errors_of_models(
     solids : sequence of int
         Degree across the width of each timed solve with solid shoes.
     """
-    truths = solve_with_solid_shoes(brake, fine, LEVELS[1]), by_elements(brake)
+    truths = (
+        solve_with_solid_shoes(brake, fine, REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[1]),
+        by_elements(brake),
+    )
     rungs = []
     for method, setting, solve_once in _list_brake_models_with_their_solve_functions(
         brake, meshes, solids
@@ -425,35 +436,47 @@ def measure_time_and_errors_of_models(
 
 def _list_brake_models_with_their_solve_functions(
     brake: Brake, meshes: Sequence[int], solids: Sequence[int]
-) -> list[ModelOnBrake]:
+) -> list[ModelWithFunctionThatSolvesBrake]:
     """The models that are measured, from the laws to the finest solid shoes."""
     models = []
     for name in ("sine", "cosine", "uniform"):
         models.append(
-            ModelOnBrake(
-                name, "", partial(hinged.solve_brake_with_hinged_shoes_by_law, LAWS[name], brake)
+            ModelWithFunctionThatSolvesBrake(
+                name,
+                "",
+                partial(
+                    hinged.solve_brake_with_hinged_shoes_by_law,
+                    LAWS_OF_HINGED_SHOES_BY_NAME[name],
+                    brake,
+                ),
             )
         )
     if foundation.reason_against_foundation_model(brake) is None:
         models.append(
-            ModelOnBrake(
+            ModelWithFunctionThatSolvesBrake(
                 "foundation",
                 "",
                 partial(foundation.solve_brake_by_foundation_model, brake, lift=()),
             )
         )
         lifted = partial(foundation.solve_brake_by_foundation_model, brake, lift=("all",))
-        models.append(ModelOnBrake("lifted", "all", lifted))
+        models.append(ModelWithFunctionThatSolvesBrake("lifted", "all", lifted))
     for n in meshes:
         setting = f"{n} elements"
         models.append(
-            ModelOnBrake("plane stress", setting, partial(_solve_in_plane_stress, brake, n))
+            ModelWithFunctionThatSolvesBrake(
+                "plane stress", setting, partial(_solve_in_plane_stress, brake, n)
+            )
         )
         by_corrected = partial(_solve_brake_with_width_correction, brake, n)
-        models.append(ModelOnBrake("plane stress, corrected", setting, by_corrected))
+        models.append(
+            ModelWithFunctionThatSolvesBrake("plane stress, corrected", setting, by_corrected)
+        )
     for n in solids:
         models.append(
-            ModelOnBrake("solid", f"degree {n}", partial(solve_with_solid_shoes, brake, n))
+            ModelWithFunctionThatSolvesBrake(
+                "solid", f"degree {n}", partial(solve_with_solid_shoes, brake, n)
+            )
         )
     return models
 
@@ -483,7 +506,9 @@ def _solve_brake_with_width_correction(brake: Brake, elements: int) -> Response:
 
 
 def solve_with_solid_shoes(
-    brake: Brake, across: int = DEFAULT_DEGREE_ACROSS_SOLID_WIDTH, level: Level = LEVELS[0]
+    brake: Brake,
+    across: int = DEFAULT_DEGREE_ACROSS_SOLID_WIDTH,
+    level: RefinementLevel = REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[0],
 ) -> Response:
     """The response of a brake with solid shoes.
 
@@ -529,7 +554,7 @@ def wear_solid_linings(
     across : int
         Degree across the width.
     """
-    scene = prepare_model_with_shoe_widths(brake, LEVELS[0], across)
+    scene = prepare_model_with_shoe_widths(brake, REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[0], across)
     start, law = solve_prepared_model(scene, brake), solve_brake_by_sine_law(brake)
     setup = wear_setup_by_finite_elements(scene, brake)
     # The sliding distance 1/(k K) for a wear coefficient k of 1/Pa.
@@ -579,7 +604,7 @@ def _response_with_worn_lining_pressure(
         Pressures at the nodes of the worn lining's face [Pa].
     """
     assert isinstance(line, ContactFaceWithWidth)
-    _, mean = line.angles_and_mean_pressures(p)
+    _, mean = line.angles_and_pressures_averaged_over_width(p)
     face = line.pressure_distribution_over_arc_and_width(p)
     surface = face._replace(pressure=face.pressure[forward])
     return replace(first, pressure=mean[forward], surface=surface)
@@ -624,7 +649,7 @@ def sentences_on_largest_plane_stress_errors(
     return lines
 
 
-def sentences_on_maps_of_plane_stress_errors(charts: Sequence[PlaneErrorMap]) -> list[str]:
+def sentences_on_maps_of_plane_stress_errors(charts: Sequence[PlaneStressErrorMap]) -> list[str]:
     """Sentences on each map: the ranges in which the errors are within the reported limits."""
     lines = []
     for chart in charts:
@@ -637,7 +662,7 @@ def sentences_on_maps_of_plane_stress_errors(charts: Sequence[PlaneErrorMap]) ->
     return lines
 
 
-def _describe_map_ranges_within_limits(chart: PlaneErrorMap, key: str) -> list[str]:
+def _describe_map_ranges_within_limits(chart: PlaneStressErrorMap, key: str) -> list[str]:
     """Texts, one for each reported limit: the range of a map with errors within the limit.
 
     The list ends with the first limit that holds on the whole map.

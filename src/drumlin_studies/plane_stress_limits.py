@@ -12,7 +12,7 @@ from drumlin.base.errors import DrumlinError
 from drumlin.brake.brake import Brake
 from drumlin.brake.fields import Material
 from drumlin.brake.file import vary
-from drumlin.fem.error_control.levels import LEVELS
+from drumlin.fem.error_control.levels import REFINEMENT_LEVELS_FROM_COARSE_TO_FINE
 from drumlin.fem.solve import solve
 from drumlin.fem.width.error import relative_distance_of_plane_stress_from_width_solution
 from drumlin.fem.width.ladder import (
@@ -30,7 +30,7 @@ NAMES_OF_LIMITED_QUANTITIES = {"pressure": "mean p over the width", "torque": "t
 """Names of the compared quantities by their key in the error of plane stress."""
 
 
-class Variation(NamedTuple):
+class VariedQuantityOfPlaneStressError(NamedTuple):
     """A quantity that is varied.
 
     Attributes
@@ -103,40 +103,40 @@ def isotropic_lining_material(brake: Brake) -> Material:
     return material
 
 
-VARIATIONS = (
-    Variation(
+VARIED_QUANTITIES_OF_FIGURE_PANELS = (
+    VariedQuantityOfPlaneStressError(
         "lining width / thickness",
         (1.0, 1.5, 2.0, 3.0, 5.0, 7.0, 10.0),
         lining_width_over_thickness,
         brake_with_lining_width_over_thickness,
     ),
-    Variation(
+    VariedQuantityOfPlaneStressError(
         "web width / lining width",
         (0.08, 0.125, 0.2, 0.3, 0.45, 0.7, 1.0),
         web_width_over_lining_width,
         brake_with_web_width_over_lining_width,
         needs_web=True,
     ),
-    Variation(
+    VariedQuantityOfPlaneStressError(
         "overhang / table thickness",
         (1.5, 2.0, 3.0, 4.5, 7.0, 10.0, 14.0),
         overhang_over_table_thickness,
         brake_with_overhang_over_table_thickness,
         needs_web=True,
     ),
-    Variation(
+    VariedQuantityOfPlaneStressError(
         "Poisson's ratio of the lining",
         (0.0, 0.1, 0.2, 0.25, 0.3, 0.4, 0.45),
         lambda brake: isotropic_lining_material(brake).nu,
         lambda brake, nu: vary(brake, {"shoe.lining.material.nu": nu}),
     ),
-    Variation(
+    VariedQuantityOfPlaneStressError(
         "modulus of the lining [MPa]",
         (30.0, 100.0, 300.0, 1000.0, 3000.0),
         lambda brake: 1e-6 * isotropic_lining_material(brake).E,
         lambda brake, modulus: vary(brake, {"shoe.lining.material.E": 1e6 * modulus}),
     ),
-    Variation(
+    VariedQuantityOfPlaneStressError(
         "friction",
         (0.05, 0.1, 0.2, 0.3, 0.4, 0.5),
         lambda brake: brake.friction,
@@ -158,7 +158,7 @@ def errors_of_plane_stress_by_width_model(brake: Brake) -> dict[str, float]:
     """
     plane = solve(brake)
     wide = solve_cross_section_mesh_with_width_degree(
-        brake, LEVELS[0], DEGREE_ACROSS_WIDTH_OF_LIMIT_STUDY, plane
+        brake, REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[0], DEGREE_ACROSS_WIDTH_OF_LIMIT_STUDY, plane
     ).response
     found = relative_distance_of_plane_stress_from_width_solution(brake, plane, wide).brake
     return {name: found[name] for name in NAMES_OF_LIMITED_QUANTITIES}
@@ -180,7 +180,7 @@ def rows_of_plane_stress_limits(
     say : is called with a line of text on the progress
     """
     rows = []
-    for variation in VARIATIONS:
+    for variation in VARIED_QUANTITIES_OF_FIGURE_PANELS:
         for name, brake in brakes.items():
             if variation.needs_web and not has_shoe_with_parts_of_different_widths(brake):
                 continue
@@ -196,7 +196,7 @@ def rows_of_plane_stress_limits(
     return rows
 
 
-class LimitRange(NamedTuple):
+class QuantityRangeWithinPlaneStressErrorLimit(NamedTuple):
     """The values of a varied quantity with which the error of plane stress is within a limit.
 
     `low` and `high` are the smallest and the largest of these values; None if no value is within
@@ -211,7 +211,9 @@ class LimitRange(NamedTuple):
     high: float | None
 
 
-def parameter_ranges_within_error_limits(rows: Sequence[Mapping[str, Any]]) -> list[LimitRange]:
+def parameter_ranges_within_error_limits(
+    rows: Sequence[Mapping[str, Any]],
+) -> list[QuantityRangeWithinPlaneStressErrorLimit]:
     """The ranges of the varied quantities in which plane stress is within each limit."""
     groups: dict[tuple[str, str], list[Mapping[str, Any]]] = {}
     for row in rows:
@@ -222,5 +224,7 @@ def parameter_ranges_within_error_limits(rows: Sequence[Mapping[str, Any]]) -> l
             for limit in LIMITS_OF_PLANE_STRESS_ERROR:
                 within = [row["value"] for row in own if row[quantity] <= limit]
                 ends = (min(within), max(within)) if within else (None, None)
-                found.append(LimitRange(varied, brake, quantity, limit, *ends))
+                found.append(
+                    QuantityRangeWithinPlaneStressErrorLimit(varied, brake, quantity, limit, *ends)
+                )
     return found

@@ -34,12 +34,12 @@ from drumlin.fem.preparation.bodies import (
 )
 from drumlin.fem.preparation.meshes import (
     DEFAULT_ELEMENTS_ALONG_LINING,
-    AssembledShoe,
+    AssembledUncondensedShoe,
     Mesher,
     mesh_and_assemble_shoe,
 )
 from drumlin.fem.preparation.scene import SecondsOfEachPhase, add_elapsed_time_of_block_to_phase
-from drumlin.fem.substructure.body import NUMBER_OF_FRAME_DISPLACEMENTS
+from drumlin.fem.substructure.body import DEGREES_OF_FREEDOM_OF_BODY_FRAME
 from drumlin.fem.substructure.interface import (
     edge_quadrature_points,
     function_that_returns_drum_normals_and_tangents,
@@ -58,13 +58,13 @@ from drumlin.response.response import (
 )
 from drumlin.response.resultants import planar_cross_product
 
-POINTWISE_PENALTY = 1e3
+DEFAULT_FACTOR_OF_POINTWISE_PENALTY = 1e3
 """Default penalty factor alpha in the penalty stiffness eps = alpha E/t [Pa/m].
 
 E and t are Young's modulus and thickness of the lining. There are more Gauss points than nodes, so
 that with a much larger factor the contact conditions at the points would over-constrain the nodes.
 """
-MOST_POINT_STEPS = 60
+MOST_NEWTON_STEPS_OF_POINTWISE_PENALTY = 60
 """Number of Newton steps after which the method gives up, because the contact has not converged."""
 
 
@@ -73,7 +73,7 @@ def solve_by_pointwise_penalty(
     *,
     elements: int = DEFAULT_ELEMENTS_ALONG_LINING,
     kind: str = DEFAULT_MESH_KIND,
-    penalty: float = POINTWISE_PENALTY,
+    penalty: float = DEFAULT_FACTOR_OF_POINTWISE_PENALTY,
     mesher: Mesher | None = None,
 ) -> Response:
     """The response of a brake with a rigid drum by the pointwise penalty.
@@ -97,7 +97,8 @@ def solve_by_pointwise_penalty(
     Raises
     ------
     NoAnswer
-        The set of touching points repeats itself or still changes after MOST_POINT_STEPS.
+        The set of touching points repeats itself or still changes after
+        MOST_NEWTON_STEPS_OF_POINTWISE_PENALTY.
     BadInput
         The brake has an elastic ring, or the penalty is infinite.
     """
@@ -125,7 +126,7 @@ def solve_by_pointwise_penalty(
 
 
 @dataclass(frozen=True)
-class _ContactPoints:
+class _QuadraturePointsOfFrictionFace:
     """The quadrature points of a shoe's friction face, at which the contact is enforced.
 
     Attributes
@@ -148,7 +149,7 @@ class _ContactPoints:
     nodal_forces_of_unit_contact: Any
 
 
-class PointwiseAnswer(NamedTuple):
+class ShoeResponseByPointwisePenalty(NamedTuple):
     """The response of a shoe, its balance and its number of Newton steps."""
 
     response: ShoeResponse
@@ -158,7 +159,7 @@ class PointwiseAnswer(NamedTuple):
 
 def _solve_one_shoe_by_penalty(
     brake: Brake, shoe: Shoe, mesher: Mesher, penalty: float, seconds: SecondsOfEachPhase
-) -> PointwiseAnswer:
+) -> ShoeResponseByPointwisePenalty:
     """The response of one shoe with its balance and number of Newton steps.
 
     Parameters
@@ -186,7 +187,7 @@ def _solve_one_shoe_by_penalty(
         turned = np.zeros(A.shape[0])
         turned[
             2 * -len(parts.line.nodes)
-            - NUMBER_OF_FRAME_DISPLACEMENTS : -NUMBER_OF_FRAME_DISPLACEMENTS
+            - DEGREES_OF_FREEDOM_OF_BODY_FRAME : -DEGREES_OF_FREEDOM_OF_BODY_FRAME
         ] = _nodal_displacements_per_turn_about_pin(parts, shoe)
         turned[-1] = 1.0
         if force == 0 or not (moment * (points.gap_closure_by_displacements @ turned) > 0).any():
@@ -194,7 +195,7 @@ def _solve_one_shoe_by_penalty(
         # The pin fixes the two displacements of the shoe's frame; all other unknowns are free.
         free = np.delete(
             np.arange(A.shape[0]),
-            [-NUMBER_OF_FRAME_DISPLACEMENTS, 1 - NUMBER_OF_FRAME_DISPLACEMENTS],
+            [-DEGREES_OF_FREEDOM_OF_BODY_FRAME, 1 - DEGREES_OF_FREEDOM_OF_BODY_FRAME],
         )
         load = force * (parts.loads[ACTUATION_LOAD_NAME] @ per_newton)
         stiffness = penalty_stiffness_of_contact_per_area(shoe, penalty)
@@ -205,10 +206,11 @@ def _solve_one_shoe_by_penalty(
         # The hinge reaction is the residual of the equations of the two displacements that the pin
         # fixes.
         reaction = (A @ u - load - nodal)[
-            -NUMBER_OF_FRAME_DISPLACEMENTS : 1 - NUMBER_OF_FRAME_DISPLACEMENTS + 1
+            -DEGREES_OF_FREEDOM_OF_BODY_FRAME : 1 - DEGREES_OF_FREEDOM_OF_BODY_FRAME + 1
         ]
     contact = nodal[
-        2 * -len(parts.line.nodes) - NUMBER_OF_FRAME_DISPLACEMENTS : -NUMBER_OF_FRAME_DISPLACEMENTS
+        2 * -len(parts.line.nodes)
+        - DEGREES_OF_FREEDOM_OF_BODY_FRAME : -DEGREES_OF_FREEDOM_OF_BODY_FRAME
     ].reshape(-1, 2)
     given = (force * per_newton)[:2]
     balance = _relative_imbalance_of_forces_and_moments(
@@ -221,16 +223,18 @@ def _solve_one_shoe_by_penalty(
     response = _shoe_response_from_quadrature_pressures(
         shoe, points, p, abs(drag), to_brake, assists, turn
     )
-    return PointwiseAnswer(response, balance, contact_state.steps)
+    return ShoeResponseByPointwisePenalty(response, balance, contact_state.steps)
 
 
-def _answer_of_shoe_without_contact(shoe: Shoe) -> PointwiseAnswer:
+def _answer_of_shoe_without_contact(shoe: Shoe) -> ShoeResponseByPointwisePenalty:
     """The answer for a shoe that its actuation force does not press on the drum."""
     response = response_of_shoe_without_contact(shoe, -shoe.actuation.force_vector)
-    return PointwiseAnswer(response, ForceAndMomentImbalance(0.0, 0.0), 0)
+    return ShoeResponseByPointwisePenalty(response, ForceAndMomentImbalance(0.0, 0.0), 0)
 
 
-def _work_of_friction_in_shoe_motion(points: _ContactPoints, p: Floats, motion: Floats) -> float:
+def _work_of_friction_in_shoe_motion(
+    points: _QuadraturePointsOfFrictionFace, p: Floats, motion: Floats
+) -> float:
     """Work [N m] of the friction due to the pressures p (q,) [Pa], in a motion (unknowns,) [m].
 
     The matrix `nodal_forces_of_unit_contact` gives normal and friction forces, and
@@ -244,7 +248,7 @@ def _work_of_friction_in_shoe_motion(points: _ContactPoints, p: Floats, motion: 
 
 
 def _relative_imbalance_of_forces_and_moments(
-    parts: AssembledShoe,
+    parts: AssembledUncondensedShoe,
     shoe: Shoe,
     contact: Floats,
     reaction: Floats,
@@ -255,7 +259,7 @@ def _relative_imbalance_of_forces_and_moments(
 
     Parameters
     ----------
-    parts : AssembledShoe
+    parts : AssembledUncondensedShoe
         The assembled shoe, with its n contact nodes.
     shoe : Shoe
         The shoe.
@@ -279,8 +283,8 @@ def _relative_imbalance_of_forces_and_moments(
 
 
 def _quadrature_points_of_shoe_friction_face(
-    parts: AssembledShoe, brake: Brake, shoe: Shoe, drag: float
-) -> _ContactPoints:
+    parts: AssembledUncondensedShoe, brake: Brake, shoe: Shoe, drag: float
+) -> _QuadraturePointsOfFrictionFace:
     """The quadrature points of a shoe's friction face.
 
     drag : friction force divided by normal force, positive if the drum drags towards growing
@@ -289,13 +293,15 @@ def _quadrature_points_of_shoe_friction_face(
     line = parts.line
     at, weights = np.polynomial.legendre.leggauss(line.interpolation_degree_along_contact_line + 1)
     psi, x, ds = edge_quadrature_points(line.xy[:, line.pieces], at, weights)
-    normal, tangent = function_that_returns_drum_normals_and_tangents(shoe.sign_of_internal_shoe)(x)
+    normal, tangent = function_that_returns_drum_normals_and_tangents(
+        shoe.sign_internal_plus_external_minus
+    )(x)
     radius = np.hypot(*x)
     phi = shoe.surface_coordinates_of_points_in_shoe_frame(x, brake.size)
     unknowns = parts.constraints.matrix.shape[1]
-    first = unknowns - NUMBER_OF_FRAME_DISPLACEMENTS - 2 * len(line.nodes)
+    first = unknowns - DEGREES_OF_FREEDOM_OF_BODY_FRAME - 2 * len(line.nodes)
 
-    def nodal_forces_of_point_vectors(vectors: Floats) -> Any:
+    def nodal_force_matrix_of_vectors_at_points(vectors: Floats) -> Any:
         """The nodal forces of a vector at each point, as a sparse matrix (points, unknowns).
 
         vectors : array (2, edges, points on an edge) of unit forces at the points.
@@ -311,23 +317,25 @@ def _quadrature_points_of_shoe_friction_face(
             (values.ravel(), (rows.ravel(), columns.ravel())), shape=(edges * q, unknowns)
         )
 
-    return _ContactPoints(
+    return _QuadraturePointsOfFrictionFace(
         weight=(shoe.lining.width * ds).ravel(),
         phi=phi.ravel(),
         radius=radius.ravel(),
         gap=unloaded_lining_gaps_at_points(x, phi, brake, shoe).ravel(),
-        gap_closure_by_displacements=nodal_forces_of_point_vectors(normal),
-        nodal_forces_of_unit_contact=nodal_forces_of_point_vectors(drag * tangent - normal),
+        gap_closure_by_displacements=nodal_force_matrix_of_vectors_at_points(normal),
+        nodal_forces_of_unit_contact=nodal_force_matrix_of_vectors_at_points(
+            drag * tangent - normal
+        ),
     )
 
 
-def _nodal_displacements_per_turn_about_pin(parts: AssembledShoe, shoe: Shoe) -> Floats:
+def _nodal_displacements_per_turn_about_pin(parts: AssembledUncondensedShoe, shoe: Shoe) -> Floats:
     """Displacements (2 n,) [m/rad] of the n contact nodes as the shoe turns about its pin."""
     x, y = parts.line.xy - shoe.pin_position_in_shoe_frame[:, None]
     return np.column_stack([-y, x]).ravel()
 
 
-class _PointContact(NamedTuple):
+class _ContactStateOfShoeByNewton(NamedTuple):
     """Contact state of a shoe: displacements (unknowns,), flags (q,), number of Newton steps.
 
     A flag of `touching` tells whether a quadrature point touches the drum.
@@ -339,8 +347,13 @@ class _PointContact(NamedTuple):
 
 
 def _find_touching_points_by_newton(
-    A: Any, load: Floats, points: _ContactPoints, stiffness: float, free: Ints, name: str
-) -> _PointContact:
+    A: Any,
+    load: Floats,
+    points: _QuadraturePointsOfFrictionFace,
+    stiffness: float,
+    free: Ints,
+    name: str,
+) -> _ContactStateOfShoeByNewton:
     """The contact state of a shoe by Newton's method, which starts with all points touching.
 
     Parameters
@@ -349,7 +362,7 @@ def _find_touching_points_by_newton(
         Stiffness matrix of the shoe.
     load : array (unknowns,)
         Nodal forces of the actuation [N].
-    points : _ContactPoints
+    points : _QuadraturePointsOfFrictionFace
         Quadrature points of the shoe's friction face.
     stiffness : float
         Penalty stiffness eps [Pa/m].
@@ -361,7 +374,7 @@ def _find_touching_points_by_newton(
     u, on = np.zeros(A.shape[0]), np.ones(len(points.gap), dtype=bool)
     K = A[free][:, free].tocsc()
     seen: set[bytes] = set()
-    for step in range(1, MOST_POINT_STEPS + 1):
+    for step in range(1, MOST_NEWTON_STEPS_OF_POINTWISE_PENALTY + 1):
         factor = sp.diags(on * points.weight * stiffness)
         nodal_forces_of_unit_contact = points.nodal_forces_of_unit_contact.T[free] @ factor
         try:
@@ -382,7 +395,7 @@ def _find_touching_points_by_newton(
         # displacements.
         touching = points.gap_closure_by_displacements @ u > points.gap
         if (touching == on).all():
-            return _PointContact(u, on, step)
+            return _ContactStateOfShoeByNewton(u, on, step)
         if touching.tobytes() in seen:
             raise NoAnswer(
                 f"shoe {name!r}: not converged, "
@@ -392,13 +405,13 @@ def _find_touching_points_by_newton(
         on = touching
     raise NoAnswer(
         f"shoe {name!r}: not converged, "
-        f"the pointwise contact still changes after {MOST_POINT_STEPS} steps"
+        f"the pointwise contact still changes after {MOST_NEWTON_STEPS_OF_POINTWISE_PENALTY} steps"
     )
 
 
 def _shoe_response_from_quadrature_pressures(
     shoe: Shoe,
-    points: _ContactPoints,
+    points: _QuadraturePointsOfFrictionFace,
     p: Floats,
     friction: float,
     reaction: Floats,
@@ -414,7 +427,7 @@ def _shoe_response_from_quadrature_pressures(
     ----------
     shoe : Shoe
         The shoe.
-    points : _ContactPoints
+    points : _QuadraturePointsOfFrictionFace
         Quadrature points of the shoe's friction face.
     p : array (q,)
         Pressure at the points [Pa].

@@ -19,11 +19,11 @@ from drumlin.brake.file import make_drum_brake_from_data, vary
 from drumlin.fem.solve import solve
 from drumlin.laws import self_locking_friction_of_hinged_shoe, solve_brake_by_sine_law
 
-FRICTIONLESS_ELEMENTS = 4
+ELEMENTS_PER_LINING_OF_FRICTIONLESS_TEST = 4
 """Elements along a lining of the mesh on which a drawn brake is tested for contact without
 friction.
 """
-SHAPE_TRIAL_ELEMENTS = 16
+ELEMENTS_PER_LINING_OF_SHAPE_KIND_CONTACT_TEST = 16
 """Elements along a lining of the mesh on which a drawn brake is tested for contact with friction.
 """
 LARGEST_FRICTION_OVER_LOCKING_FRICTION = 0.7
@@ -32,66 +32,71 @@ LARGEST_FRICTION_OVER_LOCKING_FRICTION = 0.7
 The value is a judgement: nearer to self-locking the torque grows without bound, and a small error
 of the friction causes a large error of the torque.
 """
-SHAPE_FRICTION_MARGIN = 1.2
+FRICTION_FACTOR_OF_SHAPE_KIND_CONTACT_TEST = 1.2
 """Factor by which a random brake's friction is raised for a test, in which all shoes must touch the
 drum.
 
 The test uses finite elements, because the elastic brake may lock itself at a lower friction than by
 the sine law. A brake that fails this test is drawn again.
 """
-SHAPE_ATTEMPTS = 400
+MOST_BRAKES_OF_SHAPE_KIND_DRAWN_PER_SEED = 400
 """Number of brakes that are drawn for one seed before the generator gives up with NoAnswer.
 
 Extreme sizes make many draws impossible.
 """
-SENSES = ("clockwise", "counter-clockwise")
+DRAWN_SENSES_OF_ROTATION = ("clockwise", "counter-clockwise")
 """Senses of rotation, in the order in which they are drawn."""
 
-DrawShapeKindData = Callable[[np.random.Generator], dict[str, Any]]
+FunctionThatDrawsShapeKindData = Callable[[np.random.Generator], dict[str, Any]]
 """A function that draws the data of a brake file, without title, rotation and friction."""
 
 
 def draw_random_brake(seed: int, kind: str | None = None) -> Brake:
     """The random brake of a seed.
 
-    All shoes of a brake of DRAW_BY_SHAPE_KIND press on the drum, and its friction is zero or below
-    the friction at which it locks itself. A brake of SELF_LOCKING_AND_OPPOSED_KINDS has one shoe,
-    and its friction is 0.3, which the caller replaces. By the sine law a "locking" brake locks
-    itself at a friction below 1.5, and an "opposed" brake never does.
+    All shoes of a brake of FUNCTIONS_THAT_DRAW_BRAKE_DATA_BY_SHAPE_KIND press on the drum, and its
+    friction is zero or below the friction at which it locks itself. A brake of
+    KINDS_THAT_LOCK_OR_NEVER_LOCK_WITH_FRICTION has one shoe, and its friction is 0.3, which the
+    caller replaces. By the sine law a "locking" brake locks itself at a friction below 1.5, and an
+    "opposed" brake never does.
 
     Parameters
     ----------
     seed : int
         The same seed always gives the same brake.
     kind : str, optional
-        One of DRAW_BY_SHAPE_KIND or SELF_LOCKING_AND_OPPOSED_KINDS. By default the seed modulo the
-        number of DRAW_BY_SHAPE_KIND chooses the kind.
+        One of FUNCTIONS_THAT_DRAW_BRAKE_DATA_BY_SHAPE_KIND or
+        KINDS_THAT_LOCK_OR_NEVER_LOCK_WITH_FRICTION. By default the seed modulo the number of
+        FUNCTIONS_THAT_DRAW_BRAKE_DATA_BY_SHAPE_KIND chooses the kind.
 
     Raises
     ------
     NoAnswer
-        No brake of the kind passes in SHAPE_ATTEMPTS draws.
+        No brake of the kind passes in MOST_BRAKES_OF_SHAPE_KIND_DRAWN_PER_SEED draws.
     """
-    if kind in SELF_LOCKING_AND_OPPOSED_KINDS:
+    if kind in KINDS_THAT_LOCK_OR_NEVER_LOCK_WITH_FRICTION:
         return _draw_self_locking_or_opposed_brake(seed, str(kind))
-    names = list(DRAW_BY_SHAPE_KIND)
+    names = list(FUNCTIONS_THAT_DRAW_BRAKE_DATA_BY_SHAPE_KIND)
     kind = names[seed % len(names)] if kind is None else kind
-    for attempt in range(SHAPE_ATTEMPTS):
+    for attempt in range(MOST_BRAKES_OF_SHAPE_KIND_DRAWN_PER_SEED):
         rng = np.random.default_rng([seed, names.index(kind), attempt])
         brake = _draw_brake_or_none(rng, kind, f"random {kind} {seed}")
         if brake is not None:
             return brake
-    raise NoAnswer(f"no brake of kind {kind} from seed {seed} in {SHAPE_ATTEMPTS} attempts")
+    raise NoAnswer(
+        f"no brake of kind {kind} from seed {seed} in "
+        f"{MOST_BRAKES_OF_SHAPE_KIND_DRAWN_PER_SEED} attempts"
+    )
 
 
 def _draw_brake_or_none(rng: np.random.Generator, kind: str, title: str) -> Brake | None:
     """A random brake of a kind, or None if it is impossible or a shoe does not touch the drum.
 
-    rng : generator of the random numbers; kind : one of DRAW_BY_SHAPE_KIND; title : title of the
-        brake.
+    rng : generator of the random numbers; kind : one of
+        FUNCTIONS_THAT_DRAW_BRAKE_DATA_BY_SHAPE_KIND; title : title of the brake.
     """
-    data = DRAW_BY_SHAPE_KIND[kind](rng)
-    drawn_friction, rotation = rng.uniform(0.02, 0.6), str(rng.choice(SENSES))
+    data = FUNCTIONS_THAT_DRAW_BRAKE_DATA_BY_SHAPE_KIND[kind](rng)
+    drawn_friction, rotation = rng.uniform(0.02, 0.6), str(rng.choice(DRAWN_SENSES_OF_ROTATION))
     data |= {"title": title, "rotation": rotation, "friction": 0.1}
     without_friction = rng.random() < 0.12
     try:
@@ -104,7 +109,7 @@ def _draw_brake_or_none(rng: np.random.Generator, kind: str, title: str) -> Brak
         )
         brake = vary(brake, {"friction": float(f"{friction:.4g}")})
         presses = _has_all_shoes_in_contact(
-            brake, SHAPE_FRICTION_MARGIN
+            brake, FRICTION_FACTOR_OF_SHAPE_KIND_CONTACT_TEST
         ) and _has_all_shoes_in_contact(brake, 1.0)
     except (BadInput, NoAnswer):
         return None
@@ -114,7 +119,7 @@ def _draw_brake_or_none(rng: np.random.Generator, kind: str, title: str) -> Brak
 def _has_all_shoes_in_contact(brake: Brake, factor: float) -> bool:
     """Whether all shoes of a brake touch the drum if its friction is multiplied by a factor."""
     varied = vary(brake, {"friction": factor * brake.friction})
-    response = solve(varied, elements=SHAPE_TRIAL_ELEMENTS)
+    response = solve(varied, elements=ELEMENTS_PER_LINING_OF_SHAPE_KIND_CONTACT_TEST)
     return all(shoe.contact_arcs for shoe in response.shoes)
 
 
@@ -558,7 +563,7 @@ def _draw_data_of_brake_with_extreme_dimensions(rng: np.random.Generator) -> dic
     return {"drum": {"radius": R}, "shoe": [_draw_arc_shoe_data(rng, R, ranges)]}
 
 
-DRAW_BY_SHAPE_KIND: dict[str, DrawShapeKindData] = {
+FUNCTIONS_THAT_DRAW_BRAKE_DATA_BY_SHAPE_KIND: dict[str, FunctionThatDrawsShapeKindData] = {
     "arc": _draw_data_of_brake_with_elastic_arc_shoe,
     "backed": _draw_data_of_brake_with_backed_shoe,
     "rigid": _draw_data_of_brake_with_rigid_shoe,
@@ -575,12 +580,12 @@ DRAW_BY_SHAPE_KIND: dict[str, DrawShapeKindData] = {
 
 The order of the kinds decides which seed draws which kind.
 """
-SELF_LOCKING_AND_OPPOSED_KINDS = ("locking", "opposed")
+KINDS_THAT_LOCK_OR_NEVER_LOCK_WITH_FRICTION = ("locking", "opposed")
 """Kinds of brakes with one shoe: the shoe locks itself as friction grows, or it never does."""
 
 
 def _draw_self_locking_or_opposed_brake(seed: int, kind: str, attempt: int = 0) -> Brake:
-    """A random brake of one of SELF_LOCKING_AND_OPPOSED_KINDS.
+    """A random brake of one of KINDS_THAT_LOCK_OR_NEVER_LOCK_WITH_FRICTION.
 
     Brakes are drawn until one of them is of this kind in one of the two senses of rotation.
 
@@ -589,7 +594,7 @@ def _draw_self_locking_or_opposed_brake(seed: int, kind: str, attempt: int = 0) 
     rng = np.random.default_rng([seed, attempt])
     data = _draw_brake_data_with_one_shoe(rng, seed)
     try:
-        for rotation in SENSES:
+        for rotation in DRAWN_SENSES_OF_ROTATION:
             brake = make_drum_brake_from_data(data | {"rotation": rotation})
             locking = self_locking_friction_of_hinged_shoe(brake, brake.shoes[0])
             is_of_kind = locking < 1.5 if kind == "locking" else math.isinf(locking)
@@ -610,7 +615,7 @@ def _has_contact_without_friction(brake: Brake, locking: float) -> bool:
     # uneven.
     solve_brake_by_sine_law(vary(brake, {"friction": 0.1 * min(locking, 1.0)}))
     frictionless = brake.model_copy(update={"friction_as_written": 0.0})
-    response = solve(frictionless, elements=FRICTIONLESS_ELEMENTS)
+    response = solve(frictionless, elements=ELEMENTS_PER_LINING_OF_FRICTIONLESS_TEST)
     return bool(response.shoes[0].contact_arcs)
 
 

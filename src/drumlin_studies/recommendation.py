@@ -10,17 +10,19 @@ taken. An error below its floor counts as not known.
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
 
-from drumlin_studies.work_precision import PEER_FAMILIES, fastest_rows_within_error
+from drumlin_studies.work_precision import PEER_KEYS_BY_NAME_IN_TABLES, fastest_rows_within_error
 
-TARGETS = {
+LARGEST_ALLOWED_ERRORS_OF_RECOMMENDED_METHODS = {
     "torque_error": (0.1, 0.05, 0.01, 1e-3, 1e-4),
     "pressure_error": (0.1, 0.05, 0.01, 5e-3, 1e-3, 1e-4),
 }
 """Targets: the largest allowed relative errors, for each of which a method is recommended, by the
 error's key in a row.
 """
-TARGET_NAMES = {"torque_error": "torque", "pressure_error": "p (L2)"}
-"""Names of the quantities of TARGETS in tables, by the error's key in a row."""
+QUANTITY_NAMES_BY_ERROR_KEY = {"torque_error": "torque", "pressure_error": "p (L2)"}
+"""Names of the quantities of LARGEST_ALLOWED_ERRORS_OF_RECOMMENDED_METHODS in tables, by the
+error's key in a row.
+"""
 LARGEST_COMPARED_PEER_PRESSURE_ERROR = 5e-3
 """Largest relative error of a peer's pressure with which it is compared with drumlin on the same
 mesh.
@@ -59,7 +61,7 @@ def rows_of_methods_that_may_be_recommended(
     The rows of peers and of penalty contact are left out. Penalty contact takes at least as long as
     exact contact on the same mesh and is there only for comparison.
     """
-    left_out = {*PEER_FAMILIES, "weak penalty", "pointwise penalty"}
+    left_out = {*PEER_KEYS_BY_NAME_IN_TABLES, "weak penalty", "pointwise penalty"}
     return [row for row in rows if row["family"] not in left_out]
 
 
@@ -76,9 +78,13 @@ def rows_of_fastest_methods_by_target(
         candidates = rows_of_methods_that_may_be_recommended(
             method_rows_of_brake_with_given_name(rows, name)
         )
-        for key, targets in TARGETS.items():
+        for key, targets in LARGEST_ALLOWED_ERRORS_OF_RECOMMENDED_METHODS.items():
             for target in targets:
-                row = {"brake": name, "quantity": TARGET_NAMES[key], "target": target}
+                row = {
+                    "brake": name,
+                    "quantity": QUANTITY_NAMES_BY_ERROR_KEY[key],
+                    "target": target,
+                }
                 best.append(
                     row
                     | _fastest_method_within_error_or_reason(candidates, key, target, floors[name])
@@ -134,7 +140,7 @@ class RecommendedMethodTable(NamedTuple):
     Attributes
     ----------
     quantity : str
-        A value of TARGET_NAMES.
+        A value of QUANTITY_NAMES_BY_ERROR_KEY.
     targets : tuple of float
         Largest allowed relative errors.
     lines : dict
@@ -154,16 +160,18 @@ def recommended_methods_by_brake_and_target(
 ) -> list[RecommendedMethodTable]:
     """For each quantity the matrix of recommended methods, from the rows of fastest methods."""
     found = []
-    for key, targets in TARGETS.items():
+    for key, targets in LARGEST_ALLOWED_ERRORS_OF_RECOMMENDED_METHODS.items():
         lines: dict[str, list[RecommendedMethodCell]] = {}
         for row in best:
-            if row["quantity"] == TARGET_NAMES[key]:
+            if row["quantity"] == QUANTITY_NAMES_BY_ERROR_KEY[key]:
                 lines.setdefault(row["brake"], []).append(_matrix_cell_with_recommended_method(row))
         # For each target the number of brakes on which a law is recommended.
         by_law = []
         for k in range(len(targets)):
             by_law.append(sum(cells[k].sort == "law" for cells in lines.values()))
-        found.append(RecommendedMethodTable(TARGET_NAMES[key], targets, lines, by_law))
+        found.append(
+            RecommendedMethodTable(QUANTITY_NAMES_BY_ERROR_KEY[key], targets, lines, by_law)
+        )
     return found
 
 
@@ -205,7 +213,7 @@ def fastest_solve_times_within_error(
     return seconds
 
 
-class PeerTimes(NamedTuple):
+class TimesOfPeerAndDrumlinOnBrake(NamedTuple):
     """The times of a peer and of drumlin on one brake, for an error of the pressure.
 
     Attributes
@@ -229,14 +237,14 @@ class PeerTimes(NamedTuple):
     aims: tuple[float | None, float | None]
 
 
-class AgainstPeers(NamedTuple):
+class ComparisonWithPeersOnBrake(NamedTuple):
     """The comparison of drumlin with the peers on one brake.
 
     Attributes
     ----------
     brake : str
         Name of the brake.
-    times : list of PeerTimes
+    times : list of TimesOfPeerAndDrumlinOnBrake
         The times for each peer and each error of the pressure.
     alike : list of pairs
         Pairs of rows of a peer and of drumlin on the same mesh, where the peer's error of the
@@ -247,20 +255,22 @@ class AgainstPeers(NamedTuple):
     """
 
     brake: str
-    times: list[PeerTimes]
+    times: list[TimesOfPeerAndDrumlinOnBrake]
     alike: list[tuple[MethodResultRow, MethodResultRow]]
     even: tuple[MethodResultRow, MethodResultRow] | None
 
 
 def compare_times_with_peer_programs(
     rows: Sequence[MethodResultRow], floors: Mapping[str, ReferenceUncertaintyByErrorKey]
-) -> list[AgainstPeers]:
+) -> list[ComparisonWithPeersOnBrake]:
     """The comparison of drumlin with the peers for each brake that a peer has solved.
 
     rows : rows of all methods and brakes; floors : uncertainties of each brake's reference, by the
         brake's name.
     """
-    names = dict.fromkeys(row["brake"] for row in rows if row["family"] in PEER_FAMILIES)
+    names = dict.fromkeys(
+        row["brake"] for row in rows if row["family"] in PEER_KEYS_BY_NAME_IN_TABLES
+    )
     comparisons = []
     for name in names:
         own = method_rows_of_brake_with_given_name(rows, name)
@@ -270,7 +280,7 @@ def compare_times_with_peer_programs(
 
 def _compare_times_with_peers_on_brake(
     name: str, rows: Sequence[MethodResultRow], floors: ReferenceUncertaintyByErrorKey
-) -> AgainstPeers:
+) -> ComparisonWithPeersOnBrake:
     """The comparison of drumlin with the peers, other finite element programs, on one brake.
 
     name : name of the brake; rows : rows of the brake; floors : uncertainties of the brake's
@@ -284,18 +294,18 @@ def _compare_times_with_peers_on_brake(
         for target, aim in aims.items():
             best = _fastest_row_within_pressure_error(theirs, target, floors)
             times.append(
-                PeerTimes(
+                TimesOfPeerAndDrumlinOnBrake(
                     peer, target, best, _fastest_row_within_pressure_error(own, target, floors), aim
                 )
             )
     # A peer's finest solve on a uniform mesh is compared with the fastest solve of drumlin.
-    of_peers = [row for row in rows if row["family"] in PEER_FAMILIES]
+    of_peers = [row for row in rows if row["family"] in PEER_KEYS_BY_NAME_IN_TABLES]
     of_peers = [row for row in of_peers if row["status"] == "converged"]
     even = [row for row in of_peers if row.get("even")]
     finest = max(even, key=lambda row: row["elements"], default=None)
     fastest = _fastest_row_within_pressure_error(own, LARGEST_COMPARED_PEER_PRESSURE_ERROR, floors)
     finest_and_own = (finest, fastest) if finest and fastest else None
-    return AgainstPeers(
+    return ComparisonWithPeersOnBrake(
         name, times, _row_pairs_of_peer_and_drumlin_on_mesh(of_peers, own), finest_and_own
     )
 

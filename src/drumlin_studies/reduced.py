@@ -31,10 +31,10 @@ from drumlin.brake.beam_axis import make_beam_axis
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.components import (
     Backing,
-    Beam,
+    BeamBody,
+    DrumRing,
     Lining,
-    Ring,
-    Section,
+    RectangularCrossSection,
     ShoeBodyOfConstantSection,
     stiffnesses_of_bonded_plates,
 )
@@ -49,12 +49,12 @@ from drumlin.fem.preparation.scene import PreparedModel, reason_against_finite_e
 from drumlin.fem.substructure.interface import edge_quadrature_points
 from drumlin.fem.substructure.ring import RingSubstructure
 
-DEFAULT_SURROGATE_ELEMENTS = 24
+DEFAULT_ELEMENTS_PER_LINING_OF_SURROGATE = 24
 """Default number of elements along a lining of a surrogate.
 
 With this number a predicted change is right within a factor of two.
 """
-SECTIONS_OF_SURROGATE_BAR = 4 * DEFAULT_SURROGATE_ELEMENTS
+SECTIONS_OF_SURROGATE_BAR = 4 * DEFAULT_ELEMENTS_PER_LINING_OF_SURROGATE
 """Number of sections into which the bar of a shoe is divided.
 
 Each element of the lining has several sections, because a shoe is longer than its lining. Half as
@@ -65,7 +65,7 @@ RING_WAVES_ALONG_SHORTEST_CONTACT = 8
 
 Shorter waves take little part in a contact pressure.
 """
-LEAST_RING_MODES = 3 * DEFAULT_SURROGATE_ELEMENTS
+LEAST_RING_MODES = 3 * DEFAULT_ELEMENTS_PER_LINING_OF_SURROGATE
 """Smallest number of modes (waves around the drum) of the ring's Fourier series.
 
 A lining that covers a third of the drum has enough nodes to resolve this number of modes.
@@ -83,12 +83,12 @@ like a half-plane, to 1 %.
 """
 MODULUS_FACTOR_OF_RIGID_BEAM = 1e5
 """Factor that multiplies the modulus of a straight beam, so that the beam counts as rigid."""
-SECTION_SHEAR_FACTOR = 6 / 5
+SHEAR_COEFFICIENT_OF_RECTANGULAR_SECTION = 6 / 5
 """Shear coefficient kappa of a rectangular section."""
 
 
 def make_function_that_prepares_surrogates(
-    elements: int = DEFAULT_SURROGATE_ELEMENTS,
+    elements: int = DEFAULT_ELEMENTS_PER_LINING_OF_SURROGATE,
 ) -> Callable[[Brake], PreparedModel]:
     """A function that returns the surrogate of a brake, a coarse model that is solved quickly.
 
@@ -175,7 +175,7 @@ def _brake_with_rigid_shoes_and_drum(brake: Brake) -> Brake:
         A straight beam becomes MODULUS_FACTOR_OF_RIGID_BEAM times as stiff; any other elastic body
         is left out. A shoe with a mesh file is not changed.
         """
-        if not isinstance(shoe.body, Beam):
+        if not isinstance(shoe.body, BeamBody):
             return shoe.model_copy(update={"body": None}) if shoe.mesh is None else shoe
         section = shoe.body.section
         assert section is not None
@@ -206,17 +206,17 @@ def _add_elastic_shoe_flexibility_to_rigid_body(
     nodal = bar.square_root_of_bar_flexibility(body.line.xy)
     pressed, dragged = -nodal @ coupling.N.T, nodal @ coupling.T.T
     load = bar.square_root_of_bar_flexibility(
-        body.load_centre[:, None], beyond=np.ones((len(bar.along), 1))
+        body.application_point_of_actuation_loads[:, None], beyond=np.ones((len(bar.along), 1))
     )
     couple = np.concatenate([bar.bending, np.zeros(2 * len(bar.along))])[:, None]
     loaded = np.hstack([load, couple])
     return replace(
         body,
-        closure_by_pressure=body.closure_by_pressure - pressed.T @ pressed,
-        closure_by_friction=None
-        if body.closure_by_friction is None
-        else body.closure_by_friction - pressed.T @ dragged,
-        closure_by_load=body.closure_by_load - pressed.T @ loaded,
+        gap_closure_by_pressure=body.gap_closure_by_pressure - pressed.T @ pressed,
+        gap_closure_by_friction=None
+        if body.gap_closure_by_friction is None
+        else body.gap_closure_by_friction - pressed.T @ dragged,
+        gap_closure_by_load=body.gap_closure_by_load - pressed.T @ loaded,
     )
 
 
@@ -315,12 +315,12 @@ def _bar_that_replaces_shoe(shoe: Shoe, radius: float) -> _ShoeAsBar:
         foot=axis.foot,
         bending=np.sqrt(axis.ds / EI),
         stretching=np.sqrt(axis.ds / EA),
-        shearing=np.sqrt(SECTION_SHEAR_FACTOR * axis.ds / GA),
+        shearing=np.sqrt(SHEAR_COEFFICIENT_OF_RECTANGULAR_SECTION * axis.ds / GA),
         is_arc=isinstance(body, ShoeBodyOfConstantSection),
     )
 
 
-class _BarAxis(NamedTuple):
+class _AxisAndSectionStiffnessOfBar(NamedTuple):
     """The axis of a bar of m sections, and the stiffness of its sections.
 
     Attributes
@@ -347,7 +347,9 @@ def _middles_of_bar_sections() -> Floats:
     return (np.arange(SECTIONS_OF_SURROGATE_BAR) + 0.5) / SECTIONS_OF_SURROGATE_BAR
 
 
-def _arc_axis_of_bar(shoe: Shoe, body: ShoeBodyOfConstantSection, radius: float) -> _BarAxis:
+def _arc_axis_of_bar(
+    shoe: Shoe, body: ShoeBodyOfConstantSection, radius: float
+) -> _AxisAndSectionStiffnessOfBar:
     """The axis of a shoe on an arc; lining and backing stiffen the sections that carry them.
 
     radius : radius of the drum [m].
@@ -365,8 +367,8 @@ def _arc_axis_of_bar(shoe: Shoe, body: ShoeBodyOfConstantSection, radius: float)
     together = np.array(stiffnesses_of_bonded_plates([*plates, *over]))
     lined = (phi > start) & (phi < end)
     depth, *stiffnesses = np.where(lined, together[:, None], alone[:, None])
-    axis = radius - shoe.sign_of_internal_shoe * (shoe.total_thickness - depth)
-    return _BarAxis(
+    axis = radius - shoe.sign_internal_plus_external_minus * (shoe.total_thickness - depth)
+    return _AxisAndSectionStiffnessOfBar(
         at=(axis * np.array([np.cos(phi), np.sin(phi)])).T,
         tangent=math.copysign(1.0, far - near) * np.column_stack([-np.sin(phi), np.cos(phi)]),
         along=np.abs(phi - near),
@@ -376,7 +378,7 @@ def _arc_axis_of_bar(shoe: Shoe, body: ShoeBodyOfConstantSection, radius: float)
     )
 
 
-def _straight_axis_of_bar(shoe: Shoe) -> _BarAxis:
+def _straight_axis_of_bar(shoe: Shoe) -> _AxisAndSectionStiffnessOfBar:
     """The axis of a shoe with a straight beam, from the hinge to the actuation force."""
     assert shoe.body is not None
     hinge, end = (
@@ -386,7 +388,7 @@ def _straight_axis_of_bar(shoe: Shoe) -> _BarAxis:
     line = make_beam_axis(hinge, end)
     along = line.length * _middles_of_bar_sections()
     plates = list(shoe.body.plates.values())[::-1]
-    return _BarAxis(
+    return _AxisAndSectionStiffnessOfBar(
         at=hinge + along[:, None] * line.along,
         tangent=np.tile(line.along, (SECTIONS_OF_SURROGATE_BAR, 1)),
         along=along,
@@ -396,13 +398,13 @@ def _straight_axis_of_bar(shoe: Shoe) -> _BarAxis:
     )
 
 
-def _lining_or_backing_as_bar_layer(shoe: Shoe, layer: Lining | Backing) -> Section:
+def _lining_or_backing_as_bar_layer(shoe: Shoe, layer: Lining | Backing) -> RectangularCrossSection:
     """The lining or backing of a shoe as a layer of the bar's section, with the lining's width."""
-    return Section(layer.thickness, shoe.lining.width, layer.material)
+    return RectangularCrossSection(layer.thickness, shoe.lining.width, layer.material)
 
 
 def _ring_with_closed_form_flexibility(
-    brake: Brake, ring: Ring, bodies: tuple[ShoeSubstructure, ...], count: int
+    brake: Brake, ring: DrumRing, bodies: tuple[ShoeSubstructure, ...], count: int
 ) -> RingSubstructure:
     """The elastic drum ring of a surrogate: the square roots of its flexibility under each lining.
 
@@ -410,14 +412,18 @@ def _ring_with_closed_form_flexibility(
 
     Parameters
     ----------
-    brake, ring : Brake, Ring
+    brake, ring : Brake, DrumRing
         The brake and its drum ring.
     bodies : tuple of ShoeSubstructure
         The condensed body of each shoe, with its contact line.
     count : int
         Largest order k of the modes cos k theta and sin k theta of the ring.
     """
-    sign, radius, section = brake.shoes[0].sign_of_internal_shoe, brake.size, ring.section
+    sign, radius, section = (
+        brake.shoes[0].sign_internal_plus_external_minus,
+        brake.size,
+        ring.section,
+    )
     assert section is not None
     k = np.arange(count + 1)
     radial, shear = radial_ring_compliances_under_two_tractions_by_mode(ring, radius, sign, k)
@@ -469,7 +475,7 @@ def _cosine_and_sine_integrals_over_lining(
 
 
 def radial_ring_compliances_under_two_tractions_by_mode(
-    ring: Ring, radius: float, sign: int, modes: Ints
+    ring: DrumRing, radius: float, sign: int, modes: Ints
 ) -> tuple[Floats, Floats]:
     """Radial displacements of a ring's friction surface under two tractions, for each mode.
 
@@ -479,7 +485,7 @@ def radial_ring_compliances_under_two_tractions_by_mode(
 
     Parameters
     ----------
-    ring : Ring
+    ring : DrumRing
         The ring, isotropic.
     radius : float
         Radius of the drum [m].
@@ -508,7 +514,7 @@ def radial_ring_compliances_under_two_tractions_by_mode(
     return np.asarray(u[:, 0, 0]), np.asarray(u[:, 0, 1])
 
 
-class _ThroughRing(NamedTuple):
+class _ShapeFunctionsThroughRingThickness(NamedTuple):
     """The shape functions of a ring through its thickness, at the q points of a Gauss rule.
 
     Attributes
@@ -525,7 +531,7 @@ class _ThroughRing(NamedTuple):
     slope: Floats
 
 
-def _shape_functions_through_ring() -> _ThroughRing:
+def _shape_functions_through_ring() -> _ShapeFunctionsThroughRingThickness:
     """The shape functions of a ring through its thickness: Lagrange polynomials.
 
     Their nodes are Chebyshev points. The polynomials are written as sums of Legendre polynomials.
@@ -539,7 +545,7 @@ def _shape_functions_through_ring() -> _ThroughRing:
     slope = np.array(
         [np.polynomial.legendre.legval(xi, np.polynomial.legendre.legder(c)) for c in V.T]
     ).T
-    return _ThroughRing(xi, w, psi, slope)
+    return _ShapeFunctionsThroughRingThickness(xi, w, psi, slope)
 
 
 def _ring_stiffness_of_each_mode(
@@ -590,7 +596,7 @@ def _ring_stiffness_of_each_mode(
     )
 
 
-def _displacement_constraints_at_ring_rim_by_mode(ring: Ring, modes: Ints) -> Floats:
+def _displacement_constraints_at_ring_rim_by_mode(ring: DrumRing, modes: Ints) -> Floats:
     """The constraints (m, 2 n, 2) on the displacements U and V of n nodes, for each of m modes.
 
     A fixed rim does not move. Of a free rim the rigid-body modes k = 0 (rotation) and k = 1

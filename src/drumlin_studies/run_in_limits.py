@@ -6,8 +6,8 @@ computed wear is. They treat brakes that run in from new (`table_row_and_wear_ru
 (`row_comparing_run_with_halved_wear_steps`), wear laws with exponents of the pressure
 (`table_row_of_run_in_at_pressure_exponent`), a drum that turns both ways
 (`wear_brake_with_drum_reversals`), and implicit against explicit steps
-(`rows_and_ends_of_wear_runs_in_equal_steps`). Sliding distances are in units of 1/(k K), with the
-stiffness K = E/t of the lining and the wear coefficient k.
+(`rows_and_last_states_of_wear_runs_in_equal_steps`). Sliding distances are in units of 1/(k K),
+with the stiffness K = E/t of the lining and the wear coefficient k.
 """
 
 import math
@@ -25,13 +25,16 @@ from drumlin.base.arrays import Floats
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import vary
-from drumlin.fem.analysis.fields import Fields, stress_and_displacement_fields_of_shoe
+from drumlin.fem.analysis.fields import (
+    StressAndDisplacementFields,
+    stress_and_displacement_fields_of_shoe,
+)
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.preparation.scene import PreparedModel, reason_against_finite_element_model
 from drumlin.laws import hinged, solve_brake_by_its_rigid_shoe_law
 from drumlin.lining_wear.archard import (
-    DEFAULT_WEAR_STEP_ERROR,
+    DEFAULT_PRESSURE_ERROR_OF_WEAR_STEP,
     WearLaw,
     WearState,
     interpolate_wear_state_at_distance,
@@ -75,7 +78,7 @@ worn-in brake counts as "at the law"."""
 
 
 @dataclass(frozen=True)
-class RunInOfBrake:
+class WearRunUntilPressureSettles:
     """The wear of a brake from new linings until the pressure no longer changes.
 
     Attributes
@@ -117,7 +120,7 @@ class RunInOfBrake:
 
 def wear_brake_until_pressure_settles(
     name: str, setup: WearSetup, law: WearLaw = ARCHARD_WEAR_LAW, **options: Any
-) -> RunInOfBrake:
+) -> WearRunUntilPressureSettles:
     """The run of a brake until the pressure of its linings no longer changes.
 
     Parameters
@@ -133,7 +136,7 @@ def wear_brake_until_pressure_settles(
     """
     states = wear_brake_linings_until_worn_in(setup, law, **options)
     goal = final_wear_pressure_and_torque_by_rigid_shoe_law(setup, law, options.get("torque"))
-    return RunInOfBrake(
+    return WearRunUntilPressureSettles(
         name, setup, states, goal, sliding_distance_of_e_fold_pressure_change(setup, law)
     )
 
@@ -196,7 +199,7 @@ def worn_in_pressure_formula_and_law_torque(model: str, brake: Brake) -> tuple[s
 
 def table_row_and_wear_run_of_brake(
     name: str, model: str, brake: Brake, elements: int
-) -> tuple[dict[str, Any], RunInOfBrake | None]:
+) -> tuple[dict[str, Any], WearRunUntilPressureSettles | None]:
     """The table row of a brake that runs in, and its run.
 
     Where the model has no answer, the run is None and the `status` of the row gives the reason.
@@ -230,7 +233,7 @@ def table_row_and_wear_run_of_brake(
     return row, one
 
 
-def table_row_of_wear_run_until_settled(one: RunInOfBrake) -> dict[str, Any]:
+def table_row_of_wear_run_until_settled(one: WearRunUntilPressureSettles) -> dict[str, Any]:
     """The table row of a run, in which a brake wears until its pressure no longer changes.
 
     The row has the distances of pressure and torque from the law for new linings ("new_") and after
@@ -291,7 +294,7 @@ def table_row_of_run_in_at_modulus_ratio(
     }
 
 
-def row_comparing_run_with_halved_wear_steps(one: RunInOfBrake) -> dict[str, Any]:
+def row_comparing_run_with_halved_wear_steps(one: WearRunUntilPressureSettles) -> dict[str, Any]:
     """The row that compares a wear run with the same run in steps of half the size.
 
     `pressure`, `torque` and `depth` are the largest relative differences between both runs.
@@ -317,7 +320,7 @@ def row_comparing_run_with_halved_wear_steps(one: RunInOfBrake) -> dict[str, Any
     after = relative_differences_from_end_of_wear(one.setup, long[-1], one.goal)
     return {
         "brake": one.name,
-        "asked": DEFAULT_WEAR_STEP_ERROR,
+        "asked": DEFAULT_PRESSURE_ERROR_OF_WEAR_STEP,
         "pressure": max(
             pressure_norm_over_linings(a.pressure - b.pressure)
             / pressure_norm_over_linings(b.pressure)
@@ -356,7 +359,7 @@ def table_row_of_run_in_at_pressure_exponent(setup: WearSetup, m: float) -> dict
 
 
 @dataclass(frozen=True)
-class Reversals:
+class WearWithRegularDrumReversals:
     """The wear of a brake whose drum reverses its sense of rotation at regular sliding distances.
 
     Attributes
@@ -392,7 +395,7 @@ class Reversals:
 
 def wear_brake_with_drum_reversals(
     scene: PreparedModel, brake: Brake, every: float, turns: int
-) -> Reversals:
+) -> WearWithRegularDrumReversals:
     """The wear of a brake over several reversals of the drum.
 
     Parameters
@@ -438,7 +441,7 @@ def wear_brake_with_drum_reversals(
     worn_off = turned[-1].depth - turned[-3].depth
     law = ARCHARD_WEAR_LAW.coefficient * size * (goals[True].pressure + goals[False].pressure)
     mean = _largest_relative_difference_on_linings(setups[True], worn_off, law)
-    return Reversals(every, states, far, mean)
+    return WearWithRegularDrumReversals(every, states, far, mean)
 
 
 def _largest_relative_difference_on_linings(
@@ -484,8 +487,8 @@ class LastStateOfEqualWearSteps:
     ripple: float
 
 
-def rows_and_ends_of_wear_runs_in_equal_steps(
-    one: RunInOfBrake, end: float, steps: Sequence[float]
+def rows_and_last_states_of_wear_runs_in_equal_steps(
+    one: WearRunUntilPressureSettles, end: float, steps: Sequence[float]
 ) -> tuple[list[dict[str, Any]], list[LastStateOfEqualWearSteps]]:
     """Table rows and last states of wear runs in steps of equal size, implicit and explicit ones.
 
@@ -493,7 +496,7 @@ def rows_and_ends_of_wear_runs_in_equal_steps(
 
     Parameters
     ----------
-    one : RunInOfBrake
+    one : WearRunUntilPressureSettles
         A run of the brake, whose linings and unit of distance are used.
     end : float
         Sliding distance of the runs, in units of 1/(k K).
@@ -510,7 +513,7 @@ def rows_and_ends_of_wear_runs_in_equal_steps(
         length,
     )
     rows, boards = list[dict[str, Any]](), list[LastStateOfEqualWearSteps]()
-    for way, size, run in _list_implicit_and_explicit_runs(one, end, steps):
+    for way, size, run in _list_implicit_and_explicit_wear_runs(one, end, steps):
         row: dict[str, Any] = {"way": way, "step": size}
         try:
             last = run()[-1]
@@ -528,8 +531,8 @@ def rows_and_ends_of_wear_runs_in_equal_steps(
     return rows, boards
 
 
-def _list_implicit_and_explicit_runs(
-    one: RunInOfBrake, end: float, steps: Sequence[float]
+def _list_implicit_and_explicit_wear_runs(
+    one: WearRunUntilPressureSettles, end: float, steps: Sequence[float]
 ) -> Iterator[tuple[str, float, Callable[[], list[WearState]]]]:
     """For each size of wear step an implicit and an explicit run: name, step size, and function.
 
@@ -553,13 +556,15 @@ def _list_implicit_and_explicit_runs(
         )
 
 
-def wear_run_whose_new_linings_touch_least(runs: Iterable[RunInOfBrake]) -> RunInOfBrake:
+def wear_run_whose_new_linings_touch_least(
+    runs: Iterable[WearRunUntilPressureSettles],
+) -> WearRunUntilPressureSettles:
     """The run whose new linings touch the drum with the smallest fraction of their nodes."""
     return min(runs, key=lambda one: float((one.states[0].pressure > 0).mean()))
 
 
 @dataclass(frozen=True)
-class RunFrame:
+class AnimationFrameOfWearRun:
     """A moment of a run: the wear state, and for each shoe its fields and its turn.
 
     The fields are displacements and stresses inside the shoe. The turn is the angle [rad] by which
@@ -567,11 +572,13 @@ class RunFrame:
     """
 
     state: WearState
-    fields: Sequence[Fields]
+    fields: Sequence[StressAndDisplacementFields]
     turns: Sequence[float]
 
 
-def animation_frames_of_run(scene: PreparedModel, one: RunInOfBrake, count: int) -> list[RunFrame]:
+def animation_frames_of_run(
+    scene: PreparedModel, one: WearRunUntilPressureSettles, count: int
+) -> list[AnimationFrameOfWearRun]:
     """The frames of an animation of a run-in, each with the stress fields of the shoes.
 
     In the first frame the linings are new. The other frames are evenly spaced in the logarithm of
@@ -581,7 +588,7 @@ def animation_frames_of_run(scene: PreparedModel, one: RunInOfBrake, count: int)
     ----------
     scene : PreparedModel
         The prepared model of the brake.
-    one : RunInOfBrake
+    one : WearRunUntilPressureSettles
         The run.
     count : int
         Number of moments.
@@ -597,5 +604,7 @@ def animation_frames_of_run(scene: PreparedModel, one: RunInOfBrake, count: int)
             stress_and_displacement_fields_of_shoe(scene, brake, response, i)
             for i in range(len(brake.shoes))
         ]
-        moments.append(RunFrame(state, shown, [shoe.turn or 0.0 for shoe in response.shoes]))
+        moments.append(
+            AnimationFrameOfWearRun(state, shown, [shoe.turn or 0.0 for shoe in response.shoes])
+        )
     return moments

@@ -15,7 +15,7 @@ from drumlin.brake.brake import Brake
 from drumlin.brake.file import vary
 from drumlin.contact.self_locking import (
     FrictionDependentProblem,
-    FrictionLimit,
+    LargestFrictionWithEquilibrium,
     compare_solutions_from_starting_contact_sets,
     find_largest_friction_with_equilibrium,
     smallest_friction_that_makes_any_contact_set_singular,
@@ -42,26 +42,27 @@ LARGEST_FRICTION_CHECKED_FOR_UNIQUENESS = 1.0
 
 It takes the place of the friction limit if a shoe locks itself at a larger friction or never.
 """
-LIMIT_FRACTIONS = (0.1, 0.3, 0.5, 0.7, 0.9, 0.99)
+FRACTIONS_OF_LOCKING_FRICTION_WITH_ONE_ANSWER = (0.1, 0.3, 0.5, 0.7, 0.9, 0.99)
 """Fractions of the friction limit (where the brake locks itself) at which it must have exactly one
 answer.
 """
-BEYOND_LIMIT = (1 + 1e-6, 1.01, 1.1, 1.5, 2.0, 3.0)
+MULTIPLES_OF_LOCKING_FRICTION_WITHOUT_ANSWER = (1 + 1e-6, 1.01, 1.1, 1.5, 2.0, 3.0)
 """Multiples of the friction limit (where the brake locks itself) at which it should have no answer.
 """
-RANDOM_STARTS = 5
+NUMBER_OF_RANDOM_STARTING_CONTACT_SETS = 5
 """Number of random contact sets from which the contact iteration is started."""
-ELEMENTS_OF_UNIQUENESS_CHECK = 16
+ELEMENTS_PER_LINING_OF_UNIQUENESS_CHECK = 16
 """Elements along a lining of the random brakes whose answers are checked for uniqueness."""
-ALL_SETS_ELEMENTS = 4
+ELEMENTS_PER_LINING_IF_ALL_CONTACT_SETS_ARE_TRIED = 4
 """Elements along a lining of the brakes for which all possible contact sets are tried. There must
 be few, because the number of sets doubles with each node.
 """
-START_SEED = 7
+SEED_OF_RANDOM_STARTING_CONTACT_SETS = 7
 """Seed of the random contact sets; it is used together with the seed of the brake."""
-AGREEMENT_COUNTS = ("starts", "same", "others", "unstable", "lost")
+ATTRIBUTES_THAT_COUNT_HOW_CONTACT_ITERATIONS_END = ("starts", "same", "others", "unstable", "lost")
 """Attributes of the result of `compare_solutions_from_starting_contact_sets`. They count how
-contact iterations from several starting sets end, and are summed over LIMIT_FRACTIONS.
+contact iterations from several starting sets end, and are summed over
+FRACTIONS_OF_LOCKING_FRICTION_WITH_ONE_ANSWER.
 """
 
 SelfLockingRow = dict[str, Any]
@@ -173,10 +174,10 @@ def row_on_uniqueness_of_contact_solutions(seed: int, way: str) -> SelfLockingRo
     seed : int
         Seed of the brake.
     way : str
-        Kind of the brake, one of `random_brake.SELF_LOCKING_AND_OPPOSED_KINDS`.
+        Kind of the brake, one of `random_brake.KINDS_THAT_LOCK_OR_NEVER_LOCK_WITH_FRICTION`.
     """
     brake = draw_random_brake(seed, way)
-    scene = make_prepared_model(brake, elements=ELEMENTS_OF_UNIQUENESS_CHECK)
+    scene = make_prepared_model(brake, elements=ELEMENTS_PER_LINING_OF_UNIQUENESS_CHECK)
     problems = ShoeGroup(scene, brake, (0,)).contact_problem_as_function_of_friction
     end = find_largest_friction_with_equilibrium(
         problems, LARGEST_SEARCHED_FRICTION_OF_RANDOM_BRAKE
@@ -190,7 +191,7 @@ def row_on_uniqueness_of_contact_solutions(seed: int, way: str) -> SelfLockingRo
     # drumlin should raise NoAnswer.
     beyond = answered = None
     if end.friction <= 10:
-        mu_beyond = [end.friction * x for x in BEYOND_LIMIT]
+        mu_beyond = [end.friction * x for x in MULTIPLES_OF_LOCKING_FRICTION_WITHOUT_ANSWER]
         beyond = _count_stable_answers_beyond_friction_limit(problems, end, mu_beyond, starts)
         answered = sum(
             _is_brake_solvable_with_exact_contact(scene, vary(brake, {"friction": mu}))
@@ -221,7 +222,7 @@ def _smallest_singular_friction_on_coarse_mesh(brake: Brake) -> float:
 
     All contact sets are tried, which is possible because a coarse mesh has few of them.
     """
-    coarse = make_prepared_model(brake, elements=ALL_SETS_ELEMENTS)
+    coarse = make_prepared_model(brake, elements=ELEMENTS_PER_LINING_IF_ALL_CONTACT_SETS_ARE_TRIED)
     return smallest_friction_that_makes_any_contact_set_singular(
         ShoeGroup(coarse, brake, (0,)).contact_problem_as_function_of_friction
     )
@@ -229,14 +230,14 @@ def _smallest_singular_friction_on_coarse_mesh(brake: Brake) -> float:
 
 def _starting_contact_sets(n: int, seed: int) -> list[Bools]:
     """Contact sets (n,) to start the iteration from: all nodes, no node, random sets by a seed."""
-    rng = np.random.default_rng([START_SEED, seed])
-    random_sets = [rng.random(n) < 0.5 for _ in range(RANDOM_STARTS)]
+    rng = np.random.default_rng([SEED_OF_RANDOM_STARTING_CONTACT_SETS, seed])
+    random_sets = [rng.random(n) < 0.5 for _ in range(NUMBER_OF_RANDOM_STARTING_CONTACT_SETS)]
     return [np.ones(n, bool), np.zeros(n, bool), *random_sets]
 
 
 def _count_stable_answers_beyond_friction_limit(
     problems: FrictionDependentProblem,
-    end: FrictionLimit,
+    end: LargestFrictionWithEquilibrium,
     frictions: list[float],
     starts: list[Bools],
 ) -> int:
@@ -246,7 +247,7 @@ def _count_stable_answers_beyond_friction_limit(
     ----------
     problems : FrictionDependentProblem
         The contact problem as a function of friction.
-    end : FrictionLimit
+    end : LargestFrictionWithEquilibrium
         The friction limit, with the contact set just below it.
     frictions : list of float
         Friction coefficients beyond the limit.
@@ -265,7 +266,7 @@ def _count_stable_answers_beyond_friction_limit(
 def _agreement_counts_and_disagreeing_friction_fractions(
     problems: FrictionDependentProblem, top: float, starts: list[Bools]
 ) -> tuple[SelfLockingRow, list[float]]:
-    """Sums of AGREEMENT_COUNTS over LIMIT_FRACTIONS of a friction; fractions with a disagreement.
+    """Counts of how contact iterations end, summed over fractions of a locking friction.
 
     At a fraction with a disagreement an iteration from one of the contact sets does not end in the
     answer that is followed from zero friction. The counts also have the largest `difference`
@@ -276,20 +277,22 @@ def _agreement_counts_and_disagreeing_friction_fractions(
     problems : FrictionDependentProblem
         The contact problem of a shoe as a function of friction.
     top : float
-        Friction that is multiplied by LIMIT_FRACTIONS.
+        Friction that is multiplied by FRACTIONS_OF_LOCKING_FRICTION_WITH_ONE_ANSWER.
     starts : list of array (n,)
         Contact sets from which the iteration starts: whether each of the n nodes touches.
     """
-    counts: SelfLockingRow = dict.fromkeys(AGREEMENT_COUNTS, 0) | {"difference": 0.0}
+    counts: SelfLockingRow = dict.fromkeys(ATTRIBUTES_THAT_COUNT_HOW_CONTACT_ITERATIONS_END, 0) | {
+        "difference": 0.0
+    }
     disagreeing = []
-    for fraction in LIMIT_FRACTIONS:
+    for fraction in FRACTIONS_OF_LOCKING_FRICTION_WITH_ONE_ANSWER:
         mu = fraction * top
         found = compare_solutions_from_starting_contact_sets(
             problems.contact_problem_at_friction_coefficient(mu),
             find_largest_friction_with_equilibrium(problems, mu).last_contact,
             starts,
         )
-        for key in AGREEMENT_COUNTS:
+        for key in ATTRIBUTES_THAT_COUNT_HOW_CONTACT_ITERATIONS_END:
             counts[key] += getattr(found, key)
         counts["difference"] = max(counts["difference"], found.largest_pressure_difference)
         if found.sets_with_known_solution < found.number_of_start_sets:

@@ -28,28 +28,36 @@ from scipy.stats import binom
 from drumlin.base.errors import NoAnswer
 from drumlin.base.files import write_text
 from drumlin.brake.brake import Brake
-from drumlin.fem.error_control.adapt import DEFAULT_TOLERANCE, Tolerance, solve_brake_to_tolerance
+from drumlin.fem.error_control.adapt import (
+    DEFAULT_TOLERANCES_OF_PRESSURE_AND_TORQUE,
+    TolerancesOfPressureAndTorque,
+    solve_brake_to_tolerance,
+)
 from drumlin.fem.error_control.levels import SolvedLevel, solve_brake_on_finer_and_finer_mesh_levels
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.response.response import Response
-from drumlin_studies.stated_true import JUDGED_QUANTITIES as QUANTITIES_WITH_STATED_ERROR
+from drumlin_studies.stated_true import (
+    QUANTITIES_WHOSE_STATED_ERRORS_ARE_JUDGED as QUANTITIES_WITH_STATED_ERROR,
+)
 from drumlin_studies.stated_true import stated_over_true_error_of_row, true_errors_of_response
 from drumlin_studies.stored_truth import (
-    LEAST_USED_ERROR_OVER_UNCERTAINTY,
+    LEAST_USABLE_TRUE_ERROR_OVER_ITS_UNCERTAINTY,
     StoredTruth,
     read_stored_fine_solution,
 )
 
-ASKED_TOLERANCES = {
-    "default": DEFAULT_TOLERANCE,
-    "1e-3": Tolerance(1e-3, 1e-3),
-    "1e-4": Tolerance(1e-4, 1e-4),
+TOLERANCES_OF_SOLVES_BY_NAME = {
+    "default": DEFAULT_TOLERANCES_OF_PRESSURE_AND_TORQUE,
+    "1e-3": TolerancesOfPressureAndTorque(1e-3, 1e-3),
+    "1e-4": TolerancesOfPressureAndTorque(1e-4, 1e-4),
 }
 """The tolerances to which the brakes are solved, by name: the default one and two smaller ones."""
 
-SMALLEST_TOLERANCE_NAME = "1e-4"
-"""Name of the smallest tolerance of ASKED_TOLERANCES, at which a solve takes longest."""
+NAME_OF_SMALLEST_TOLERANCE_OF_SOLVES = "1e-4"
+"""Name of the smallest tolerance of TOLERANCES_OF_SOLVES_BY_NAME, at which a solve takes
+longest.
+"""
 
 PROMISED_FRACTION_OF_TOO_SMALL_ERRORS = 0.01
 """Largest fraction of stated errors that may be below the true errors, as README promises.
@@ -101,15 +109,15 @@ The file is in the folder of the stored truths.
 """
 
 
-KEY_OF_ALL_SPREADS = "sharpness"
+FILE_KEY_OF_SPREADS_OF_ALL_BRAKES = "sharpness"
 """Key of SPREADS_AND_COSTS_FILE_NAME for the spreads of all brakes."""
 
-KEY_OF_QUICK_BRAKE_SPREADS = "sharpness of quick brakes"
+FILE_KEY_OF_SPREADS_OF_QUICK_BRAKES = "sharpness of quick brakes"
 """Key of SPREADS_AND_COSTS_FILE_NAME for the spreads of the brakes that are quickly solved."""
 
 
 class StatedTrueErrors(NamedTuple):
-    """Stated and true errors of one brake at one tolerance of ASKED_TOLERANCES.
+    """Stated and true errors of one brake at one tolerance of TOLERANCES_OF_SOLVES_BY_NAME.
 
     Attributes
     ----------
@@ -145,7 +153,8 @@ class StatedTrueErrors(NamedTuple):
         A stated error of 1 means that the quantity is not known. It is not judged.
         """
         return (
-            self.true[quantity] > LEAST_USED_ERROR_OVER_UNCERTAINTY * self.unsure[quantity]
+            self.true[quantity]
+            > LEAST_USABLE_TRUE_ERROR_OVER_ITS_UNCERTAINTY * self.unsure[quantity]
             and self.stated[quantity] < 1.0
         )
 
@@ -164,7 +173,7 @@ class StatedOverTrueSpread(NamedTuple):
 
 
 class MedianErrorsAndUnknownsOfAllBrakes(NamedTuple):
-    """Accuracy and cost of the answers of all brakes at one tolerance of ASKED_TOLERANCES.
+    """Accuracy and cost of the answers of all brakes at one tolerance.
 
     Attributes
     ----------
@@ -182,7 +191,7 @@ class MedianErrorsAndUnknownsOfAllBrakes(NamedTuple):
 def stated_and_true_errors_of_stored_brake(
     name: str, stored: StoredTruth
 ) -> list[StatedTrueErrors]:
-    """Stated and true errors of a brake, for each tolerance of ASKED_TOLERANCES that it reaches.
+    """Stated and true errors of a brake, for each tolerance that it reaches.
 
     Each level of refinement is solved once and used for all tolerances.
 
@@ -201,10 +210,12 @@ def stated_and_true_errors_of_stored_brake(
     # All tolerances read the same sequence of solved levels, so that each level is solved once.
     sequences: tuple[Iterable[SolvedLevel], ...] = tee(
         solve_brake_on_finer_and_finer_mesh_levels(brake, solve_and_count_unknowns),
-        len(ASKED_TOLERANCES),
+        len(TOLERANCES_OF_SOLVES_BY_NAME),
     )
     found = []
-    for (asked, tolerance), sequence in zip(ASKED_TOLERANCES.items(), sequences, strict=True):
+    for (asked, tolerance), sequence in zip(
+        TOLERANCES_OF_SOLVES_BY_NAME.items(), sequences, strict=True
+    ):
         response = _response_within_tolerance_or_none(brake, tolerance, sequence)
         if response is not None:
             true = true_errors_of_response(brake, response.shoes, stored.true.shoes)
@@ -216,7 +227,7 @@ def stated_and_true_errors_of_stored_brake(
 
 
 def _response_within_tolerance_or_none(
-    brake: Brake, tolerance: Tolerance, sequence: Iterable[SolvedLevel]
+    brake: Brake, tolerance: TolerancesOfPressureAndTorque, sequence: Iterable[SolvedLevel]
 ) -> Response | None:
     """The response of a brake to a tolerance, or None where no level reaches the tolerance.
 
@@ -227,7 +238,7 @@ def _response_within_tolerance_or_none(
             brake,
             tolerance,
             solve_prepared_model,
-            must=tolerance != DEFAULT_TOLERANCE,
+            must=tolerance != DEFAULT_TOLERANCES_OF_PRESSURE_AND_TORQUE,
             levels=sequence,
         ).response
     except NoAnswer:
@@ -257,9 +268,10 @@ def names_of_quickly_solved_brakes(
 
     These are at most MOST_UNKNOWNS_OF_QUICK_BRAKE unknowns.
 
-    `worths` are accuracy and cost of the answers of all brakes, by tolerance of ASKED_TOLERANCES.
+    `worths` are accuracy and cost of the answers of all brakes, by tolerance of
+    TOLERANCES_OF_SOLVES_BY_NAME.
     """
-    unknowns = worths[SMALLEST_TOLERANCE_NAME].unknowns
+    unknowns = worths[NAME_OF_SMALLEST_TOLERANCE_OF_SOLVES].unknowns
     return {name for name, count in unknowns.items() if count <= MOST_UNKNOWNS_OF_QUICK_BRAKE}
 
 
@@ -290,12 +302,12 @@ def spreads_of_stated_over_true_errors(
     return found
 
 
-def accuracy_and_cost_by_tolerance(
+def median_errors_and_unknowns_by_tolerance(
     rows: Sequence[StatedTrueErrors],
 ) -> dict[str, MedianErrorsAndUnknownsOfAllBrakes]:
-    """Accuracy and cost of the answers of all brakes, for each tolerance of ASKED_TOLERANCES."""
+    """Accuracy and cost of the answers of all brakes, for each tolerance of the solves."""
     found = {}
-    for asked, tolerance in ASKED_TOLERANCES.items():
+    for asked, tolerance in TOLERANCES_OF_SOLVES_BY_NAME.items():
         own = [one for one in rows if one.asked == asked]
         reached = [one for one in own if one.stated["pressure"] <= tolerance.pressure]
         pressure = float(np.median([one.true["pressure"] for one in own]))
@@ -305,17 +317,18 @@ def accuracy_and_cost_by_tolerance(
     return found
 
 
-def describe_worsened_accuracies_and_costs(
+def describe_growth_of_median_errors_and_unknowns(
     rows: Sequence[StatedTrueErrors], written: Mapping[str, MedianErrorsAndUnknownsOfAllBrakes]
 ) -> list[str]:
     """Lines of text, one for each accuracy or cost that has become worse.
 
     Each value is compared with its value at the last fit of the error estimate's factors.
 
-    written : accuracy and cost of the answers at the last fit, by the keys of ASKED_TOLERANCES
+    written : accuracy and cost of the answers at the last fit, by the keys of
+        TOLERANCES_OF_SOLVES_BY_NAME
     """
     found = []
-    for asked, now in accuracy_and_cost_by_tolerance(rows).items():
+    for asked, now in median_errors_and_unknowns_by_tolerance(rows).items():
         # Two ways to become worse: fewer brakes reach the tolerance, or the median true errors are
         # larger.
         before = written[asked]
@@ -384,14 +397,15 @@ def rows_with_scaled_stated_errors(
     ]
 
 
-class StoredSpreadsAndCosts(NamedTuple):
+class StoredErrorRatioSpreadsAndCosts(NamedTuple):
     """The contents of SPREADS_AND_COSTS_FILE_NAME.
 
     Attributes
     ----------
     spreads : spreads of the ratios of stated to true error of all brakes, by quantity
     quick_spreads : spreads of the ratios of the brakes that are quickly solved, by quantity
-    worths : accuracy and cost of the answers of all brakes, by tolerance of ASKED_TOLERANCES
+    worths : accuracy and cost of the answers of all brakes, by tolerance of
+        TOLERANCES_OF_SOLVES_BY_NAME
     """
 
     spreads: dict[str, StatedOverTrueSpread]
@@ -399,21 +413,22 @@ class StoredSpreadsAndCosts(NamedTuple):
     worths: dict[str, MedianErrorsAndUnknownsOfAllBrakes]
 
 
-def read_stored_spreads_of_stated_errors(folder: Path) -> StoredSpreadsAndCosts:
+def read_stored_spreads_of_stated_errors(folder: Path) -> StoredErrorRatioSpreadsAndCosts:
     """The spreads and costs at the last fit, from the file in a folder of far finer solutions."""
     data = json.loads((folder / SPREADS_AND_COSTS_FILE_NAME).read_text(encoding="utf-8"))
     spreads = {
-        of: StatedOverTrueSpread(**values) for of, values in data[KEY_OF_ALL_SPREADS].items()
+        of: StatedOverTrueSpread(**values)
+        for of, values in data[FILE_KEY_OF_SPREADS_OF_ALL_BRAKES].items()
     }
     quick_spreads = {
         of: StatedOverTrueSpread(**values)
-        for of, values in data[KEY_OF_QUICK_BRAKE_SPREADS].items()
+        for of, values in data[FILE_KEY_OF_SPREADS_OF_QUICK_BRAKES].items()
     }
     worths = {
         asked: MedianErrorsAndUnknownsOfAllBrakes(**values)
         for asked, values in data["worth"].items()
     }
-    return StoredSpreadsAndCosts(spreads, quick_spreads, worths)
+    return StoredErrorRatioSpreadsAndCosts(spreads, quick_spreads, worths)
 
 
 def _rounded_spreads_of_stated_over_true_errors(
@@ -433,7 +448,7 @@ def _rounded_spreads_of_stated_over_true_errors(
 def main(folder: str) -> None:
     """Judge the stated errors of all brakes in a folder by true errors, and write them."""
     rows = stated_and_true_errors_of_folder(Path(folder))
-    worths = accuracy_and_cost_by_tolerance(rows)
+    worths = median_errors_and_unknowns_by_tolerance(rows)
     quick = names_of_quickly_solved_brakes(worths)
     spreads = _rounded_spreads_of_stated_over_true_errors(rows)
     quick_spreads = _rounded_spreads_of_stated_over_true_errors(
@@ -448,7 +463,11 @@ def main(folder: str) -> None:
         }
         for asked, of in worths.items()
     }
-    data = {KEY_OF_ALL_SPREADS: spreads, KEY_OF_QUICK_BRAKE_SPREADS: quick_spreads, "worth": worth}
+    data = {
+        FILE_KEY_OF_SPREADS_OF_ALL_BRAKES: spreads,
+        FILE_KEY_OF_SPREADS_OF_QUICK_BRAKES: quick_spreads,
+        "worth": worth,
+    }
     write_text(Path(folder) / SPREADS_AND_COSTS_FILE_NAME, json.dumps(data, indent=1) + "\n")
     sys.stdout.write(f"{json.dumps(spreads)}\n")
 

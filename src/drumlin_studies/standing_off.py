@@ -14,9 +14,9 @@ from drumlin.brake.brake import Brake
 from drumlin.brake.plane_brake import make_drum_or_plane_brake_from_data
 from drumlin.laws import solve_brake_by_its_rigid_shoe_law
 from drumlin_studies.random_kinds import (
-    DRAW_BY_SUPPORT_KIND,
-    SUPPORT_KIND_ATTEMPTS,
-    Rng,
+    FUNCTIONS_THAT_DRAW_BRAKE_DATA_BY_SUPPORT_KIND,
+    MOST_BRAKES_OF_SUPPORT_KIND_DRAWN_PER_SEED,
+    RandomNumberGenerator,
     draw_number_uniform_in_logarithm,
     mirror_shoe_data_to_other_drum_side,
     mirror_turn_and_shift_brake,
@@ -40,20 +40,21 @@ def draw_random_brake_with_clearances(seed: int, kind: str | None = None) -> Bra
     seed : int
         The same seed always gives the same brake.
     kind : str, optional
-        One of DRAW_BY_SUPPORT_KIND. By default the seed modulo their number chooses the kind.
+        One of FUNCTIONS_THAT_DRAW_BRAKE_DATA_BY_SUPPORT_KIND. By default the seed modulo their
+        number chooses the kind.
 
     Raises
     ------
     NoAnswer
-        No brake of the kind passes in SUPPORT_KIND_ATTEMPTS draws.
+        No brake of the kind passes in MOST_BRAKES_OF_SUPPORT_KIND_DRAWN_PER_SEED draws.
     """
-    names = list(DRAW_BY_SUPPORT_KIND)
+    names = list(FUNCTIONS_THAT_DRAW_BRAKE_DATA_BY_SUPPORT_KIND)
     kind = names[seed % len(names)] if kind is None else kind
-    for attempt in range(SUPPORT_KIND_ATTEMPTS):
+    for attempt in range(MOST_BRAKES_OF_SUPPORT_KIND_DRAWN_PER_SEED):
         rng = np.random.default_rng([seed, names.index(kind), attempt, 1])
-        data = _brake_data_with_clearances_and_less_force(rng, DRAW_BY_SUPPORT_KIND[kind](rng)) | {
-            "title": f"standing off {kind} {seed}"
-        }
+        data = _brake_data_with_clearances_and_less_force(
+            rng, FUNCTIONS_THAT_DRAW_BRAKE_DATA_BY_SUPPORT_KIND[kind](rng)
+        ) | {"title": f"standing off {kind} {seed}"}
         data["friction"] = round(float(rng.uniform(0.03, 0.5)), 4)
         turn, mirrored = float(rng.uniform(-3, 3)), bool(rng.random() < 0.5)
         try:
@@ -64,10 +65,15 @@ def draw_random_brake_with_clearances(seed: int, kind: str | None = None) -> Bra
                 return brake
         except (BadInput, NoAnswer):
             continue
-    raise NoAnswer(f"no brake of kind {kind} from seed {seed} in {SUPPORT_KIND_ATTEMPTS} attempts")
+    raise NoAnswer(
+        f"no brake of kind {kind} from seed {seed} in "
+        f"{MOST_BRAKES_OF_SUPPORT_KIND_DRAWN_PER_SEED} attempts"
+    )
 
 
-def _brake_data_with_clearances_and_less_force(rng: Rng, data: dict[str, Any]) -> dict[str, Any]:
+def _brake_data_with_clearances_and_less_force(
+    rng: RandomNumberGenerator, data: dict[str, Any]
+) -> dict[str, Any]:
     """The data of a brake, changed to have clearances, other lining moduli and smaller forces.
 
     The two shoes of a cam become mirror images of each other. A cam moves the loaded ends of both
@@ -90,7 +96,7 @@ def _brake_data_with_clearances_and_less_force(rng: Rng, data: dict[str, Any]) -
 
 
 def _shoe_data_with_clearance_and_less_force(
-    rng: Rng, shoe: dict[str, Any], drum: dict[str, Any] | None, divisor: float
+    rng: RandomNumberGenerator, shoe: dict[str, Any], drum: dict[str, Any] | None, divisor: float
 ) -> dict[str, Any]:
     """The data of a shoe, changed to a clearance, another lining modulus and a smaller force.
 

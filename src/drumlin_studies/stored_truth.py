@@ -36,45 +36,56 @@ from drumlin.brake import clearance
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import vary
 from drumlin.brake.plane_brake import make_drum_or_plane_brake_from_data
-from drumlin.fem.error_control.levels import DEG, solve_brake_on_finer_and_finer_mesh_levels
+from drumlin.fem.error_control.levels import (
+    DEGREE_IN_RADIANS,
+    solve_brake_on_finer_and_finer_mesh_levels,
+)
 from drumlin.fem.hp.corner import (
     corners_with_unbounded_pressure,
     nodes_and_pressures_with_power_law_at_corner,
     remaining_pressure_error_at_lining_corners,
 )
-from drumlin.fem.hp.division import Level
+from drumlin.fem.hp.division import RefinementLevel
 from drumlin.fem.model import solve_prepared_model
 from drumlin.verification import triangles
-from drumlin.verification.triangles.levels import TRIANGLE_LEVELS
-from drumlin.verification.triangles.outline import TriangleLevel
+from drumlin.verification.triangles.levels import TRIANGLE_MESH_LEVELS_FROM_COARSE_TO_FINE
+from drumlin.verification.triangles.outline import DegreeAndGradingOfTriangleMesh
 from drumlin.verification.triangles.solution import ShoeSolution
-from drumlin_studies.random_brake import DRAW_BY_SHAPE_KIND as DRAWN_KINDS
+from drumlin_studies.random_brake import FUNCTIONS_THAT_DRAW_BRAKE_DATA_BY_SHAPE_KIND as DRAWN_KINDS
 from drumlin_studies.random_brake import draw_random_brake
-from drumlin_studies.random_corners import CORNER_KINDS as CORNERS
+from drumlin_studies.random_corners import WAYS_TO_DRAW_BRAKES_BY_CORNER_KIND as CORNERS
 from drumlin_studies.random_corners import draw_random_brake_pressing_with_corner_or_kink
 from drumlin_studies.random_kinds import draw_random_brake_of_support_kind
-from drumlin_studies.stated_true import TrueShoe as Solved
 from drumlin_studies.stated_true import (
-    Truth,
+    FarFinerSolutionOfBrake,
     largest_round_off_errors_of_shoes,
     reference_from_last_three_meshes,
 )
+from drumlin_studies.stated_true import FarFinerSolutionOfShoe as Solved
 
-TRIANGLE_MESHES_OF_STORED_TRUTH = (*TRIANGLE_LEVELS, TriangleLevel(6, 17, 0.7, 0.8))
+TRIANGLE_MESHES_OF_STORED_TRUTH = (
+    *TRIANGLE_MESH_LEVELS_FROM_COARSE_TO_FINE,
+    DegreeAndGradingOfTriangleMesh(6, 17, 0.7, 0.8),
+)
 """Meshes of curved triangles, coarse to fine.
 
-The arguments of TriangleLevel are degree, halvings, longest_over_corner_distance and size. The last
-mesh is not used in the studies. It has a higher degree, and its triangles are halved more often
-towards the singular points. On four brakes this mesh lowered the uncertainty of the pressure from
-1e-5 to 2e-6 and of the torque from 1e-10 to 1e-11. A further mesh lowered neither.
+The arguments of DegreeAndGradingOfTriangleMesh are degree, halvings, longest_over_corner_distance
+and size. The last mesh is not used in the studies. It has a higher degree, and its triangles are
+halved more often towards the singular points. On four brakes this mesh lowered the uncertainty of
+the pressure from 1e-5 to 2e-6 and of the torque from 1e-10 to 1e-11. A further mesh lowered
+neither.
 """
 
 HP_MESHES_OF_STORED_TRUTH = (
     # The arguments are degree, zone, edge, end, ratio, opening, largest, back, hinge, through: see
-    # `Level`.
-    Level(6, 0.02, 0.01, 0.0008, 0.42, 0.25, 15 * DEG, 0.02, 0.012, 0.2),
-    Level(7, 0.006, 0.004, 0.0003, 0.45, 0.27, 13 * DEG, 0.007, 0.004, 0.24),
-    Level(8, 0.002, 0.0015, 0.0001, 0.48, 0.3, 11 * DEG, 0.0025, 0.0014, 0.28),
+    # `RefinementLevel`.
+    RefinementLevel(6, 0.02, 0.01, 0.0008, 0.42, 0.25, 15 * DEGREE_IN_RADIANS, 0.02, 0.012, 0.2),
+    RefinementLevel(
+        7, 0.006, 0.004, 0.0003, 0.45, 0.27, 13 * DEGREE_IN_RADIANS, 0.007, 0.004, 0.24
+    ),
+    RefinementLevel(
+        8, 0.002, 0.0015, 0.0001, 0.48, 0.3, 11 * DEGREE_IN_RADIANS, 0.0025, 0.0014, 0.28
+    ),
 )
 """Meshes of hp elements, coarse to fine, finer than every level of a solve.
 
@@ -82,15 +93,15 @@ On 20 brakes these hp elements were compared with the curved triangles. The pres
 most 2e-5, or 1e-4 where the lining presses with its corner, and the torques by at most 2e-7."""
 
 TRIANGLE_MESHES_FOR_PRESSED_CORNER = (
-    TriangleLevel(4, 14, 0.7, 0.8),
-    TriangleLevel(5, 18, 0.7, 0.8),
-    TriangleLevel(6, 22, 0.7, 0.8),
+    DegreeAndGradingOfTriangleMesh(4, 14, 0.7, 0.8),
+    DegreeAndGradingOfTriangleMesh(5, 18, 0.7, 0.8),
+    DegreeAndGradingOfTriangleMesh(6, 22, 0.7, 0.8),
 )
 """Meshes of curved triangles for brakes that press only by a corner of the lining."""
 TRIANGLE_MESHES_FOR_PRESSED_TIP = (
-    TriangleLevel(4, 16, 0.7, 0.8),
-    TriangleLevel(5, 21, 0.7, 0.8),
-    TriangleLevel(6, 26, 0.7, 0.8),
+    DegreeAndGradingOfTriangleMesh(4, 16, 0.7, 0.8),
+    DegreeAndGradingOfTriangleMesh(5, 21, 0.7, 0.8),
+    DegreeAndGradingOfTriangleMesh(6, 26, 0.7, 0.8),
 )
 """Meshes of curved triangles for brakes that press only by a tip, a kink that points to the drum.
 
@@ -108,14 +119,14 @@ Some ten triangles lie in this region. With 14 triangles in it the pressure chan
 on two brakes.
 """
 
-LEAST_USED_ERROR_OVER_UNCERTAINTY = 4.0
+LEAST_USABLE_TRUE_ERROR_OVER_ITS_UNCERTAINTY = 4.0
 """Smallest ratio of a true error to its uncertainty with which the true error is used to judge the
 stated error.
 
 At smaller ratios the difference between answer and truth may be an error of the truth.
 """
 
-STORED_DIGITS = 10
+SIGNIFICANT_DIGITS_OF_STORED_PRESSURES = 10
 """Significant digits with which pressures are stored. Their uncertainty is 1e-7 at best."""
 
 
@@ -133,10 +144,10 @@ class StoredTruth(NamedTuple):
     covers: str
     brake: Brake
     by: str
-    true: Truth
+    true: FarFinerSolutionOfBrake
 
 
-class DrawnBrake(NamedTuple):
+class KindSeedAndChangesOfStoredBrake(NamedTuple):
     """How a brake is drawn whose far finer solution is stored in a file.
 
     Attributes
@@ -179,159 +190,185 @@ The rows are an angle theta [rad] and a clearance [m]. The tip is in the middle 
 high as the lining's compression by the force, so that nearly the whole lining presses on the drum.
 """
 
-STORED_BRAKES: dict[str, DrawnBrake] = {
-    "arc": DrawnBrake(
+HOW_STORED_BRAKES_ARE_DRAWN_BY_FILE_NAME: dict[str, KindSeedAndChangesOfStoredBrake] = {
+    "arc": KindSeedAndChangesOfStoredBrake(
         "elastic arc on a hinge, partial contact", "arc", FIRST_SEED_OF_STORED_BRAKES + 0
     ),
-    "arc_second": DrawnBrake("elastic arc on a hinge", "arc", FIRST_SEED_OF_STORED_BRAKES + 1),
-    "arc_incompressible": DrawnBrake(
+    "arc_second": KindSeedAndChangesOfStoredBrake(
+        "elastic arc on a hinge", "arc", FIRST_SEED_OF_STORED_BRAKES + 1
+    ),
+    "arc_incompressible": KindSeedAndChangesOfStoredBrake(
         "Poisson's ratio 0.49",
         "arc",
         FIRST_SEED_OF_STORED_BRAKES + 2,
         {"shoe[0].lining.material.nu": 0.49},
     ),
-    "arc_stiff_friction": DrawnBrake(
+    "arc_stiff_friction": KindSeedAndChangesOfStoredBrake(
         "elastic arc, much friction", "arc", FIRST_SEED_OF_STORED_BRAKES + 3
     ),
-    "backed_corner": DrawnBrake(
+    "backed_corner": KindSeedAndChangesOfStoredBrake(
         "lining on a backing, pressed with its corner: unbounded p at the lining's end",
         "backed",
         FIRST_SEED_OF_STORED_BRAKES + 0,
     ),
-    "backed": DrawnBrake("lining on a backing", "backed", FIRST_SEED_OF_STORED_BRAKES + 1),
-    "rigid": DrawnBrake("rigid shoe", "rigid", FIRST_SEED_OF_STORED_BRAKES + 0),
-    "rigid_second": DrawnBrake("rigid shoe", "rigid", FIRST_SEED_OF_STORED_BRAKES + 2),
-    "post": DrawnBrake("straight post with a block", "post", FIRST_SEED_OF_STORED_BRAKES + 0),
-    "post_second": DrawnBrake(
+    "backed": KindSeedAndChangesOfStoredBrake(
+        "lining on a backing", "backed", FIRST_SEED_OF_STORED_BRAKES + 1
+    ),
+    "rigid": KindSeedAndChangesOfStoredBrake(
+        "rigid shoe", "rigid", FIRST_SEED_OF_STORED_BRAKES + 0
+    ),
+    "rigid_second": KindSeedAndChangesOfStoredBrake(
+        "rigid shoe", "rigid", FIRST_SEED_OF_STORED_BRAKES + 2
+    ),
+    "post": KindSeedAndChangesOfStoredBrake(
+        "straight post with a block", "post", FIRST_SEED_OF_STORED_BRAKES + 0
+    ),
+    "post_second": KindSeedAndChangesOfStoredBrake(
         "straight post with a block", "post", FIRST_SEED_OF_STORED_BRAKES + 1
     ),
-    "post_on_free_ring": DrawnBrake(
+    "post_on_free_ring": KindSeedAndChangesOfStoredBrake(
         "post on an elastic ring with a free rim, no friction",
         "post on ring",
         FIRST_SEED_OF_STORED_BRAKES + 1,
     ),
-    "post_on_fixed_ring": DrawnBrake(
+    "post_on_fixed_ring": KindSeedAndChangesOfStoredBrake(
         "post on an elastic ring with a fixed rim", "post on ring", FIRST_SEED_OF_STORED_BRAKES + 2
     ),
-    "arc_on_fixed_ring": DrawnBrake(
+    "arc_on_fixed_ring": KindSeedAndChangesOfStoredBrake(
         "arc on an elastic ring with a fixed rim", "arc on ring", FIRST_SEED_OF_STORED_BRAKES + 1
     ),
-    "arc_on_free_ring": DrawnBrake(
+    "arc_on_free_ring": KindSeedAndChangesOfStoredBrake(
         "arc on an elastic ring with a free rim", "arc on ring", FIRST_SEED_OF_STORED_BRAKES + 2
     ),
-    "linings_on_fixed_ring": DrawnBrake(
+    "linings_on_fixed_ring": KindSeedAndChangesOfStoredBrake(
         "two shoes on one elastic ring with a fixed rim",
         "linings on ring",
         FIRST_SEED_OF_STORED_BRAKES + 2,
     ),
-    "linings_on_free_ring": DrawnBrake(
+    "linings_on_free_ring": KindSeedAndChangesOfStoredBrake(
         "two shoes on one elastic ring with a free rim",
         "linings on ring",
         FIRST_SEED_OF_STORED_BRAKES + 3,
     ),
-    "blocks": DrawnBrake(
+    "blocks": KindSeedAndChangesOfStoredBrake(
         "lining of three blocks of unlike height on a post",
         "misfit",
         FIRST_SEED_OF_STORED_BRAKES + 0,
     ),
-    "clearance_table": DrawnBrake(
+    "clearance_table": KindSeedAndChangesOfStoredBrake(
         "clearance given as a table of two rows", "misfit", FIRST_SEED_OF_STORED_BRAKES + 1
     ),
-    "radius_without_friction": DrawnBrake(
+    "radius_without_friction": KindSeedAndChangesOfStoredBrake(
         "lining ground to another radius, no friction", "misfit", FIRST_SEED_OF_STORED_BRAKES + 2
     ),
-    "clearance": DrawnBrake(
+    "clearance": KindSeedAndChangesOfStoredBrake(
         "even clearance under a post", "misfit", FIRST_SEED_OF_STORED_BRAKES + 3
     ),
-    "clearance_arc": DrawnBrake(
+    "clearance_arc": KindSeedAndChangesOfStoredBrake(
         "even clearance under an arc, much friction", "misfit", FIRST_SEED_OF_STORED_BRAKES + 4
     ),
-    "radius": DrawnBrake(
+    "radius": KindSeedAndChangesOfStoredBrake(
         "lining ground to another radius, on a post", "misfit", FIRST_SEED_OF_STORED_BRAKES + 5
     ),
-    "out_of_round": DrawnBrake(
+    "out_of_round": KindSeedAndChangesOfStoredBrake(
         "drum out of round", "out of round", FIRST_SEED_OF_STORED_BRAKES + 0
     ),
-    "out_of_round_second": DrawnBrake(
+    "out_of_round_second": KindSeedAndChangesOfStoredBrake(
         "drum out of round, an opening in the contact",
         "out of round",
         FIRST_SEED_OF_STORED_BRAKES + 1,
     ),
-    "short_contact": DrawnBrake(
+    "short_contact": KindSeedAndChangesOfStoredBrake(
         "short contact of a lining of another radius",
         "small contact",
         FIRST_SEED_OF_STORED_BRAKES + 0,
         {"friction": 0.2},
     ),
-    "short_contact_second": DrawnBrake(
+    "short_contact_second": KindSeedAndChangesOfStoredBrake(
         "short contact of a lining of another radius",
         "small contact",
         FIRST_SEED_OF_STORED_BRAKES + 3,
     ),
-    "extreme": DrawnBrake(
+    "extreme": KindSeedAndChangesOfStoredBrake(
         "stiffnesses and thicknesses far apart",
         "extreme",
         FIRST_SEED_OF_STORED_BRAKES + 0,
         {"friction": 0.2},
     ),
-    "hinge": DrawnBrake("drum brake shoe on a hinge", "hinge", FIRST_SEED_OF_STORED_BRAKES + 0),
-    "tip": DrawnBrake(
+    "hinge": KindSeedAndChangesOfStoredBrake(
+        "drum brake shoe on a hinge", "hinge", FIRST_SEED_OF_STORED_BRAKES + 0
+    ),
+    "tip": KindSeedAndChangesOfStoredBrake(
         "tip of the gap towards the drum",
         "hinge",
         FIRST_SEED_OF_STORED_BRAKES + 1,
         {"shoe[0].lining.clearance": CLEARANCE_TABLE_WITH_TIP},
     ),
-    "abutment": DrawnBrake(
+    "abutment": KindSeedAndChangesOfStoredBrake(
         "shoe that slides on an abutment", "abutment", FIRST_SEED_OF_STORED_BRAKES + 0
     ),
-    "rough_abutment": DrawnBrake(
+    "rough_abutment": KindSeedAndChangesOfStoredBrake(
         "shoe on an abutment with friction", "rough abutment", FIRST_SEED_OF_STORED_BRAKES + 2
     ),
-    "pivot": DrawnBrake("shoe on a pivot of a lever", "pivot", FIRST_SEED_OF_STORED_BRAKES + 0),
-    "guide": DrawnBrake("shoe in a guide", "guide", FIRST_SEED_OF_STORED_BRAKES + 1),
-    "cylinder": DrawnBrake(
+    "pivot": KindSeedAndChangesOfStoredBrake(
+        "shoe on a pivot of a lever", "pivot", FIRST_SEED_OF_STORED_BRAKES + 0
+    ),
+    "guide": KindSeedAndChangesOfStoredBrake(
+        "shoe in a guide", "guide", FIRST_SEED_OF_STORED_BRAKES + 1
+    ),
+    "cylinder": KindSeedAndChangesOfStoredBrake(
         "two shoes under a wheel cylinder", "cylinder", FIRST_SEED_OF_STORED_BRAKES + 0
     ),
-    "cam": DrawnBrake("two shoes under an S-cam", "cam", FIRST_SEED_OF_STORED_BRAKES + 0),
-    "cam_second": DrawnBrake("two shoes under an S-cam", "cam", FIRST_SEED_OF_STORED_BRAKES + 1),
-    "strut": DrawnBrake("two shoes joined by a strut", "strut", FIRST_SEED_OF_STORED_BRAKES + 0),
-    "pad_on_a_hinge": DrawnBrake(
+    "cam": KindSeedAndChangesOfStoredBrake(
+        "two shoes under an S-cam", "cam", FIRST_SEED_OF_STORED_BRAKES + 0
+    ),
+    "cam_second": KindSeedAndChangesOfStoredBrake(
+        "two shoes under an S-cam", "cam", FIRST_SEED_OF_STORED_BRAKES + 1
+    ),
+    "strut": KindSeedAndChangesOfStoredBrake(
+        "two shoes joined by a strut", "strut", FIRST_SEED_OF_STORED_BRAKES + 0
+    ),
+    "pad_on_a_hinge": KindSeedAndChangesOfStoredBrake(
         "pad on a plane, on a hinge", "pad on a hinge", FIRST_SEED_OF_STORED_BRAKES + 1
     ),
-    "pad_on_a_pivot": DrawnBrake(
+    "pad_on_a_pivot": KindSeedAndChangesOfStoredBrake(
         "pad on a plane, on a pivot", "pad on a pivot", FIRST_SEED_OF_STORED_BRAKES + 1
     ),
-    "pad_on_a_guide": DrawnBrake(
+    "pad_on_a_guide": KindSeedAndChangesOfStoredBrake(
         "pad on a plane, in a guide", "pad on a guide", FIRST_SEED_OF_STORED_BRAKES + 0
     ),
-    "pad_on_an_abutment": DrawnBrake(
+    "pad_on_an_abutment": KindSeedAndChangesOfStoredBrake(
         "pad on a plane, on an abutment", "pad on an abutment", FIRST_SEED_OF_STORED_BRAKES + 2
     ),
-    "table": DrawnBrake("T-section: table and web", "table", FIRST_SEED_OF_STORED_BRAKES + 0),
-    "table_second": DrawnBrake(
+    "table": KindSeedAndChangesOfStoredBrake(
+        "T-section: table and web", "table", FIRST_SEED_OF_STORED_BRAKES + 0
+    ),
+    "table_second": KindSeedAndChangesOfStoredBrake(
         "T-section: table and web", "table", FIRST_SEED_OF_STORED_BRAKES + 1
     ),
-    "grip": DrawnBrake(
+    "grip": KindSeedAndChangesOfStoredBrake(
         "body held over a length of its back", "grip", FIRST_SEED_OF_STORED_BRAKES + 0
     ),
-    "chain": DrawnBrake("blocks linked by straps", "chain", FIRST_SEED_OF_STORED_BRAKES + 0),
-    "corner_little_friction": DrawnBrake(
+    "chain": KindSeedAndChangesOfStoredBrake(
+        "blocks linked by straps", "chain", FIRST_SEED_OF_STORED_BRAKES + 0
+    ),
+    "corner_little_friction": KindSeedAndChangesOfStoredBrake(
         "rigid shoe that presses with a corner",
         "corner of a rigid shoe",
         FIRST_SEED_OF_STORED_BRAKES + 0,
     ),
-    "corner_dragged_inwards": DrawnBrake(
+    "corner_dragged_inwards": KindSeedAndChangesOfStoredBrake(
         "corner that friction drags into the lining: p as x^-0.21",
         "corner of a rigid shoe",
         FIRST_SEED_OF_STORED_BRAKES + 1,
         {"friction": 0.2, "shoe[0].actuation.force": 708.0},
     ),
-    "corner_dragged_outwards": DrawnBrake(
+    "corner_dragged_outwards": KindSeedAndChangesOfStoredBrake(
         "elastic shoe that presses with its trailing corner",
         "corner",
         FIRST_SEED_OF_STORED_BRAKES + 3,
     ),
-    "tip_short": DrawnBrake(
+    "tip_short": KindSeedAndChangesOfStoredBrake(
         "short contact under a tip of the gap",
         "tip of a rigid shoe",
         FIRST_SEED_OF_STORED_BRAKES + 1,
@@ -341,14 +378,14 @@ STORED_BRAKES: dict[str, DrawnBrake] = {
 
 
 def solve_stored_brake_on_far_finer_meshes(name: str) -> StoredTruth:
-    """Solve a brake of STORED_BRAKES on far finer meshes than `solve` uses.
+    """Solve a stored brake on far finer meshes than `solve` uses.
 
     A brake that presses only by a corner of the lining or by a kink that points to the drum is
     solved on the meshes TRIANGLE_MESHES_FOR_PRESSED_CORNER or TRIANGLE_MESHES_FOR_PRESSED_TIP.
     Other brakes are solved by the triangles, or by finer hp elements where the triangles have no
     answer. Raises NoAnswer where no solver has an answer.
     """
-    drawn = STORED_BRAKES[name]
+    drawn = HOW_STORED_BRAKES_ARE_DRAWN_BY_FILE_NAME[name]
     brake = drawn.brake()
     if drawn.kind in CORNERS:
         return StoredTruth(
@@ -368,7 +405,7 @@ def solve_stored_brake_on_far_finer_meshes(name: str) -> StoredTruth:
     return StoredTruth(drawn.covers, brake, by, true)
 
 
-def solve_brake_by_fine_triangles(brake: Brake) -> Truth:
+def solve_brake_by_fine_triangles(brake: Brake) -> FarFinerSolutionOfBrake:
     """The far finer solution of a brake on a drum by the last three meshes of triangles.
 
     Raises BadInput if triangles cannot mesh the brake, and NoAnswer if the brake has no solution.
@@ -383,7 +420,7 @@ def solve_brake_by_fine_triangles(brake: Brake) -> Truth:
     )
 
 
-def solve_brake_on_corner_or_kink_by_fine_triangles(brake: Brake) -> Truth:
+def solve_brake_on_corner_or_kink_by_fine_triangles(brake: Brake) -> FarFinerSolutionOfBrake:
     """The far finer solution of a brake that presses only by a corner or a tip of the lining.
 
     A tip is a kink of the lining that points to the drum. The meshes are
@@ -442,7 +479,7 @@ def _shoe_solution_with_power_law_at_corner(
     return found
 
 
-def solve_brake_by_finer_hp_meshes(brake: Brake) -> Truth:
+def solve_brake_by_finer_hp_meshes(brake: Brake) -> FarFinerSolutionOfBrake:
     """The far finer solution of a brake by HP_MESHES_OF_STORED_TRUTH, with exact contact.
 
     Raises NoAnswer where a mesh has no answer.
@@ -464,7 +501,8 @@ def solve_brake_by_finer_hp_meshes(brake: Brake) -> Truth:
 def stored_fine_solution_as_json(stored: StoredTruth) -> str:
     """A brake and its far finer solution as the text of a JSON file.
 
-    Numbers are in SI units, pressures have STORED_DIGITS significant digits.
+    Numbers are in SI units, pressures have SIGNIFICANT_DIGITS_OF_STORED_PRESSURES significant
+    digits.
     """
     data = {
         "covers": stored.covers,
@@ -485,7 +523,9 @@ def _shoe_solution_as_plain_data(shoe: Solved) -> dict[str, Any]:
         "normal_force": shoe.normal_force,
         "hinge_reaction": [float(part) for part in shoe.hinge_reaction],
         "theta": [float(f"{angle:.17g}") for angle in shoe.theta],
-        "pressure": [float(f"{p:.{STORED_DIGITS}g}") for p in shoe.pressure],
+        "pressure": [
+            float(f"{p:.{SIGNIFICANT_DIGITS_OF_STORED_PRESSURES}g}") for p in shoe.pressure
+        ],
     }
 
 
@@ -493,7 +533,7 @@ def read_stored_fine_solution(path: Path) -> StoredTruth:
     """The brake and its far finer solution in a file that `main` wrote."""
     data = json.loads(path.read_text(encoding="utf-8"))
     shoes = [_shoe_solution_from_plain_data(shoe) for shoe in data["shoes"]]
-    true = Truth(shoes, data["uncertainty"], data["seconds"])
+    true = FarFinerSolutionOfBrake(shoes, data["uncertainty"], data["seconds"])
     return StoredTruth(
         data["covers"], make_drum_or_plane_brake_from_data(data["brake"]), data["by"], true
     )
@@ -517,11 +557,12 @@ def _shoe_solution_from_plain_data(data: Mapping[str, Any]) -> ShoeSolution:
 
 
 def main(folder: str, *names: str) -> None:
-    """Solve brakes of STORED_BRAKES on far finer meshes than `solve` uses, and write their files.
+    """Solve stored brakes on far finer meshes than `solve` uses, and write their files.
 
-    folder : folder of the files; names : names of the brakes, by default all of STORED_BRAKES.
+    folder : folder of the files; names : names of the brakes, by default all of
+        HOW_STORED_BRAKES_ARE_DRAWN_BY_FILE_NAME.
     """
-    for name in names or STORED_BRAKES:
+    for name in names or HOW_STORED_BRAKES_ARE_DRAWN_BY_FILE_NAME:
         stored = solve_stored_brake_on_far_finer_meshes(name)
         write_text(Path(folder) / f"{name}.json", stored_fine_solution_as_json(stored))
         unsure = ", ".join(

@@ -1,6 +1,6 @@
 """Trials: solves of the extreme brakes of `extreme_cases`, each with a verdict on its outcome.
 
-Every trial ends in one of TRIAL_OUTCOMES. An answer is right under three conditions: its forces
+Every trial ends in one of ALL_TRIAL_OUTCOMES. An answer is right under three conditions: its forces
 balance, pressure times gap is zero at each node to 1e-8, and six digits of its torque agree with
 the refined solution. The refined solution solves the whole system of equations in extended
 precision (`drumlin.fem.error_control.refinement`). Fewer digits must agree if the condition number
@@ -31,7 +31,7 @@ from drumlin.response.response import Response
 from drumlin_studies import pointwise
 from drumlin_studies.extreme_cases import ExtremeCase
 
-ANSWER_OUTCOMES = ("answer", "no contact")
+TRIAL_OUTCOMES_WITH_ANSWER = ("answer", "no contact")
 """Outcomes in which a solve gives an answer."""
 REFUSAL_OUTCOMES_BY_MESSAGE_WORDS = {
     "self-locking": "self-locking",
@@ -43,27 +43,27 @@ REFUSAL_OUTCOMES_BY_MESSAGE_WORDS = {
     "singular stiffness": "arithmetic",
 }
 """Outcome of a trial that a solve refuses, by words in the error message."""
-TRIAL_FAULTS = ("not converged", "traceback", "inaccurate")
+TRIAL_OUTCOMES_THAT_ARE_FAULTS_OF_DRUMLIN = ("not converged", "traceback", "inaccurate")
 """Outcomes of a trial that are faults of drumlin and must not occur."""
-TRIAL_OUTCOMES = (
-    *ANSWER_OUTCOMES,
+ALL_TRIAL_OUTCOMES = (
+    *TRIAL_OUTCOMES_WITH_ANSWER,
     *dict.fromkeys(REFUSAL_OUTCOMES_BY_MESSAGE_WORDS.values()),
     "bad input",
-    *TRIAL_FAULTS,
+    *TRIAL_OUTCOMES_THAT_ARE_FAULTS_OF_DRUMLIN,
 )
 """All outcomes of a trial: answers, refusals with a reason, bad input, and faults."""
-LARGEST_RESIDUAL = 1e-8
+LARGEST_RELATIVE_RESIDUAL_OF_RIGHT_ANSWER = 1e-8
 """Largest relative residual of a right answer, in the balances of forces and moments and in the
 products of pressure and gap.
 """
-TORQUE_DIGITS = 6
+TORQUE_DIGITS_THAT_AGREE_WITH_REFINED_SOLUTION = 6
 """Number of digits of the torque that must agree with the refined solution."""
 ELIMINATION_ORDER_OF_REFINED_SOLUTION = "MMD_AT_PLUS_A"
 """Name, in the library SuperLU, of the order in which the refined solution eliminates its unknowns.
 
 It differs from the order that the model uses, so that both solutions have different round-off.
 """
-STIFFEST_PENALTY = 1e16
+LARGEST_FACTOR_OF_POINTWISE_PENALTY = 1e16
 """Largest penalty factor of the pointwise penalty; it also replaces an infinite factor."""
 POINTWISE_REFUSAL_OUTCOMES_BY_WORDS = {"repeats": "cycles", "singular": "singular"}
 """Outcome of a trial without an answer by the pointwise penalty, by words in the error message."""
@@ -72,7 +72,7 @@ MOST_UNKNOWNS_FOR_POINTWISE_PENALTY = 12_000
 
 The method factorises the whole system up to 60 times.
 """
-POINTWISE_AGREEMENT = 1e-2
+LARGEST_TORQUE_DIFFERENCE_FROM_POINTWISE_PENALTY = 1e-2
 """Relative difference below which the torques of drumlin and of the pointwise penalty agree.
 
 A smaller difference can be due to discretisation errors.
@@ -176,13 +176,15 @@ def text_of_changed_quantities(case: ExtremeCase) -> str:
 def is_answer_accurate(row: dict[str, Any]) -> bool:
     """Whether the answer of a row is right.
 
-    Its residuals must be small, and TORQUE_DIGITS of its torque must be correct, or as many as the
-    condition number of the problem allows.
+    Its residuals must be small, and TORQUE_DIGITS_THAT_AGREE_WITH_REFINED_SOLUTION of its torque
+    must be correct, or as many as the condition number of the problem allows.
     """
     if row["digits"] is None:
         return False
     residual = max(row["balance"], row["complementarity"])
-    return residual <= LARGEST_RESIDUAL and row["digits"] >= min(TORQUE_DIGITS, row["allowed"])
+    return residual <= LARGEST_RELATIVE_RESIDUAL_OF_RIGHT_ANSWER and row["digits"] >= min(
+        TORQUE_DIGITS_THAT_AGREE_WITH_REFINED_SOLUTION, row["allowed"]
+    )
 
 
 def worst_numerical_accuracy_of_shoe_groups(
@@ -304,7 +306,7 @@ def compare_with_pointwise_penalty(
                 brake,
                 elements=case.elements,
                 kind=case.kind,
-                penalty=min(case.penalty, STIFFEST_PENALTY),
+                penalty=min(case.penalty, LARGEST_FACTOR_OF_POINTWISE_PENALTY),
                 mesher=case.function_that_meshes_shoe_with_aspect_ratio(),
             )
         row["pointwise_steps"] = other.iterations
@@ -315,7 +317,9 @@ def compare_with_pointwise_penalty(
         else:
             off = abs(other.torque - response.torque) / max(response.torque, other.torque)
             row |= {
-                "pointwise": "agrees" if off < POINTWISE_AGREEMENT else "differs",
+                "pointwise": "agrees"
+                if off < LARGEST_TORQUE_DIFFERENCE_FROM_POINTWISE_PENALTY
+                else "differs",
                 "pointwise_off": off,
             }
     except BadInput:

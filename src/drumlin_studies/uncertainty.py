@@ -89,7 +89,7 @@ def grid_convergence_index_of_three_values(
     return GridConvergenceIndex(limit.order, limit.value, fine_index, coarse_index, asymptotic)
 
 
-class Validation(NamedTuple):
+class ComparisonOfSimulationWithData(NamedTuple):
     """The comparison of a simulation S with data D (ASME V&V 20-2009, section 1-5).
 
     Attributes
@@ -117,7 +117,7 @@ class Validation(NamedTuple):
 
 def compare_simulated_value_with_reference_value(
     simulation: float, data: float, *, numerical: float, inputs: float = 0.0, of_data: float
-) -> Validation:
+) -> ComparisonOfSimulationWithData:
     """The comparison error E = S - D with its validation uncertainty u_val.
 
     u_val^2 = u_num^2 + u_input^2 + u_D^2. All uncertainties have the unit of S and D and the same
@@ -134,4 +134,6 @@ def compare_simulated_value_with_reference_value(
     of_data : float
         Uncertainty u_D of the data, or of the reference in their place.
     """
-    return Validation(simulation - data, math.sqrt(numerical**2 + inputs**2 + of_data**2))
+    return ComparisonOfSimulationWithData(
+        simulation - data, math.sqrt(numerical**2 + inputs**2 + of_data**2)
+    )

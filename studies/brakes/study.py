@@ -14,7 +14,7 @@ from drumlin.report import figures
 from drumlin.report.drawing import draw_brake
 from drumlin.report.page import write_html_page
 from drumlin_studies.brake_kinds import (
-    TRUSTED_LAW_ERROR,
+    LARGEST_ERROR_OF_TRUSTED_LAW,
     BrakeSolvedByAllModels,
     brake_and_reversed_brake,
     brake_factor_of_cam_brake,
@@ -124,7 +124,7 @@ def report(result: Result, folder: Path) -> Path:
         errors[key] = [abs(row[key]) for row in result.rows]
     rough = set()
     for row in result.rows:
-        if abs(row["new"]) > TRUSTED_LAW_ERROR:
+        if abs(row["new"]) > LARGEST_ERROR_OF_TRUSTED_LAW:
             rough.add(row["file"])
     titles = {}
     for f, b in drawn.items():

@@ -7,7 +7,7 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
 
-from drumlin.report.figures import PRINT_STYLE, make_figure_for_print
+from drumlin.report.figures import MATPLOTLIB_SETTINGS_FOR_PRINT, make_figure_for_print
 from drumlin.report.palette import (
     BLUE,
     BROWN,
@@ -92,7 +92,7 @@ def draw_error_over_time(
     Errors below the uncertainty of the reference are shaded. A marker is a solve, a colour a family
     of methods.
     """
-    with mpl.rc_context(PRINT_STYLE):
+    with mpl.rc_context(MATPLOTLIB_SETTINGS_FOR_PRINT):
         figure = make_figure_for_print(4.6)
         grid = figure.subplots(1, 2)
         for axes, (key, label) in zip(grid, PANELS.items(), strict=True):
@@ -206,7 +206,7 @@ def draw_predicted_changes(rows: Sequence[Mapping[str, Any]]) -> Figure:
     On the line both are equal, in the band within a factor of two. Changes below LEAST are not
     drawn. rows : from `omission_table.table_rows_for_each_part_omitted_from_brake`.
     """
-    with mpl.rc_context(PRINT_STYLE):
+    with mpl.rc_context(MATPLOTLIB_SETTINGS_FOR_PRINT):
         figure = make_figure_for_print(4.1)
         grid = figure.subplots(1, len(CHANGES))
         for axes, (key, title) in zip(grid, CHANGES, strict=True):

@@ -10,12 +10,12 @@ from matplotlib.figure import Figure
 
 from drumlin.brake.brake import Brake
 from drumlin.fem.width.ladder import has_shoe_with_parts_of_different_widths
-from drumlin.report.figures import PRINT_STYLE, make_figure_for_print
+from drumlin.report.figures import MATPLOTLIB_SETTINGS_FOR_PRINT, make_figure_for_print
 from drumlin.report.palette import BLUE, ERROR_SCALE_COLORS, INK
 from drumlin_studies.plane_stress_limits import (
     LIMITS_OF_PLANE_STRESS_ERROR,
     NAMES_OF_LIMITED_QUANTITIES,
-    VARIATIONS,
+    VARIED_QUANTITIES_OF_FIGURE_PANELS,
 )
 
 COLORS = {"one width": BLUE, "T-section": INK}
@@ -31,7 +31,7 @@ WIDE_RANGE = 20.0
 def marked_values(brakes: Mapping[str, Brake]) -> dict[str, dict[str, float]]:
     """The value of each varied quantity on the brakes themselves, by quantity and brake's name."""
     found: dict[str, dict[str, float]] = {}
-    for variation in VARIATIONS:
+    for variation in VARIED_QUANTITIES_OF_FIGURE_PANELS:
         own = {}
         for name, brake in brakes.items():
             if not variation.needs_web or has_shoe_with_parts_of_different_widths(brake):
@@ -51,7 +51,7 @@ def draw_plane_stress_limits(
     usual : values of the brakes that are varied, by quantity and brake; a drawn one has a full mark
     """
     names = list(dict.fromkeys(row["varied"] for row in rows))
-    with mpl.rc_context(PRINT_STYLE):
+    with mpl.rc_context(MATPLOTLIB_SETTINGS_FOR_PRINT):
         figure = make_figure_for_print(5.2)
         columns = (len(names) + 1) // 2
         grid = figure.subplots(2, columns, sharey=True, squeeze=False)

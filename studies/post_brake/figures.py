@@ -13,7 +13,7 @@ from drumlin.brake.beam_axis import make_beam_axis
 from drumlin.brake.brake import Brake
 from drumlin.report.figures import (
     FORMULA_TEXT_SIZE,
-    PRINT_STYLE,
+    MATPLOTLIB_SETTINGS_FOR_PRINT,
     SMALL_TEXT_SIZE,
     draw_legend_below_figure,
     make_figure_for_print,
@@ -23,20 +23,22 @@ from drumlin.report.palette import (
     COLOR_OF_AXES_AND_NOTES,
     ERROR_SCALE_COLORS,
     INK,
-    line_style_of_model,
+    color_and_line_style_of_model,
 )
 from drumlin_studies.post_brake_rows import (
-    Curve,
-    ErrorMap,
+    AbscissasAndOrdinatesOfCurve,
     FiguresOfMeritOverFriction,
     TorqueDifferencesOverRadiusOffset,
+    TorqueErrorMapOverStiffnessGroups,
 )
 
 BOUNDS = (0.0, 0.01, 0.05, 0.20, np.inf)
 """Borders of the regions of a map: errors within 1, 5 and 20 %, and beyond."""
 
 
-def draw_beam_deflections(brake: Brake, found: Sequence[Mapping[str, Curve]]) -> Figure:
+def draw_beam_deflections(
+    brake: Brake, found: Sequence[Mapping[str, AbscissasAndOrdinatesOfCurve]]
+) -> Figure:
     """Deflection r along each post, by each elastic model."""
     panels = []
     for shoe, models in zip(brake.shoes, found, strict=True):
@@ -87,14 +89,16 @@ def draw_merit_over_friction(
     return draw_curves_of_models(panels, "friction coefficient μ", label)
 
 
-def _scaled_curve(values: Sequence[tuple[float, float]], x: float, y: float) -> Curve:
+def _scaled_curve(
+    values: Sequence[tuple[float, float]], x: float, y: float
+) -> AbscissasAndOrdinatesOfCurve:
     """Points as a curve, with a factor on each coordinate."""
     a, b = np.array(values).T
     return a * x, b * y
 
 
 def draw_curves_of_models(
-    panels: Sequence[tuple[str, Mapping[str, Curve]]],
+    panels: Sequence[tuple[str, Mapping[str, AbscissasAndOrdinatesOfCurve]]],
     xlabel: str,
     ylabel: str,
     columns: int = 2,
@@ -115,7 +119,7 @@ def draw_curves_of_models(
     zero : bool
         Whether a line marks y = 0.
     """
-    with mpl.rc_context(PRINT_STYLE):
+    with mpl.rc_context(MATPLOTLIB_SETTINGS_FOR_PRINT):
         lines = -(-len(panels) // columns)
         figure = make_figure_for_print(2.2 * lines + 0.3)
         grid = figure.subplots(lines, columns, squeeze=False, sharey=True)
@@ -130,7 +134,7 @@ def draw_curves_of_models(
                     marker="o" if points else None,
                     ms=4,
                     lw=0 if points else 1.8,
-                    **(line_style_of_model(model) | ({"ls": ":"} if rest else {})),
+                    **(color_and_line_style_of_model(model) | ({"ls": ":"} if rest else {})),
                     label=f"{title_of_model_in_figures(model)} {rest}".strip(),
                 )
             axes.set_title(title)
@@ -145,7 +149,9 @@ def draw_curves_of_models(
     return figure
 
 
-def draw_rim_displacements(own: Mapping[str, Curve], one: Mapping[str, Curve]) -> Figure:
+def draw_rim_displacements(
+    own: Mapping[str, AbscissasAndOrdinatesOfCurve], one: Mapping[str, AbscissasAndOrdinatesOfCurve]
+) -> Figure:
     """Displacement around the rim in polar axes, with inward displacements towards the centre.
 
     Parameters
@@ -165,7 +171,7 @@ def draw_rim_displacements(own: Mapping[str, Curve], one: Mapping[str, Curve]) -
             {f"{model} both shoes": _curve_in_mm(z) for model, z in one.items()},
         ),
     )
-    with mpl.rc_context(PRINT_STYLE):
+    with mpl.rc_context(MATPLOTLIB_SETTINGS_FOR_PRINT):
         figure = make_figure_for_print(4.2)
         grid = figure.subplots(1, len(panels), squeeze=False, subplot_kw={"projection": "polar"})
         # Room inside and outside the rim for the largest displacement.
@@ -179,7 +185,7 @@ def draw_rim_displacements(own: Mapping[str, Curve], one: Mapping[str, Curve]) -
                     theta,
                     -z,
                     lw=1.8,
-                    **(line_style_of_model(model) | {"ls": style}),
+                    **(color_and_line_style_of_model(model) | {"ls": style}),
                     label=f"{title_of_model_in_figures(model)}, {rest}",
                 )
             axes.set_ylim(-3 * largest, 1.3 * largest)
@@ -195,25 +201,25 @@ def draw_rim_displacements(own: Mapping[str, Curve], one: Mapping[str, Curve]) -
     return figure
 
 
-def _curve_in_mm(curve: Curve) -> Curve:
+def _curve_in_mm(curve: AbscissasAndOrdinatesOfCurve) -> AbscissasAndOrdinatesOfCurve:
     """A curve in m as a curve in mm."""
     theta, z = curve
     return theta, z * 1e3
 
 
 def draw_error_maps(
-    rows: Sequence[Sequence[ErrorMap]], mark: Sequence[tuple[float, float]]
+    rows: Sequence[Sequence[TorqueErrorMapOverStiffnessGroups]], mark: Sequence[tuple[float, float]]
 ) -> Figure:
     """Maps of errors. A cell is one pair of solutions with its error in %.
 
     Parameters
     ----------
-    rows : sequence of sequences of ErrorMap
+    rows : sequence of sequences of TorqueErrorMapOverStiffnessGroups
         The maps of each row.
     mark : sequence of pairs
         In each row the place of the study's own brake.
     """
-    with mpl.rc_context(PRINT_STYLE):
+    with mpl.rc_context(MATPLOTLIB_SETTINGS_FOR_PRINT):
         columns = len(rows[0])
         figure = make_figure_for_print(2.5 * len(rows) + 0.3)
         grid = figure.subplots(len(rows), columns, squeeze=False, sharex=True, sharey=True)

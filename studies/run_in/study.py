@@ -22,10 +22,10 @@ from drumlin.report import figures as drawing
 from drumlin.report.page import write_html_page
 from drumlin_studies import run_in_limits as limits
 from drumlin_studies.run_in_limits import (
+    AnimationFrameOfWearRun,
     LastStateOfEqualWearSteps,
-    Reversals,
-    RunFrame,
-    RunInOfBrake,
+    WearRunUntilPressureSettles,
+    WearWithRegularDrumReversals,
 )
 from drumlin_studies.tables import (
     rows_that_have_value_of_key,
@@ -68,18 +68,18 @@ class Result:
     The rows of the tables come from the module `run_in_limits`.
     """
 
-    main: RunInOfBrake
-    flexible: RunInOfBrake
-    runs: list[RunInOfBrake]
+    main: WearRunUntilPressureSettles
+    flexible: WearRunUntilPressureSettles
+    runs: list[WearRunUntilPressureSettles]
     brakes: list[dict[str, Any]]
     ratios: list[dict[str, Any]]
     halves: list[dict[str, Any]]
     exponents: list[dict[str, Any]]
-    held: RunInOfBrake
-    reversals: list[Reversals]
+    held: WearRunUntilPressureSettles
+    reversals: list[WearWithRegularDrumReversals]
     steps: list[dict[str, Any]]
     boards: list[LastStateOfEqualWearSteps]
-    frames: list[RunFrame]
+    frames: list[AnimationFrameOfWearRun]
     skipped: list[str]
     seconds: float
 
@@ -91,7 +91,7 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
     """
     start = time.perf_counter()
     elements = 30 if short else 80
-    runs, brakes = list[RunInOfBrake](), list[dict[str, Any]]()
+    runs, brakes = list[WearRunUntilPressureSettles](), list[dict[str, Any]]()
     found, skipped = brakes_that_run_in(short=short)
     for name, model, brake in found:
         say(f"{name}, {model}")
@@ -131,7 +131,7 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
         )
     # Implicit and explicit steps of equal sizes.
     say("steps")
-    steps, boards = limits.rows_and_ends_of_wear_runs_in_equal_steps(main, END, STEPS)
+    steps, boards = limits.rows_and_last_states_of_wear_runs_in_equal_steps(main, END, STEPS)
     say("film")
     frames = limits.animation_frames_of_run(scene, main, 6 if short else 40)
     return Result(
@@ -216,16 +216,21 @@ def report(result: Result, folder: Path) -> Path:
     )
 
 
-def draw_figures(result: Result, least: RunInOfBrake, reversal: Reversals, folder: Path) -> None:
+def draw_figures(
+    result: Result,
+    least: WearRunUntilPressureSettles,
+    reversal: WearWithRegularDrumReversals,
+    folder: Path,
+) -> None:
     """Write the figures and the film.
 
     Parameters
     ----------
     result : Result
         Everything that the report shows.
-    least : RunInOfBrake
+    least : WearRunUntilPressureSettles
         The brake with the smallest contact when new.
-    reversal : Reversals
+    reversal : WearWithRegularDrumReversals
         The run with reversals that is drawn.
     folder : Path
         Folder of the report.

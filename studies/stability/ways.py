@@ -6,7 +6,7 @@ from functools import partial
 from multiprocessing import get_context
 from typing import Any, NamedTuple
 
-from drumlin.base.journal import Journal
+from drumlin.base.journal import JournalOfCaseResults
 from drumlin_studies import (
     consistency_blocks,
     consistency_hold,
@@ -60,7 +60,10 @@ PATH_CHECKS = {
 
 
 def study(
-    journal: Journal, *, short: bool = False, say: Callable[[str], None] = lambda _: None
+    journal: JournalOfCaseResults,
+    *,
+    short: bool = False,
+    say: Callable[[str], None] = lambda _: None,
 ) -> list[TwoPathComparison]:
     """All comparisons, in two processes.
 

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 from drumlin.base.errors import NoAnswer
 from drumlin.base.files import write_text
-from drumlin.base.journal import Journal
+from drumlin.base.journal import JournalOfCaseResults
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import read_brake, vary
 from drumlin.comparison import table_as_csv_text
@@ -25,10 +25,12 @@ from drumlin_studies.orders import (
     largest_pressure_distance_of_shoes,
 )
 from drumlin_studies.random_brake import draw_random_brake
-from drumlin_studies.random_kinds import DRAW_BY_SUPPORT_KIND as KINDS_OF_HOLDING
+from drumlin_studies.random_kinds import (
+    FUNCTIONS_THAT_DRAW_BRAKE_DATA_BY_SUPPORT_KIND as KINDS_OF_HOLDING,
+)
 from drumlin_studies.random_kinds import draw_random_brake_of_support_kind
 from drumlin_studies.side_by_side import (
-    PROCESSES,
+    NUMBER_OF_PROCESSES_OF_STUDY,
     ComputationInput,
     compute_cases_in_parallel_with_journal,
 )
@@ -99,14 +101,14 @@ def study(
     *,
     short: bool = False,
     say: Callable[[str], None] = lambda _: None,
-    journal: Journal | None = None,
+    journal: JournalOfCaseResults | None = None,
 ) -> Result:
     """Compute all tables.
 
     short : trial run with coarser meshes and fewer brakes.
     """
     start = time.perf_counter()
-    journal = journal or Journal()
+    journal = journal or JournalOfCaseResults()
     sizes, fine, other = ((10, 20, 40), 120, 80) if short else ((20, 40, 80, 160), 640, 400)
     tolerances = (1e-2, 3e-3) if short else (1e-2, 3e-3, 1e-3, 3e-4)
     orders, estimates, floor = [], [], {}
@@ -129,7 +131,7 @@ def study(
     say("columns, level by level")
     levels = error_rows_of_hp_levels(read_brake(BRAKE))
     # Random brakes: each is solved to its tolerances and compared with its truth.
-    processes = 0 if short else PROCESSES
+    processes = 0 if short else NUMBER_OF_PROCESSES_OF_STUDY
     cases = []
     for seed in _seeds_of_setting(JUDGED, BRAKES, short):
         cases.append({"seed": seed, "tolerances": _tolerances_of_seed(seed, short=short)})
@@ -152,7 +154,7 @@ def study(
         corners += found["rows"]
     # Problems whose answer is known from a formula or a source.
     say("benchmark ladder")
-    known = list(map(ladder.run_known_answer_case_and_return_row, ladder.LADDER_CASES))
+    known = list(map(ladder.run_known_answer_case_and_return_row, ladder.ALL_KNOWN_ANSWER_CASES))
     return Result(
         orders, levels, estimates, judged, corners, floor, known, time.perf_counter() - start
     )

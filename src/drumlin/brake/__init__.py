@@ -23,7 +23,11 @@ def __getattr__(name: str) -> Any:
     # The module is imported only when an old name is looked up.
     from drumlin.brake import plane_brake  # noqa: PLC0415
 
-    old = {"AnyBrake": Brake, "FlatBrake": plane_brake.FlatBrake, "FlatShoe": plane_brake.FlatShoe}
+    old = {
+        "BrakeTypeVariableInWear": Brake,
+        "FlatBrake": plane_brake.FlatBrake,
+        "FlatShoe": plane_brake.FlatShoe,
+    }
     if name not in old:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     warnings.warn(

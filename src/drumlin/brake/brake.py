@@ -18,11 +18,22 @@ import numpy as np
 
 from drumlin.base.arrays import Floats
 from drumlin.base.errors import BadInput
-from drumlin.brake.components import Backing, Beam, Lining, Lobes, Ring, ShoeBodyOfConstantSection
-from drumlin.brake.drive import Drive, Link, reason_why_forces_follow_from_cam_or_strut
-from drumlin.brake.fields import Part, Point
+from drumlin.brake.components import (
+    Backing,
+    BeamBody,
+    DrumRing,
+    Lining,
+    OutOfRoundHarmonic,
+    ShoeBodyOfConstantSection,
+)
+from drumlin.brake.drive import (
+    DriveOfAllShoes,
+    StrutOrStrapBetweenShoes,
+    reason_why_forces_follow_from_cam_or_strut,
+)
+from drumlin.brake.fields import PartOfInputFile, Point
 from drumlin.brake.friction import (
-    FrictionCurve,
+    FrictionOverPressureCurve,
     FrictionTable,
     friction_coefficient_as_text,
     friction_coefficient_curve_of_lining,
@@ -30,7 +41,11 @@ from drumlin.brake.friction import (
 from drumlin.brake.further_loads import Gravity, Lever, Spring
 from drumlin.brake.show import html_table_of_brake, text_of_brake
 from drumlin.brake.support import MOTION_TEXTS_BY_KIND_OF_SUPPORT, ShoeWithOptionalMeshFile
-from drumlin.brake.surface import DRUM, PLANE, FrictionSurface
+from drumlin.brake.surface import (
+    FRICTION_SURFACE_OF_DRUM,
+    FRICTION_SURFACE_OF_PLANE,
+    FrictionSurface,
+)
 
 
 class ShoeFrame(NamedTuple):
@@ -102,10 +117,10 @@ class Shoe(ShoeWithOptionalMeshFile):
         @property
         def backing(self) -> Backing | None: ...
         @property
-        def body(self) -> ShoeBodyOfConstantSection | Beam | None: ...
+        def body(self) -> ShoeBodyOfConstantSection | BeamBody | None: ...
 
     @property
-    def sign_of_internal_shoe(self) -> int:
+    def sign_internal_plus_external_minus(self) -> int:
         """+1 for an internal shoe and a shoe on a plane, -1 for an external shoe.
 
         On a drum it is the sign of the radial component of the lining's normal towards the drum.
@@ -303,7 +318,7 @@ class Shoe(ShoeWithOptionalMeshFile):
         return at - half, at + half
 
 
-class Brake(Part):
+class Brake(PartOfInputFile):
     """A brake with its friction coefficient, direction of motion, friction surface and shoes."""
 
     def __repr__(self) -> str:
@@ -333,9 +348,9 @@ class Brake(Part):
         @property
         def shoes(self) -> tuple[Shoe, ...]: ...
         @property
-        def actuation(self) -> Drive | None: ...
+        def actuation(self) -> DriveOfAllShoes | None: ...
         @property
-        def links(self) -> tuple[Link, ...]: ...
+        def links(self) -> tuple[StrutOrStrapBetweenShoes, ...]: ...
         @property
         def springs(self) -> tuple[Spring, ...]: ...
         @property
@@ -354,8 +369,8 @@ class Brake(Part):
         # Data with neither "drum" nor "plane" are read by `DrumBrake`, whose error message names
         # the missing drum.
         shapes = {shape.surface.name: shape for shape in Brake.__subclasses__()}
-        on_plane = isinstance(data, Mapping) and PLANE.name in data
-        return shapes[PLANE.name if on_plane else DRUM.name]
+        on_plane = isinstance(data, Mapping) and FRICTION_SURFACE_OF_PLANE.name in data
+        return shapes[FRICTION_SURFACE_OF_PLANE.name if on_plane else FRICTION_SURFACE_OF_DRUM.name]
 
     @classmethod
     def model_validate(cls, obj: Any, **options: Any) -> Self:
@@ -389,7 +404,7 @@ class Brake(Part):
         return self.size / self.length_per_surface_coordinate
 
     @property
-    def ring(self) -> Ring | None:
+    def ring(self) -> DrumRing | None:
         """The elastic ring of the drum; None for a rigid drum and for a plane."""
         return None
 
@@ -426,7 +441,7 @@ class Brake(Part):
         return self
 
     @property
-    def out_of_round_harmonics(self) -> tuple[Lobes, ...]:
+    def out_of_round_harmonics(self) -> tuple[OutOfRoundHarmonic, ...]:
         """Harmonics of a drum that is out of round; empty for a plane."""
         return ()
 
@@ -477,7 +492,7 @@ class Brake(Part):
         )
         return float(curve.friction_coefficients_at_pressures(np.zeros(())))
 
-    def friction_coefficient_curve_of_shoe(self, shoe: Shoe) -> FrictionCurve:
+    def friction_coefficient_curve_of_shoe(self, shoe: Shoe) -> FrictionOverPressureCurve:
         """Friction coefficient of a shoe's lining as a function of the pressure.
 
         A coefficient that does not depend on the pressure is a curve of one point.

@@ -21,7 +21,7 @@ from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.components import Lining, indices_of_linings_at_coordinates
 from drumlin.brake.file import vary
 
-SLOPE_CHANGE_ROUND_OFF = 1e-9
+LARGEST_ROUND_OFF_CHANGE_OF_GAP_SLOPE = 1e-9
 """Largest change of the gap's slope, at a row of a clearance table, that counts as round-off.
 
 It is relative to the largest change of slope in the table. A larger change is a kink of the gap.
@@ -56,7 +56,7 @@ def gaps_between_unloaded_lining_and_surface(brake: Brake, shoe: Shoe, theta: Fl
     # Where the drum lies outside its circle, an internal lining has a larger gap, and an external
     # lining a smaller gap.
     off = brake.radial_deviation_of_drum_surface(theta)
-    return total if off is None else total + shoe.sign_of_internal_shoe * off
+    return total if off is None else total + shoe.sign_internal_plus_external_minus * off
 
 
 def gaps_due_to_block_heights(lining: Lining, theta: Floats) -> Floats:
@@ -113,7 +113,7 @@ def gap_kinks_that_point_to_drum(lining: Lining) -> list[tuple[float, float]]:
     """
     change = clearance_slope_change_at_each_table_row(lining)
     # Where the slope of the gap grows abruptly, the lining has a convex edge towards the drum.
-    sharp = change > SLOPE_CHANGE_ROUND_OFF * np.abs(change).max(initial=0.0)
+    sharp = change > LARGEST_ROUND_OFF_CHANGE_OF_GAP_SLOPE * np.abs(change).max(initial=0.0)
     rows = zip(coordinates_of_clearance_table_rows(lining), change.tolist(), sharp, strict=True)
     return [(angle, slope) for angle, slope, is_sharp in rows if is_sharp]
 
@@ -167,7 +167,7 @@ def solve_brake_at_angular_drum_positions(
     return [solve(vary(brake, {"drum.angle": angle})) for angle in angles]
 
 
-def lining_radii_with_mismatch_by_key(brake: Brake, mismatch: float) -> dict[str, float]:
+def lining_radii_by_key_for_radius_mismatch(brake: Brake, mismatch: float) -> dict[str, float]:
     """New lining radii, for `vary`: every lining is ground to the drum's radius plus `mismatch`.
 
     The result has the new radius [m] by the key in the brake file, such as

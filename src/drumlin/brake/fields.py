@@ -28,7 +28,11 @@ from pydantic import (
 from drumlin.base.arrays import Floats
 from drumlin.base.texts import did_you_mean_hint
 from drumlin.base.written_numbers import number_without_unit_from_text
-from drumlin.brake.units import EXAMPLES_OF_QUANTITIES, QUANTITY_NAMES, quantity_in_si
+from drumlin.brake.units import (
+    EXAMPLE_OF_QUANTITY_BY_SI_UNIT,
+    NAME_OF_QUANTITY_BY_SI_UNIT,
+    quantity_in_si,
+)
 
 
 def _quantity_of_brake_key_in_si(
@@ -98,17 +102,21 @@ Thickness = Annotated[float, Field(gt=0), _make_validator_that_converts_quantity
 Angle = Annotated[float, _make_validator_that_converts_quantity_to_si("rad")]
 Force = Annotated[float, _make_validator_that_converts_quantity_to_si("N")]
 Torque = Annotated[float, _make_validator_that_converts_quantity_to_si("N m")]
-Modulus = Annotated[float, Field(gt=0), _make_validator_that_converts_quantity_to_si("Pa")]
+ElasticModulus = Annotated[float, Field(gt=0), _make_validator_that_converts_quantity_to_si("Pa")]
 Area = Annotated[float, Field(gt=0), _make_validator_that_converts_quantity_to_si("m^2")]
 SpringRate = Annotated[float, _make_validator_that_converts_quantity_to_si("N/m")]
 Mass = Annotated[float, Field(gt=0), _make_validator_that_converts_quantity_to_si("kg")]
 Acceleration = Annotated[float, Field(gt=0), _make_validator_that_converts_quantity_to_si("m/s^2")]
 AngularSpeed = Annotated[float, Field(gt=0), _make_validator_that_converts_quantity_to_si("rad/s")]
-PressureOfTable = Annotated[float, Field(ge=0), _make_validator_that_converts_quantity_to_si("Pa")]
-SpeedOfTable = Annotated[float, Field(ge=0), _make_validator_that_converts_quantity_to_si("m/s")]
+PressureInFrictionTable = Annotated[
+    float, Field(ge=0), _make_validator_that_converts_quantity_to_si("Pa")
+]
+SpeedInFrictionTable = Annotated[
+    float, Field(ge=0), _make_validator_that_converts_quantity_to_si("m/s")
+]
 Speed = Annotated[float, Field(gt=0), _make_validator_that_converts_quantity_to_si("m/s")]
 TemperatureRise = Annotated[float, _make_validator_that_converts_quantity_to_si("K")]
-Expansion = Annotated[float, _make_validator_that_converts_quantity_to_si("1/K")]
+ThermalExpansionCoefficient = Annotated[float, _make_validator_that_converts_quantity_to_si("1/K")]
 BendingStiffness = Annotated[
     float, Field(gt=0), _make_validator_that_converts_quantity_to_si("N m^2")
 ]
@@ -118,7 +126,7 @@ Name = Annotated[
 ]
 
 
-class Part(BaseModel):
+class PartOfInputFile(BaseModel):
     """Base class of a brake and of its parts: immutable data that refuse unknown keys."""
 
     model_config = ConfigDict(
@@ -129,7 +137,7 @@ class Part(BaseModel):
     hints_on_other_keys: ClassVar[Mapping[str, str]] = {}
 
     # Text that the error message adds if a file has a list of tables in place of one table.
-    hint_if_several: ClassVar[str] = ""
+    hint_if_several_are_given: ClassVar[str] = ""
 
     @model_validator(mode="before")
     @classmethod
@@ -140,8 +148,8 @@ class Part(BaseModel):
             for key in data:
                 if key not in allowed and key not in cls.model_fields:
                     raise ValueError(cls.message_on_unknown_key(key, allowed))
-        elif not isinstance(data, Part):
-            several = cls.hint_if_several if isinstance(data, list) else ""
+        elif not isinstance(data, PartOfInputFile):
+            several = cls.hint_if_several_are_given if isinstance(data, list) else ""
             raise ValueError(f"must be a table with keys of {', '.join(allowed)}{several}")
         return data
 
@@ -164,7 +172,7 @@ class Part(BaseModel):
 
 
 @cache
-def _keys_of_part_in_files(kind: type[Part]) -> list[str]:
+def _keys_of_part_in_files(kind: type[PartOfInputFile]) -> list[str]:
     """The keys that a file may have for a part: the names of its fields, or their aliases.
 
     A file uses the alias of a field, such as `shoe` for the field `shoes`.
@@ -172,17 +180,17 @@ def _keys_of_part_in_files(kind: type[Part]) -> list[str]:
     return [field.alias or name for name, field in kind.model_fields.items()]
 
 
-class Material(Part):
+class Material(PartOfInputFile):
     """A linear elastic, isotropic material: Young's modulus E [Pa] and Poisson's ratio nu.
 
     `expansion` [1/K] is the coefficient of thermal expansion, which only a heated part needs. The
-    properties of this class have the names of the fields of `Orthotropic`, so that a program can
-    treat both kinds of material alike.
+    properties of this class have the names of the fields of `OrthotropicMaterial`, so that a
+    program can treat both kinds of material alike.
     """
 
-    E: Modulus
+    E: ElasticModulus
     nu: Annotated[float, Field(gt=-1, lt=0.5, strict=True), PURE_NUMBER_VALIDATOR]
-    expansion: Expansion | None = None
+    expansion: ThermalExpansionCoefficient | None = None
 
     @property
     def expansion_along(self) -> float | None:
@@ -230,7 +238,7 @@ class Material(Part):
 
 PoissonRatio = Annotated[float, Field(strict=True), PURE_NUMBER_VALIDATOR]
 """The type of a Poisson's ratio; its bounds depend on the other constants of the material."""
-ORTHOTROPIC_KEYS_ACROSS_PLANE = (
+KEYS_OF_ORTHOTROPIC_CONSTANTS_ACROSS_PLANE = (
     "E_across",
     "G_along_across",
     "G_through_across",
@@ -239,7 +247,7 @@ ORTHOTROPIC_KEYS_ACROSS_PLANE = (
 )
 """Constants of an orthotropic material across the brake's plane, which only solids need."""
 
-SMALLEST_COMPLIANCE_DETERMINANT = 1e-12
+SMALLEST_SCALED_COMPLIANCE_DETERMINANT = 1e-12
 """Smallest allowed determinant of the scaled compliance matrix of an orthotropic material.
 
 The matrix is scaled to a unit diagonal: entry (i, j) is divided by the square root of the product
@@ -248,7 +256,7 @@ smaller determinant may be positive by round-off only, and the material is refus
 """
 
 
-class Orthotropic(Part):
+class OrthotropicMaterial(PartOfInputFile):
     """A linear elastic orthotropic material of a layer, such as a lining of fibres.
 
     Its axes are "along" (the length of the layer), "through" (its thickness) and "across" (the
@@ -259,17 +267,17 @@ class Orthotropic(Part):
     of thermal expansion [1/K].
     """
 
-    E_along: Modulus
-    E_through: Modulus
-    G_along_through: Modulus
+    E_along: ElasticModulus
+    E_through: ElasticModulus
+    G_along_through: ElasticModulus
     nu_along_through: PoissonRatio
-    E_across: Modulus | None = None
-    G_along_across: Modulus | None = None
-    G_through_across: Modulus | None = None
+    E_across: ElasticModulus | None = None
+    G_along_across: ElasticModulus | None = None
+    G_through_across: ElasticModulus | None = None
     nu_along_across: PoissonRatio | None = None
     nu_through_across: PoissonRatio | None = None
-    expansion_along: Expansion | None = None
-    expansion_through: Expansion | None = None
+    expansion_along: ThermalExpansionCoefficient | None = None
+    expansion_through: ThermalExpansionCoefficient | None = None
 
     @model_validator(mode="after")
     def _check_strain_energy_is_positive(self) -> Self:
@@ -282,12 +290,15 @@ class Orthotropic(Part):
             ("along", "through"),
         )
         # A solid needs all five constants across the layer, plane stress needs none of them.
-        missing = [key for key in ORTHOTROPIC_KEYS_ACROSS_PLANE if getattr(self, key) is None]
-        if len(missing) == len(ORTHOTROPIC_KEYS_ACROSS_PLANE):
+        missing = [
+            key for key in KEYS_OF_ORTHOTROPIC_CONSTANTS_ACROSS_PLANE if getattr(self, key) is None
+        ]
+        if len(missing) == len(KEYS_OF_ORTHOTROPIC_CONSTANTS_ACROSS_PLANE):
             return self
         if missing:
             raise ValueError(
-                f"{missing[0]} is missing: {', '.join(ORTHOTROPIC_KEYS_ACROSS_PLANE)} go together; "
+                f"{missing[0]} is missing: "
+                f"{', '.join(KEYS_OF_ORTHOTROPIC_CONSTANTS_ACROSS_PLANE)} go together; "
                 f"give all of them "
                 f"or none"
             )
@@ -329,7 +340,9 @@ class Orthotropic(Part):
         # The determinant is a quadratic function of c. The bounds of c are its two zeros.
         a = self.nu_along_through * math.sqrt(self.E_through / self.E_along)
         b = nu_along_across * math.sqrt(E_across / self.E_along)
-        reach = math.sqrt(max((1 - a**2) * (1 - b**2) - SMALLEST_COMPLIANCE_DETERMINANT, 0.0))
+        reach = math.sqrt(
+            max((1 - a**2) * (1 - b**2) - SMALLEST_SCALED_COMPLIANCE_DETERMINANT, 0.0)
+        )
         # Poisson's ratio is c times this factor.
         unit = math.sqrt(self.E_through / E_across)
         return (-a * b - reach) * unit, (-a * b + reach) * unit
@@ -369,7 +382,7 @@ def _check_poisson_ratio_is_small_enough(
     names : names of the two axes
     """
     most = math.sqrt(E / other)
-    if 1 - (nu / most) ** 2 <= SMALLEST_COMPLIANCE_DETERMINANT:
+    if 1 - (nu / most) ** 2 <= SMALLEST_SCALED_COMPLIANCE_DETERMINANT:
         raise ValueError(
             f"{key} = {nu:g}: must be greater than {-most:.6g} and less than {most:.6g}, "
             f"the root of E_{names[0]} / E_{names[1]}"
@@ -382,18 +395,18 @@ def _tag_for_isotropic_or_orthotropic_material(data: object) -> str:
     Data are orthotropic if they have any key of an orthotropic material.
     """
     if isinstance(data, Mapping):
-        return "orthotropic" if set(data) & set(Orthotropic.model_fields) else "isotropic"
-    return "orthotropic" if isinstance(data, Orthotropic) else "isotropic"
+        return "orthotropic" if set(data) & set(OrthotropicMaterial.model_fields) else "isotropic"
+    return "orthotropic" if isinstance(data, OrthotropicMaterial) else "isotropic"
 
 
 # The keys of a material tell whether it is read as isotropic or as orthotropic.
-AnyMaterial = Annotated[
-    Annotated[Material, Tag("isotropic")] | Annotated[Orthotropic, Tag("orthotropic")],
+IsotropicOrOrthotropicMaterial = Annotated[
+    Annotated[Material, Tag("isotropic")] | Annotated[OrthotropicMaterial, Tag("orthotropic")],
     Discriminator(_tag_for_isotropic_or_orthotropic_material),
 ]
 
 
-class Point(Part):
+class Point(PartOfInputFile):
     """A point with the coordinates x, y [m] in the plane of the brake."""
 
     # The polar angle [rad] in the brake file if it is more than a turn, for a note on wrong units.
@@ -506,7 +519,12 @@ def _convert_number_or_table_to_si(
     if not isinstance(value, list | tuple):
         return _quantity_of_brake_key_in_si(value, info, si)
     rows = _convert_table_rows_to_si(
-        value, info, place=place, name=name, row=row, kinds=f"{QUANTITY_NAMES[si]} or rows"
+        value,
+        info,
+        place=place,
+        name=name,
+        row=row,
+        kinds=f"{NAME_OF_QUANTITY_BY_SI_UNIT[si]} or rows",
     )
     if len(rows) < 2:
         raise ValueError(f"the table needs at least two rows, with growing {place}s")
@@ -539,8 +557,8 @@ def _convert_table_rows_to_si(
     for item in items:
         if not isinstance(item, list | tuple) or len(item) != 2:
             raise ValueError(
-                f'must be {kinds} like ["{EXAMPLES_OF_QUANTITIES[row[0]]}", '
-                f'"{EXAMPLES_OF_QUANTITIES[row[1]]}"]'
+                f'must be {kinds} like ["{EXAMPLE_OF_QUANTITY_BY_SI_UNIT[row[0]]}", '
+                f'"{EXAMPLE_OF_QUANTITY_BY_SI_UNIT[row[1]]}"]'
             )
         coordinate = _quantity_of_brake_key_in_si(item[0], info, row[0], place)
         rows.append((coordinate, _quantity_of_brake_key_in_si(item[1], info, row[1], name)))
@@ -610,7 +628,7 @@ def table_rows_from_coordinates_and_values(places: Floats, values: Floats) -> In
     return tuple(zip(places.tolist(), values.tolist(), strict=True))
 
 
-ROWS_OF_TABULATED_FUNCTION = 1001
+NUMBER_OF_ROWS_OF_TABULATED_CLEARANCE = 1001
 """Number of rows of the table, along the lining, that replaces a clearance given as a function.
 
 Between the rows the clearance is linear. A sine whose period is the length of the lining is met
@@ -638,7 +656,7 @@ def _table_rows_of_function_along_lining(value: object, info: ValidationInfo) ->
         return value
     ends = info.data["start"], info.data["end"]
     return table_rows_of_function_at_coordinates(
-        value, np.linspace(*ends, ROWS_OF_TABULATED_FUNCTION)
+        value, np.linspace(*ends, NUMBER_OF_ROWS_OF_TABULATED_CLEARANCE)
     )
 
 

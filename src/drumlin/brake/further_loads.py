@@ -23,7 +23,7 @@ from drumlin.brake.fields import (
     Force,
     Mass,
     Name,
-    Part,
+    PartOfInputFile,
     SpringRate,
 )
 
@@ -51,43 +51,44 @@ class SpringLeverAndMassLoads(NamedTuple):
     ----------
     forces : force of each spring and lever that acts on the shoe; 0 for a spring without pull
     gravity : (2,) acceleration of free fall [m/s^2]
-    square_of_speed : square of the angular velocity of the shoe about the origin [rad^2/s^2]
+    squared_angular_velocity : square of the angular velocity of the shoe about the origin
+        [rad^2/s^2]
     """
 
     forces: tuple[ForceAtPoint, ...] = ()
     gravity: tuple[float, float] = (0.0, 0.0)
-    square_of_speed: float = 0.0
+    squared_angular_velocity: float = 0.0
 
     def gravity_and_rotation_force_per_mass_at_point(self, point: Floats) -> Floats:
         """Force (2,) per mass [m/s^2] of gravity and rotation on a mass at a point (2,) [m]."""
-        return np.array(self.gravity) + self.square_of_speed * point
+        return np.array(self.gravity) + self.squared_angular_velocity * point
 
 
-NO_LOADS = SpringLeverAndMassLoads()
-"""SpringLeverAndMassLoads of a shoe without springs, levers, weight and centrifugal force."""
+NO_SPRING_LEVER_AND_MASS_LOADS = SpringLeverAndMassLoads()
+"""The loads of a shoe without springs, levers, weight and centrifugal force."""
 
 
-class ShoeForce(Actuation):
+class FurtherForceOnShoe(Actuation):
     """A further force [N] on a shoe, its direction [rad] and a point on its line of action."""
 
     force: Force
 
 
-class ShoeMass(Part):
+class ShoeMass(PartOfInputFile):
     """The mass [kg] of a shoe with its lining, and its centre of mass."""
 
     mass: Mass
     point: CartesianOrPolarPoint
 
 
-class Gravity(Part):
+class Gravity(PartOfInputFile):
     """The direction [rad] in which weight acts, and the acceleration of free fall [m/s^2]."""
 
     direction: Angle
     acceleration: Acceleration = STANDARD_GRAVITY
 
 
-class Spring(Part):
+class Spring(PartOfInputFile):
     """A spring between a point of a shoe and a point of another shoe, or of the frame.
 
     Attributes
@@ -134,7 +135,7 @@ class Spring(Part):
         return make_force_at_point(sign * pull * self.unit_vector_along_spring_to_its_end, at.xy)
 
 
-class Lever(ShoeForce):
+class Lever(FurtherForceOnShoe):
     """A lever on a shoe that pushes another shoe by a strut, as the lever of a parking brake.
 
     Attributes
@@ -228,7 +229,7 @@ def brake_with_loads_assigned_to_shoes(brake: Any, pulls: Sequence[float] | None
         if shoe.mass is not None:
             loads = loads._replace(
                 gravity=(0.0, 0.0) if gravity is None else tuple(gravity.tolist()),
-                square_of_speed=(brake.shoe_speed or 0.0) ** 2,
+                squared_angular_velocity=(brake.shoe_speed or 0.0) ** 2,
             )
         shoes.append(shoe.shoe_with_spring_lever_and_mass_loads(loads))
     return brake.model_copy(update={"shoes": tuple(shoes)})

@@ -18,20 +18,24 @@ from drumlin.base.arrays import Floats
 from drumlin.base.errors import BadInput
 from drumlin.brake.brake import Brake, Shoe, ShoeFrame
 from drumlin.brake.components import (
-    LARGEST_MISFIT,
-    LENGTH_OF_STEP_BETWEEN_BLOCKS,
+    ANGLE_OF_ROUNDED_STEP_BETWEEN_BLOCKS,
+    LARGEST_ALLOWED_RELATIVE_MISFIT,
     Backing,
     Lining,
     Misfit,
     ShoeBodyOfConstantSection,
 )
-from drumlin.brake.drive import Drive, Link, shoes_with_forces_of_drive_and_struts
+from drumlin.brake.drive import (
+    DriveOfAllShoes,
+    StrutOrStrapBetweenShoes,
+    shoes_with_forces_of_drive_and_struts,
+)
 from drumlin.brake.drum_brake import DrumBrake, check_shoe_on_abutment_has_no_grip
 from drumlin.brake.fields import (
-    AnyMaterial,
     InterpolationTable,
+    IsotropicOrOrthotropicMaterial,
     Length,
-    Part,
+    PartOfInputFile,
     Point,
     Speed,
     TemperatureRise,
@@ -54,14 +58,14 @@ from drumlin.brake.off_circle import gaps_of_pad_ground_to_circle
 from drumlin.brake.pattern import (
     FlatPattern,
     brake_data_with_patterned_shoes_repeated,
-    translation_along_plane,
+    shoe_motion_of_shift_along_plane,
 )
 from drumlin.brake.support import check_rigid_body_modes_close_gap_differently
-from drumlin.brake.surface import PLANE
-from drumlin.brake.units import text_in_degrees, text_in_mm
+from drumlin.brake.surface import FRICTION_SURFACE_OF_PLANE
+from drumlin.brake.units import angle_as_text_in_degrees, length_as_text_in_mm
 
 
-class Plane(Part):
+class Plane(PartOfInputFile):
     """The sliding plane y = 0 and the direction in which the body slides.
 
     `speed` [m/s] is the sliding speed, on which a friction coefficient may depend.
@@ -100,7 +104,7 @@ class FlatLining(Lining):
     end: Length
     width: Thickness
     thickness: Thickness | None = None  # type: ignore[assignment]
-    material: AnyMaterial | None = None  # type: ignore[assignment]
+    material: IsotropicOrOrthotropicMaterial | None = None  # type: ignore[assignment]
     clearance: Annotated[
         float | InterpolationTable,
         make_validator_of_number_or_table("place", "m", "clearance", "m"),
@@ -117,24 +121,28 @@ class FlatLining(Lining):
         long, radius = self.end - self.start, self.misfit.radius
         if long <= 0:
             raise ValueError(
-                f"end = {text_in_mm(self.end)} must be greater than start = "
-                f"{text_in_mm(self.start)}"
+                f"end = {length_as_text_in_mm(self.end)} must be greater than start = "
+                f"{length_as_text_in_mm(self.start)}"
             )
         # `least` is the radius with which a face has the largest allowed gap, `most`, at its ends.
-        most = LARGEST_MISFIT * long
-        least = long / (8 * LARGEST_MISFIT)
+        most = LARGEST_ALLOWED_RELATIVE_MISFIT * long
+        least = long / (8 * LARGEST_ALLOWED_RELATIVE_MISFIT)
         if radius is not None and abs(radius) < least:
             raise ValueError(
-                f"misfit.radius = {text_in_mm(radius)}: must be at least {text_in_mm(least)} "
+                f"misfit.radius = {length_as_text_in_mm(radius)}: must be at least "
+                f"{length_as_text_in_mm(least)} "
                 "either way, "
-                f"{1 / (8 * LARGEST_MISFIT):g} times the lining's length"
+                f"{1 / (8 * LARGEST_ALLOWED_RELATIVE_MISFIT):g} times the lining's length"
             )
-        allowed = f"{LARGEST_MISFIT:g} of the lining's length, {text_in_mm(most)}"
+        allowed = (
+            f"{LARGEST_ALLOWED_RELATIVE_MISFIT:g} of the lining's length, "
+            f"{length_as_text_in_mm(most)}"
+        )
         self.misfit.check_misfit_size_and_blocks(
             "misfit",
             (self.start, self.end),
             self.length_of_step_between_blocks,
-            text_in_mm,
+            length_as_text_in_mm,
             most,
             allowed,
         )
@@ -143,7 +151,7 @@ class FlatLining(Lining):
     @property
     def length_of_step_between_blocks(self) -> float:
         """Length [m] over which the face rises smoothly from one block's height to the next."""
-        return LENGTH_OF_STEP_BETWEEN_BLOCKS * (self.end - self.start)
+        return ANGLE_OF_ROUNDED_STEP_BETWEEN_BLOCKS * (self.end - self.start)
 
 
 class FlatBody(ShoeBodyOfConstantSection):
@@ -179,7 +187,7 @@ class FlatFrame(ShoeFrame):
 class FlatShoe(Shoe):
     """A shoe with a flat lining, its support and its actuation. Without `body` it is rigid."""
 
-    surface = PLANE
+    surface = FRICTION_SURFACE_OF_PLANE
     _size: float | None = PrivateAttr(None)
 
     lining: FlatLining
@@ -195,8 +203,10 @@ class FlatShoe(Shoe):
         slack = 1e-9 * (lining.end - lining.start)
         if body and not body.start - slack <= lining.start < lining.end <= body.end + slack:
             raise ValueError(
-                f"lining = {text_in_mm(lining.start)} to {text_in_mm(lining.end)}: "
-                f"must lie within the body, {text_in_mm(body.start)} to {text_in_mm(body.end)}"
+                f"lining = {length_as_text_in_mm(lining.start)} to "
+                f"{length_as_text_in_mm(lining.end)}: "
+                f"must lie within the body, {length_as_text_in_mm(body.start)} to "
+                f"{length_as_text_in_mm(body.end)}"
             )
         return self
 
@@ -282,7 +292,7 @@ class FlatShoe(Shoe):
 class FlatBrake(Brake):
     """A brake on a plane with its friction coefficient, sliding plane and shoes."""
 
-    surface = PLANE
+    surface = FRICTION_SURFACE_OF_PLANE
     direction_key = "plane.sliding"
     directions = ("+x", "-x")
 
@@ -290,8 +300,8 @@ class FlatBrake(Brake):
     friction_as_written: Annotated[FrictionOrTable, Field(alias="friction")]
     plane: Plane
     shoes: Annotated[tuple[FlatShoe, ...], Field(alias="shoe", min_length=1)]
-    actuation: Drive | None = None
-    links: Annotated[tuple[Link, ...], Field(alias="link")] = ()
+    actuation: DriveOfAllShoes | None = None
+    links: Annotated[tuple[StrutOrStrapBetweenShoes, ...], Field(alias="link")] = ()
     springs: Annotated[tuple[Spring, ...], Field(alias="spring")] = ()
     levers: Annotated[tuple[Lever, ...], Field(alias="lever")] = ()
     gravity: Gravity | None = None
@@ -342,7 +352,7 @@ class FlatBrake(Brake):
     def _repeat_shoes_that_have_pattern(cls, data: object, info: ValidationInfo) -> object:
         """Return the data with several shoes in place of each shoe that has a pattern."""
         return brake_data_with_patterned_shoes_repeated(
-            data, FlatShoe, translation_along_plane, info
+            data, FlatShoe, shoe_motion_of_shift_along_plane, info
         )
 
     @model_validator(mode="after")
@@ -368,7 +378,9 @@ class FlatBrake(Brake):
             # does not close the gap to a plane.
             check_rigid_body_modes_close_gap_differently(f"shoe[{i}]", shoe, slice(1, 3))
             if shoe.guide is not None and abs(math.sin(shoe.guide.direction)) < 1e-6:
-                shown = f"shoe[{i}].guide.direction = {text_in_degrees(shoe.guide.direction)}"
+                shown = (
+                    f"shoe[{i}].guide.direction = {angle_as_text_in_degrees(shoe.guide.direction)}"
+                )
                 raise ValueError(f"{shown}: must lead to the plane, not along it")
         return brake_with_loads_assigned_to_shoes(self.model_copy(update={"shoes": shoes}))
 

@@ -36,19 +36,19 @@ from drumlin.brake.fields import (
     CartesianOrPolarPoint,
     Length,
     Name,
-    Part,
+    PartOfInputFile,
     Point,
 )
 from drumlin.brake.further_loads import (
-    NO_LOADS,
+    NO_SPRING_LEVER_AND_MASS_LOADS,
     ForceAtPoint,
-    ShoeForce,
+    FurtherForceOnShoe,
     ShoeMass,
     SpringLeverAndMassLoads,
     make_force_at_point,
 )
 
-MAIN_SUPPORTS = ("hinge", "abutment", "guide")
+KEYS_OF_SUPPORTS_OF_WHICH_ONE_IS_REQUIRED = ("hinge", "abutment", "guide")
 """Keys of the supports of which a shoe without anchors has exactly one.
 
 A pivot is no such support: it lies on a lever, which turns about the hinge.
@@ -63,20 +63,20 @@ MOTION_TEXTS_BY_KIND_OF_SUPPORT = {
 }
 """How a shoe moves on each support, for error messages, by `SupportedShoe.kind_of_support`."""
 
-SENSE_OF_RELEASED_ABUTMENT = 2
+SENSE_VALUE_OF_ABUTMENT_THAT_DOES_NOT_ACT = 2
 """Value of `sense` for a support's rigid-body modes with which the abutment does not act.
 
 The foot of the shoe may then slide along the abutment and leave it.
 """
 
-LARGEST_ROUND_OFF_OF_FOOT_FRICTION = 1e-9
+LARGEST_ROUND_OFF_EXCESS_OF_FOOT_FRICTION = 1e-9
 """Largest excess of a sticking foot's friction over the limit of Coulomb that is round-off.
 
 It is relative to the limit. With a larger excess the foot of the shoe slides on the abutment.
 """
 
 
-class Abutment(Part):
+class Abutment(PartOfInputFile):
     """A face on which the foot of a shoe, its end away from the actuation, slides.
 
     The foot bears at `point`. `direction` [rad] is the direction of the face's normal, in which it
@@ -89,7 +89,7 @@ class Abutment(Part):
     friction: Annotated[float, Field(ge=0, le=10, strict=True), PURE_NUMBER_VALIDATOR] = 0.0
 
 
-class Anchor(Part):
+class Anchor(PartOfInputFile):
     """A face that pushes on the shoe and cannot pull; the shoe may rest on it or leave it.
 
     The shoe bears at `point`. `direction` [rad] is the direction of the face's force on the shoe.
@@ -101,7 +101,7 @@ class Anchor(Part):
     clearance: Annotated[Length, Field(ge=0)] = 0.0
 
 
-class Guide(Part):
+class Guide(PartOfInputFile):
     """A straight guide: the shoe moves only along `direction` [rad] and does not turn."""
 
     direction: Angle
@@ -169,7 +169,7 @@ def displacements_in_rigid_body_motions(motions: Floats, xy: Floats) -> Floats:
     return np.array([dx - turn * y, dy + turn * x])
 
 
-class SupportModeDerivatives(NamedTuple):
+class RigidBodyModeDerivativesByDatum(NamedTuple):
     """Derivatives of a shoe's k modes by one datum of its support, such as the hinge's x.
 
     Attributes
@@ -182,7 +182,7 @@ class SupportModeDerivatives(NamedTuple):
     test_modes: Floats
 
 
-class SupportedShoe(Part):
+class SupportedShoe(PartOfInputFile):
     """A shoe with its name, its support and its actuation, on a drum or on a plane.
 
     There are five supports. A `hinge` is a pin about which the shoe turns. With a `pivot`, the
@@ -200,17 +200,23 @@ class SupportedShoe(Part):
     anchors: Annotated[tuple[Anchor, ...], Field(alias="anchor")] = ()
     # This default stands for a shoe that a strut pushes, until the brake sets the strut's line.
     actuation: Actuation = Actuation(force=0.0, direction=0.0, point=Point(x=0.0, y=0.0))
-    forces: Annotated[tuple[ShoeForce, ...], Field(alias="force")] = ()
+    forces: Annotated[tuple[FurtherForceOnShoe, ...], Field(alias="force")] = ()
     mass: ShoeMass | None = None
     # The loads on this shoe by springs, levers, gravity and rotation. The brake sets them.
-    _spring_lever_and_mass_loads: SpringLeverAndMassLoads = PrivateAttr(NO_LOADS)
+    _spring_lever_and_mass_loads: SpringLeverAndMassLoads = PrivateAttr(
+        NO_SPRING_LEVER_AND_MASS_LOADS
+    )
     # Whether finite elements apply all loads of the shoe where its actuation acts.
     _has_loads_at_actuation: bool = PrivateAttr(False)
 
     @model_validator(mode="after")
     def _check_shoe_has_exactly_one_support(self) -> Self:
         """Raise ValueError unless the shoe has one support: hinge, abutment, guide or anchors."""
-        given = [key for key in MAIN_SUPPORTS if getattr(self, key) is not None]
+        given = [
+            key
+            for key in KEYS_OF_SUPPORTS_OF_WHICH_ONE_IS_REQUIRED
+            if getattr(self, key) is not None
+        ]
         if self.anchors:
             self._check_anchors_fit_other_supports(given)
         elif not given:
@@ -220,7 +226,8 @@ class SupportedShoe(Part):
             )
         if len(given) > 1:
             raise ValueError(
-                f"{given[1]}: a shoe is held by one of {', '.join(MAIN_SUPPORTS)}, "
+                f"{given[1]}: a shoe is held by one of "
+                f"{', '.join(KEYS_OF_SUPPORTS_OF_WHICH_ONE_IS_REQUIRED)}, "
                 f"not by {' and '.join(given)}"
             )
         # A pivot is no support of its own: it lies on a lever, which turns about the hinge.
@@ -420,7 +427,7 @@ class SupportedShoe(Part):
         # The foot sticks if the force along the face is at most the limit of Coulomb friction.
         if sense == 0:
             return abs(along) <= self.abutment.friction * bearing * (
-                1 + LARGEST_ROUND_OFF_OF_FOOT_FRICTION
+                1 + LARGEST_ROUND_OFF_EXCESS_OF_FOOT_FRICTION
             )
         return sense * slide <= 0
 
@@ -431,9 +438,9 @@ class SupportedShoe(Part):
         ----------
         sense : sense of the friction of an abutment on the foot. It is +1 in the direction of the
             face's normal turned by +90 deg, -1 in the opposite direction, and 0 if the foot sticks.
-            With SENSE_OF_RELEASED_ABUTMENT the abutment is left out: the foot may slide and leave
-            the face. For other supports the sense has no effect. A shoe on anchors has three modes:
-            its supports are inequalities, see `one_sided.OneSidedSupport`.
+            With SENSE_VALUE_OF_ABUTMENT_THAT_DOES_NOT_ACT the abutment is left out: the foot may
+            slide and leave the face. For other supports the sense has no effect. A shoe on anchors
+            has three modes: its supports are inequalities, see `one_sided.OneSidedSupport`.
         """
         at = self.actuation.point.xy
         # Every shoe except a guided one turns about its pin. A lever or an abutment adds a mode,
@@ -460,14 +467,16 @@ class SupportedShoe(Part):
             # Friction rotates the test mode by the friction angle, so that it stays perpendicular
             # to the reaction.
             leaning = (
-                (sense != SENSE_OF_RELEASED_ABUTMENT) * sense * math.atan(self.abutment.friction)
+                (sense != SENSE_VALUE_OF_ABUTMENT_THAT_DOES_NOT_ACT)
+                * sense
+                * math.atan(self.abutment.friction)
             )
             motions.append(rigid_body_motion_of_unit_translation(along))
             tests.append(rigid_body_motion_of_unit_translation(along + leaning))
             names.append("slide")
-        # With SENSE_OF_RELEASED_ABUTMENT the foot may also leave the face, along the normal of the
-        # face.
-        if on_abutment and sense == SENSE_OF_RELEASED_ABUTMENT:
+        # With SENSE_VALUE_OF_ABUTMENT_THAT_DOES_NOT_ACT the foot may also leave the face, along the
+        # normal of the face.
+        if on_abutment and sense == SENSE_VALUE_OF_ABUTMENT_THAT_DOES_NOT_ACT:
             assert self.abutment is not None
             motions.append(rigid_body_motion_of_unit_translation(self.abutment.direction))
             tests.append(motions[-1])
@@ -490,7 +499,7 @@ class SupportedShoe(Part):
 
     def derivatives_of_rigid_body_modes_by_support_data(
         self, sense: int = 1
-    ) -> dict[str, tuple[SupportModeDerivatives, ...]]:
+    ) -> dict[str, tuple[RigidBodyModeDerivativesByDatum, ...]]:
         """Exact derivatives of the rigid-body modes with respect to the data of the support.
 
         The result has a tuple by the key of each datum: two derivatives, by x and y [per m], for a
@@ -518,10 +527,14 @@ class SupportedShoe(Part):
         of_motion = rigid_body_motion_of_unit_translation(along + math.pi / 2)
         change_of_motion = _derivatives_of_one_rigid_body_mode(k, 1, of_motion)
         change_of_test = _derivatives_of_one_rigid_body_mode(k, 1, tested)
-        found["abutment.direction"] = (SupportModeDerivatives(change_of_motion, change_of_test),)
+        found["abutment.direction"] = (
+            RigidBodyModeDerivativesByDatum(change_of_motion, change_of_test),
+        )
         if mu > 0:
             of_test = _derivatives_of_one_rigid_body_mode(k, 1, sense * tested / (1 + mu**2))
-            found["abutment.friction"] = (SupportModeDerivatives(np.zeros((k, 3)), of_test),)
+            found["abutment.friction"] = (
+                RigidBodyModeDerivativesByDatum(np.zeros((k, 3)), of_test),
+            )
         return found
 
 
@@ -550,7 +563,7 @@ def _read_group_names(value: object, read: ValidatorFunctionWrapHandler) -> obje
         ) from error
 
 
-GroupNames = Annotated[
+NamesOfMeshGroupInMeshFile = Annotated[
     Name | StrictInt | tuple[Name | StrictInt, ...] | None, WrapValidator(_read_group_names)
 ]
 """How a mesh file calls a group of elements: a name, a number, or several of them.
@@ -559,19 +572,19 @@ With None the group has the name that drumlin gives it.
 """
 
 
-class MeshGroups(Part):
+class MeshGroups(PartOfInputFile):
     """The names or numbers of a shoe's groups of elements or nodes in its mesh file.
 
     A group whose field is None has the name of the field in the mesh file, such as "lining".
     """
 
-    lining: GroupNames = None
-    backing: GroupNames = None
-    table: GroupNames = None
-    shoe: GroupNames = None
-    contact: GroupNames = None
-    hinge: GroupNames = None
-    actuation: GroupNames = None
+    lining: NamesOfMeshGroupInMeshFile = None
+    backing: NamesOfMeshGroupInMeshFile = None
+    table: NamesOfMeshGroupInMeshFile = None
+    shoe: NamesOfMeshGroupInMeshFile = None
+    contact: NamesOfMeshGroupInMeshFile = None
+    hinge: NamesOfMeshGroupInMeshFile = None
+    actuation: NamesOfMeshGroupInMeshFile = None
 
     def names_of_group_in_mesh_file(self, group: str) -> list[str]:
         """The names or numbers, as texts in lower case, of the group `group` in the mesh file."""
@@ -625,12 +638,12 @@ def _derivatives_of_one_rigid_body_mode(count: int, row: int, change: Floats) ->
 
 def _equal_derivatives_of_mode_and_test_mode(
     count: int, row: int, change: Floats
-) -> SupportModeDerivatives:
+) -> RigidBodyModeDerivativesByDatum:
     """Derivatives of `count` modes of which only mode number `row` changes, with its test mode.
 
     `change` (3,) is the derivative of dx, dy and turn, of the rigid-body mode and of the test mode.
     """
-    return SupportModeDerivatives(
+    return RigidBodyModeDerivativesByDatum(
         _derivatives_of_one_rigid_body_mode(count, row, change),
         _derivatives_of_one_rigid_body_mode(count, row, change),
     )
@@ -638,7 +651,7 @@ def _equal_derivatives_of_mode_and_test_mode(
 
 def _mode_derivatives_by_turning_point_position(
     count: int, row: int
-) -> tuple[SupportModeDerivatives, ...]:
+) -> tuple[RigidBodyModeDerivativesByDatum, ...]:
     """Derivatives of `count` modes by x and y of the point about which mode number `row` turns."""
     along_x = _equal_derivatives_of_mode_and_test_mode(count, row, np.array([0.0, -1.0, 0.0]))
     along_y = _equal_derivatives_of_mode_and_test_mode(count, row, np.array([1.0, 0.0, 0.0]))

@@ -1,8 +1,8 @@
 """The friction surface of a brake, a drum or a plane: its coordinate, geometry and output texts.
 
 One class `Brake` and one class `Shoe` serve both kinds of surface. The differences between a drum
-and a plane are in the subclasses of these two classes and in the constants DRUM and PLANE. No
-module outside `drumlin.brake` asks for the class of a brake.
+and a plane are in the subclasses of these two classes and in the constants FRICTION_SURFACE_OF_DRUM
+and FRICTION_SURFACE_OF_PLANE. No module outside `drumlin.brake` asks for the class of a brake.
 
 The coordinate q counts along the surface: it is the angle theta [rad] on a drum and x [m] on a
 plane. Ends of linings, tables of clearances, pressures and contact arcs of a shoe are given in q.
@@ -35,7 +35,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from drumlin.base.arrays import Floats
-from drumlin.brake.units import text_in_degrees, text_in_mm
+from drumlin.brake.units import angle_as_text_in_degrees, length_as_text_in_mm
 
 
 @dataclass(frozen=True)
@@ -60,12 +60,12 @@ class FrictionSurface:
         Python session, in a report and in the explorer
     word_for_motion : word for the motion of the surface, "rotation" or "slide"
     word_for_held_load : word for the load that holds the surface, "moment" or "force"
-    word_for_effect : word for the effect, "torque" or "braking force"
-    effect_unit : SI unit of the effect
-    effect_symbol : letter for the effect in formulas
-    effect_key : key of the effect in tables
-    short_word_for_effect : word for the effect in a narrow column of text
-    effect_heading : heading of a narrow column for the effect, with the unit
+    word_for_torque_or_brake_force : word for the effect, "torque" or "braking force"
+    unit_of_torque_or_brake_force : SI unit of the effect
+    symbol_of_torque_or_brake_force : letter for the effect in formulas
+    key_of_torque_or_brake_force : key of the effect in tables
+    short_word_for_torque_or_brake_force : word for the effect in a narrow column of text
+    heading_of_torque_or_brake_force : heading of a narrow column for the effect, with the unit
     brake_factor_formula : formula of the brake factor
     coordinate_change_by_full_turn : change of q by a full turn, 2 pi on a drum; 0 on a plane, which
         has no turns
@@ -85,12 +85,12 @@ class FrictionSurface:
     axis_label_in_explorer: str
     word_for_motion: str
     word_for_held_load: str
-    word_for_effect: str
-    effect_unit: str
-    effect_symbol: str
-    effect_key: str
-    short_word_for_effect: str
-    effect_heading: str
+    word_for_torque_or_brake_force: str
+    unit_of_torque_or_brake_force: str
+    symbol_of_torque_or_brake_force: str
+    key_of_torque_or_brake_force: str
+    short_word_for_torque_or_brake_force: str
+    heading_of_torque_or_brake_force: str
     brake_factor_formula: str
     coordinate_change_by_full_turn: float
 
@@ -155,7 +155,7 @@ class FrictionSurface:
 
 
 # The friction surface of every brake on a drum.
-DRUM = FrictionSurface(
+FRICTION_SURFACE_OF_DRUM = FrictionSurface(
     name="drum",
     name_of_moving_body="drum",
     words_before_direction="drum turns",
@@ -164,23 +164,23 @@ DRUM = FrictionSurface(
     coordinate_unit="rad",
     shown_unit="deg",
     si_to_shown_unit_factor=math.degrees(1),
-    coordinate_as_text=text_in_degrees,
+    coordinate_as_text=angle_as_text_in_degrees,
     axis_label_in_python="angle θ [deg]",
     axis_label_in_report="angle on the drum θ [deg]",
     axis_label_in_explorer="angle on the drum θ [deg]",
-    word_for_effect="torque",
-    effect_unit="N m",
-    effect_symbol="T",
-    effect_key="torque",
-    short_word_for_effect="torque",
-    effect_heading="torque\n[N m]",
+    word_for_torque_or_brake_force="torque",
+    unit_of_torque_or_brake_force="N m",
+    symbol_of_torque_or_brake_force="T",
+    key_of_torque_or_brake_force="torque",
+    short_word_for_torque_or_brake_force="torque",
+    heading_of_torque_or_brake_force="torque\n[N m]",
     word_for_motion="rotation",
     word_for_held_load="moment",
     brake_factor_formula="T/(F R)",
     coordinate_change_by_full_turn=2 * math.pi,
 )
 # The friction surface of every brake on a plane.
-PLANE = FrictionSurface(
+FRICTION_SURFACE_OF_PLANE = FrictionSurface(
     name="plane",
     name_of_moving_body="body",
     words_before_direction="body slides along",
@@ -189,16 +189,16 @@ PLANE = FrictionSurface(
     coordinate_unit="m",
     shown_unit="mm",
     si_to_shown_unit_factor=1e3,
-    coordinate_as_text=text_in_mm,
+    coordinate_as_text=length_as_text_in_mm,
     axis_label_in_python="place x [mm]",
     axis_label_in_report="place x [mm]",
     axis_label_in_explorer="place on the plane x [mm]",
-    word_for_effect="braking force",
-    effect_unit="N",
-    effect_symbol="F",
-    effect_key="braking_force",
-    short_word_for_effect="braking",
-    effect_heading="braking\nforce [N]",
+    word_for_torque_or_brake_force="braking force",
+    unit_of_torque_or_brake_force="N",
+    symbol_of_torque_or_brake_force="F",
+    key_of_torque_or_brake_force="braking_force",
+    short_word_for_torque_or_brake_force="braking",
+    heading_of_torque_or_brake_force="braking\nforce [N]",
     word_for_motion="slide",
     word_for_held_load="force",
     brake_factor_formula="B/F",

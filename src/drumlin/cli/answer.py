@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from drumlin.base.texts import error_text_in_percent
 from drumlin.cli.terminal import (
-    Column,
+    PrintedColumn,
     print_line_folded_to_terminal_width,
     print_table_fitted_to_terminal,
 )
@@ -19,14 +19,14 @@ if TYPE_CHECKING:
     from drumlin.brake.brake import Brake
     from drumlin.response.response import FiguresOfMeritOnDrum, FiguresOfMeritOnPlane, Response
 
-SHOE_COLUMNS_LEFT_OUT_FIRST = ["shoe_factor", "reaction", "normal_force", "at"]
+SHOE_COLUMNS_DROPPED_ON_NARROW_TERMINAL = ["shoe_factor", "reaction", "normal_force", "at"]
 """Columns of the printed table of shoes that a narrow terminal has no room for.
 
 They are left out in this order, until the other columns fit.
 """
 
 
-def print_response(brake: "Brake", response: "Response", *, verbose: bool = False) -> None:
+def print_brake_response(brake: "Brake", response: "Response", *, verbose: bool = False) -> None:
     """Print the torque and brake factor of a brake, a row for each shoe, warnings and errors.
 
     Lines on shoes that do not touch the drum are printed first. `verbose` is whether reactions,
@@ -57,11 +57,11 @@ def print_response(brake: "Brake", response: "Response", *, verbose: bool = Fals
             print_line_folded_to_terminal_width(line)
     if response.error is not None:
         print_line_folded_to_terminal_width(
-            _estimated_errors_as_line(brake.surface.word_for_effect, response.error)
+            _estimated_errors_as_line(brake.surface.word_for_torque_or_brake_force, response.error)
         )
     if response.plane_stress_error is not None:
         print_line_folded_to_terminal_width(
-            _plane_stress_errors_as_line(brake.surface.word_for_effect, response)
+            _plane_stress_errors_as_line(brake.surface.word_for_torque_or_brake_force, response)
         )
     for line in notes.lines_on_supports:
         print_line_folded_to_terminal_width(line)
@@ -118,7 +118,10 @@ def _print_torque_and_brake_factor(brake: "Brake", response: "Response") -> None
 
     surface = brake.surface
     factor = brake_factor(brake, response)
-    line = f"{surface.word_for_effect} {response.effect:.6g} {surface.effect_unit}"
+    line = (
+        f"{surface.word_for_torque_or_brake_force} {response.effect:.6g} "
+        f"{surface.unit_of_torque_or_brake_force}"
+    )
     if factor is not None:
         line += (
             f", brake factor {factor:.4g} = {surface.brake_factor_formula}, F the mean actuation "
@@ -186,7 +189,7 @@ def _print_table_of_shoes(brake: "Brake", response: "Response") -> None:
     # 0.0 turns a negative zero into a zero without sign.
     at = ["" if place is None else f"{place.at * shown + 0.0:.1f}" for place in places]
     print_table_fitted_to_terminal(
-        _columns_of_shoe_table(brake, response, at), SHOE_COLUMNS_LEFT_OUT_FIRST
+        _columns_of_shoe_table(brake, response, at), SHOE_COLUMNS_DROPPED_ON_NARROW_TERMINAL
     )
     if any(place is not None and place.zone for place in places):
         print_line_folded_to_terminal_width(
@@ -216,7 +219,7 @@ def _peak_pressures_over_width_as_line(brake: "Brake", response: "Response") -> 
 
 def _columns_of_shoe_table(
     brake: "Brake", response: "Response", at: list[str]
-) -> dict[str, Column]:
+) -> dict[str, PrintedColumn]:
     """The columns of the printed table of shoes, by a key such as "effect" for the torque.
 
     `at` holds the place where the pressure of each shoe peaks, as text.
@@ -226,14 +229,14 @@ def _columns_of_shoe_table(
     surface = brake.surface
     unit = surface.shown_unit
     table = {
-        "shoe": Column("shoe", "shoe\n", [], is_left_aligned=True),
-        "effect": Column("torque", surface.effect_heading, []),
-        "normal_force": Column("normal force", "normal\nforce [N]", []),
-        "peak": Column("peak pressure", "peak p\n[MPa]", []),
-        "at": Column("where the pressure peaks", f"at\n[{unit}]", at),
-        "contact": Column("contact", f"contact\n[{unit}]", []),
-        "reaction": Column("hinge reaction", "reaction\n[N]", []),
-        "shoe_factor": Column("shoe factor", f"{surface.brake_factor_formula}\n", []),
+        "shoe": PrintedColumn("shoe", "shoe\n", [], is_left_aligned=True),
+        "effect": PrintedColumn("torque", surface.heading_of_torque_or_brake_force, []),
+        "normal_force": PrintedColumn("normal force", "normal\nforce [N]", []),
+        "peak": PrintedColumn("peak pressure", "peak p\n[MPa]", []),
+        "at": PrintedColumn("where the pressure peaks", f"at\n[{unit}]", at),
+        "contact": PrintedColumn("contact", f"contact\n[{unit}]", []),
+        "reaction": PrintedColumn("hinge reaction", "reaction\n[N]", []),
+        "shoe_factor": PrintedColumn("shoe factor", f"{surface.brake_factor_formula}\n", []),
     }
     for i, shoe in enumerate(response.shoes):
         effect = response.effects[i]

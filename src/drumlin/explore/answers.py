@@ -13,20 +13,20 @@ from drumlin.base.errors import DrumlinError, NoAnswer
 from drumlin.brake import vary
 from drumlin.brake.brake import Brake
 from drumlin.brake.friction import require_friction_independent_of_pressure
-from drumlin.explore.knobs import KnobSetting, brake_at_slider_setting, sliders_for_brake
+from drumlin.explore.knobs import SliderSetting, brake_at_slider_setting, sliders_for_brake
 from drumlin.fem.analysis.self_locking import self_locking_friction_of_shoe_groups
-from drumlin.fem.error_control.levels import LEVELS
+from drumlin.fem.error_control.levels import REFINEMENT_LEVELS_FROM_COARSE_TO_FINE
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.cache import brake_without_loads_and_clearances
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.fem.width.prepare import prepare_model_with_shoe_widths
-from drumlin.laws import LAWS, self_locking_friction_of_hinged_shoe
+from drumlin.laws import LAWS_OF_HINGED_SHOES_BY_NAME, self_locking_friction_of_hinged_shoe
 from drumlin.lining_wear.archard import WearLaw, WearState, interpolate_wear_state_at_distance
 from drumlin.lining_wear.linings import WearSetup, wear_setup_by_finite_elements
 from drumlin.lining_wear.run_in import (
     DEFAULT_WEAR_COEFFICIENT,
-    WORN_OUT_FRACTION,
+    WORN_OUT_FRACTION_OF_LINING_THICKNESS,
     brake_with_worn_linings,
     wear_brake_linings_until_worn_in,
 )
@@ -34,16 +34,16 @@ from drumlin.models import MODELS, model_with_name_that_applies_to_brake
 from drumlin.response import Response
 from drumlin.response.merit import response_with_figures_of_merit
 from drumlin.response.norms import relative_distance_of_pressures, relative_error_of_number
-from drumlin.response.response import PlaneStressError
+from drumlin.response.response import EstimatedErrorOfPlaneStress
 
-EXPLORE_LEVEL = LEVELS[1]
+REFINEMENT_LEVEL_OF_EXPLORE_PAGE = REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[1]
 """The fixed division of the shoes into hp elements, for shoes without a mesh file.
 
 Its torque is accurate to some 0.03 %, and the stiffness of the shoes takes 30 to 100 ms to compute.
 With a finer division the page would follow its sliders too slowly.
 """
 
-WIDTH_EXPLORE_LEVEL, WIDTH_EXPLORE_DEGREE = LEVELS[0], 2
+WIDTH_EXPLORE_LEVEL, WIDTH_EXPLORE_DEGREE = REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[0], 2
 """The fixed division of solid shoes into hp elements, and the polynomial degree across the width.
 
 For 14 example brakes the torque differs by up to 0.04 % from the torque by the next finer division.
@@ -60,13 +60,13 @@ The page shows the difference of its own answer by solid shoes from this solutio
 HIGHEST_SOUGHT_LOCKING_FRICTION = 5.0
 """Friction coefficient up to which self-locking is searched; no real lining comes near it."""
 
-ERROR_OF_ONE_WEAR_INCREMENT = 1e-2
+PRESSURE_ERROR_OF_ONE_WEAR_INCREMENT = 1e-2
 """Relative error of the pressure (L2) that one increment of the sliding distance may make by wear.
 
 The error of the torque is then some 0.01 %.
 """
 
-LockingFriction = Mapping[tuple[int, ...], float]
+LockingFrictionByShoeGroup = Mapping[tuple[int, ...], float]
 """The friction coefficient mu_lock at which shoes lock themselves.
 
 The key is a tuple with the positions of the shoes that lock together.
@@ -74,7 +74,7 @@ The key is a tuple with the positions of the shoes that lock together.
 
 
 @dataclass(frozen=True)
-class ExploredAnswer:
+class FemAndLawAnswerAtSliderSetting:
     """The answers of finite elements and of a law for a setting of the sliders.
 
     Attributes
@@ -92,7 +92,7 @@ class ExploredAnswer:
     distance : sliding distance [m] over which the linings are worn
     """
 
-    setting: KnobSetting
+    setting: SliderSetting
     brake: Brake | None = None
     fem_response: Response | None = None
     failure: str = ""
@@ -103,7 +103,7 @@ class ExploredAnswer:
     distance: float = 0.0
 
 
-class _WearRun(NamedTuple):
+class _WearUpToLargestSlidingDistance(NamedTuple):
     """The wear of a brake's linings, from new linings to the largest sliding distance of the page.
 
     Attributes
@@ -138,7 +138,7 @@ class DifferenceFromAccurateAnswer(NamedTuple):
     torque: float
     pressure: float
     errors_stated_by_accurate_answer: Mapping[str, float] | None
-    plane_stress: PlaneStressError | None
+    plane_stress: EstimatedErrorOfPlaneStress | None
 
 
 class LatestValueCache:
@@ -177,9 +177,11 @@ class SliderSolver:
         self._limits = LatestValueCache()
         self._stated = LatestValueCache()
 
-    def fem_and_law_answer_at_slider_setting(self, setting: KnobSetting) -> ExploredAnswer:
+    def fem_and_law_answer_at_slider_setting(
+        self, setting: SliderSetting
+    ) -> FemAndLawAnswerAtSliderSetting:
         """The answer for a setting of the sliders; where a model fails, it holds the reason."""
-        answer = ExploredAnswer(setting, law_name=setting.law)
+        answer = FemAndLawAnswerAtSliderSetting(setting, law_name=setting.law)
         # The answer is completed step by step. After a failure it keeps what it has so far.
         try:
             brake = brake_at_slider_setting(self.brake, self.knobs, setting)
@@ -220,7 +222,7 @@ class SliderSolver:
                 )
             if any(shoe.mesh for shoe in rough.shoes):
                 return make_prepared_model(rough)
-            return make_prepared_model(rough, EXPLORE_LEVEL)
+            return make_prepared_model(rough, REFINEMENT_LEVEL_OF_EXPLORE_PAGE)
 
         # Brakes that differ only in loads, clearances or friction need the same prepared model, so
         # that they share one key in the cache.
@@ -243,7 +245,7 @@ class SliderSolver:
         for surface in run.setup.surfaces:
             # A lining that has lost more than the allowed part of its thickness has no answer.
             deepest, lining = state.depth[surface.part].max(), brake.shoes[surface.shoe].lining
-            if deepest > WORN_OUT_FRACTION * lining.thickness:
+            if deepest > WORN_OUT_FRACTION_OF_LINING_THICKNESS * lining.thickness:
                 raise NoAnswer(
                     f"shoe {surface.name!r}: worn out, "
                     f"{deepest * 1e3:.3g} mm would be worn off its lining"
@@ -252,7 +254,7 @@ class SliderSolver:
 
     def cached_self_locking_friction_of_shoe_groups(
         self, brake: Brake, model: str = "fem"
-    ) -> LockingFriction:
+    ) -> LockingFrictionByShoeGroup:
         """The friction coefficient at which each group of shoes locks itself, by finite elements.
 
         The keys are the positions of the shoes that lock together. Shoes that do not lock up to
@@ -260,7 +262,7 @@ class SliderSolver:
         shoe touches the drum. `model` is "fem" for plane stress and "solid" for solid shoes.
         """
 
-        def find_self_locking_friction_with_unit_friction() -> LockingFriction:
+        def find_self_locking_friction_with_unit_friction() -> LockingFrictionByShoeGroup:
             """Find the friction at which groups of shoes lock.
 
             The brake's own friction does not matter and is set to 1.
@@ -276,26 +278,26 @@ class SliderSolver:
                 return {}
             return {members: limit.friction for members, limit in found.items()}
 
-        known: LockingFriction = self._limits.stored_or_new_value(
+        known: LockingFrictionByShoeGroup = self._limits.stored_or_new_value(
             (_brake_with_unit_friction(brake), model), find_self_locking_friction_with_unit_friction
         )
         return known
 
     def self_locking_friction_if_already_computed(
         self, brake: Brake, model: str = "fem"
-    ) -> LockingFriction | None:
+    ) -> LockingFrictionByShoeGroup | None:
         """The friction at which each group of shoes locks itself, if it is known; else None.
 
         Nothing is computed here. `cached_self_locking_friction_of_shoe_groups` computes these
         values in 30 to 100 ms.
         """
-        known: LockingFriction | None = self._limits.cached_value_for_key_or_none(
+        known: LockingFrictionByShoeGroup | None = self._limits.cached_value_for_key_or_none(
             (_brake_with_unit_friction(brake), model)
         )
         return known
 
     def difference_from_accurate_answer(
-        self, answer: ExploredAnswer
+        self, answer: FemAndLawAnswerAtSliderSetting
     ) -> DifferenceFromAccurateAnswer | None:
         """The difference between an answer of the page and the accurate answer of `drumlin.solve`.
 
@@ -335,16 +337,20 @@ def _brake_with_unit_friction(brake: Brake) -> Brake:
     return brake.brake_with_new_friction_coefficient(1.0)
 
 
-def _wear_linings_over_distance(scene: PreparedModel, brake: Brake, distance: float) -> _WearRun:
+def _wear_linings_over_distance(
+    scene: PreparedModel, brake: Brake, distance: float
+) -> _WearUpToLargestSlidingDistance:
     """The wear of a brake's linings up to a sliding distance [m]."""
     setup, law = wear_setup_by_finite_elements(scene, brake), WearLaw(DEFAULT_WEAR_COEFFICIENT)
     states = wear_brake_linings_until_worn_in(
-        setup, law, distance=distance, tolerance=ERROR_OF_ONE_WEAR_INCREMENT
+        setup, law, distance=distance, tolerance=PRESSURE_ERROR_OF_ONE_WEAR_INCREMENT
     )
-    return _WearRun(setup, states)
+    return _WearUpToLargestSlidingDistance(setup, states)
 
 
-def _fem_answer_with_results_of_pressure_law(answer: ExploredAnswer) -> ExploredAnswer:
+def _fem_answer_with_results_of_pressure_law(
+    answer: FemAndLawAnswerAtSliderSetting,
+) -> FemAndLawAnswerAtSliderSetting:
     """A copy of the finite elements' answer, with the rigid-shoe pressure law's answer added."""
     name, brake = answer.law_name, answer.brake
     if name is None or brake is None:
@@ -352,10 +358,12 @@ def _fem_answer_with_results_of_pressure_law(answer: ExploredAnswer) -> Explored
     try:
         # On a drum a formula of the law gives the friction at which each shoe locks itself. The
         # smallest of these frictions is taken.
-        if name in LAWS and not brake.surface.is_plane_and_not_drum:
+        if name in LAWS_OF_HINGED_SHOES_BY_NAME and not brake.surface.is_plane_and_not_drum:
             limits = []
             for shoe in brake.shoes:
-                own = self_locking_friction_of_hinged_shoe(brake, shoe, LAWS[name])
+                own = self_locking_friction_of_hinged_shoe(
+                    brake, shoe, LAWS_OF_HINGED_SHOES_BY_NAME[name]
+                )
                 limits.append(brake.brake_friction_that_gives_shoe_friction(shoe, own))
             answer = replace(answer, locking_friction_by_law=min(limits))
         return replace(

@@ -6,9 +6,12 @@ from drumlin.base.errors import BadInput
 from drumlin.base.files import require_fields_file_name_ends_in_vtu
 from drumlin.brake.brake import Brake
 from drumlin.brake.further_loads import brake_with_all_loads_moved_to_actuation
-from drumlin.fem.error_control.adapt import Tolerance, require_tolerance_between_zero_and_one
+from drumlin.fem.error_control.adapt import (
+    TolerancesOfPressureAndTorque,
+    require_tolerance_between_zero_and_one,
+)
 from drumlin.fem.model import DEFAULT_PENALTY_FACTOR, require_positive_penalty
-from drumlin.fem.preparation.cache import Cache
+from drumlin.fem.preparation.cache import CacheOfCondensedBodies
 from drumlin.fem.width.ladder import (
     LARGEST_WIDTH_DEGREE_WITH_STATED_ERROR,
     solve_brake_with_widths_and_keep_model,
@@ -17,7 +20,7 @@ from drumlin.fem.width.prepare import reason_why_width_model_does_not_apply
 from drumlin.response.merit import response_with_figures_of_merit
 from drumlin.response.response import Response
 
-DEFAULT_SOLID_TOLERANCE = 0.01
+DEFAULT_ERROR_TOLERANCE_OF_SOLID_MODEL = 0.01
 """Default tolerance of the solid model: relative error of p (mean over the width) and of torque."""
 
 
@@ -28,12 +31,12 @@ def solve(
     tolerance: float | None = None,
     penalty: float = DEFAULT_PENALTY_FACTOR,
     fields: Path | None = None,
-    cache: Cache | None = None,
+    cache: CacheOfCondensedBodies | None = None,
 ) -> Response:
     """The response of a brake's solid shoes, with its stated errors.
 
-    Without a tolerance DEFAULT_SOLID_TOLERANCE is aimed at, and a note states the error that is
-    reached.
+    Without a tolerance DEFAULT_ERROR_TOLERANCE_OF_SOLID_MODEL is aimed at, and a note states the
+    error that is reached.
 
     Parameters
     ----------
@@ -60,7 +63,7 @@ def solve(
         raise BadInput(
             f"--across = {across}: must be from 1 to {LARGEST_WIDTH_DEGREE_WITH_STATED_ERROR}"
         )
-    asked = DEFAULT_SOLID_TOLERANCE
+    asked = DEFAULT_ERROR_TOLERANCE_OF_SOLID_MODEL
     if tolerance is not None:
         require_tolerance_between_zero_and_one(tolerance)
         asked = tolerance
@@ -76,7 +79,7 @@ def solve(
     # in the model with widths.
     solved = solve_brake_with_widths_and_keep_model(
         brake_with_all_loads_moved_to_actuation(brake),
-        Tolerance(asked, asked),
+        TolerancesOfPressureAndTorque(asked, asked),
         must=tolerance is not None,
         across=across,
         penalty=penalty,

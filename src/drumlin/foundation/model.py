@@ -27,17 +27,17 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drumlin.base.arrays import Bools, Floats, slices_of_consecutive_parts
+from drumlin.base.arrays import Bools, Floats, slices_from_lengths_of_consecutive_parts
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.base.lapack import block_diag
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.brake.components import Beam
+from drumlin.brake.components import BeamBody
 from drumlin.brake.friction import reason_if_friction_depends_on_pressure
 from drumlin.brake.further_loads import reason_if_loads_besides_actuation_act
 from drumlin.brake.heat import reason_if_any_shoe_is_heated
 from drumlin.brake.orthotropic import reason_if_any_part_is_orthotropic
 from drumlin.brake.ring_support import reason_if_ring_edge_is_not_fixed_or_free
-from drumlin.brake.surface import DRUM
+from drumlin.brake.surface import FRICTION_SURFACE_OF_DRUM
 from drumlin.contact import active_set, self_locking
 from drumlin.contact.equations import ContactProblem
 from drumlin.foundation.post import (
@@ -47,8 +47,8 @@ from drumlin.foundation.post import (
     trapezoidal_rule_weights,
 )
 from drumlin.foundation.ring import (
-    ring_displacement_per_radial_force,
-    ring_displacement_per_tangential_force,
+    inward_ring_displacement_per_radial_force,
+    inward_ring_displacement_per_tangential_force,
 )
 from drumlin.laws import self_locking_friction_of_hinged_shoe
 from drumlin.laws.hinged import actuation_moment_towards_drum
@@ -62,12 +62,15 @@ from drumlin.response.response import (
     response_of_pressed_elastic_shoe,
     response_of_shoe_without_contact,
 )
-from drumlin.response.resultants import Resultant, polynomial_nodes_on_linings_and_slots
+from drumlin.response.resultants import (
+    PressureAndFrictionResultant,
+    polynomial_nodes_on_linings_and_slots,
+)
 
 DEFAULT_DIVISIONS_OF_SHOE_BEAM = 360
 """Number of divisions of each shoe's beam if the user gives none."""
 
-LARGEST_SHOE_TURN = 0.2
+LARGEST_ACCEPTED_TURN_ABOUT_HINGE = 0.2
 """Largest turn of a shoe about its hinge [rad] that the model accepts, some 11 degrees.
 
 The model assumes small displacements, and an answer with a larger turn is refused.
@@ -104,7 +107,7 @@ ALWAYS_NEGLECTED_EFFECTS = (
 )
 """Effects that the foundation model always neglects, as lines for the printed answer."""
 
-INCLUDABLE_EFFECTS_OF_ELASTIC_RING = frozenset(
+INCLUDABLE_EFFECTS_THAT_NEED_ELASTIC_RING = frozenset(
     {"thick-ring", "all-modes", "own-pressure", "ring-friction"}
 )
 """The effects of INCLUDABLE_EFFECTS that exist only if the drum is an elastic ring."""
@@ -113,13 +116,13 @@ INCLUDABLE_EFFECTS_OF_ELASTIC_RING = frozenset(
 def reason_against_foundation_model(brake: Brake) -> str | None:
     """The reason why the foundation model does not apply to a brake; None if it applies."""
     refusal = (
-        brake.surface.reason_why_surface_is_not_required_one(DRUM)
+        brake.surface.reason_why_surface_is_not_required_one(FRICTION_SURFACE_OF_DRUM)
         or brake.reason_why_cam_or_strut_sets_forces
     )
     if refusal is not None:
         return refusal
     for shoe in brake.shoes:
-        if not isinstance(shoe.body, Beam):
+        if not isinstance(shoe.body, BeamBody):
             return f'shoe {shoe.name!r}: is not a straight beam, [shoe.body] with shape = "beam"'
     model = "the foundation model"
     return (
@@ -147,7 +150,7 @@ def validated_names_of_effects_to_include(brake: Brake, lift: Iterable[str]) -> 
     # `lacking` tells why the brake file does not allow an effect, by the name of the effect.
     lacking: dict[str, str] = {}
     for shoe in brake.shoes:
-        if shoe.backing and isinstance(shoe.body, Beam) and shoe.body.thickness is None:
+        if shoe.backing and isinstance(shoe.body, BeamBody) and shoe.body.thickness is None:
             lacking["wedge"] = "needs shoe.body.thickness"
     if brake.ring is not None and brake.ring.section is None:
         lacking["thick-ring"] = "needs drum.ring.thickness, width and material"
@@ -212,7 +215,7 @@ def contact_problem_of_shoe_group(
     theta = np.concatenate(
         [p.axis.polar_angle_of_perpendicular_foot + p.axis.sense * p.theta for p in posts]
     )
-    ring = ring_displacement_per_normal_force(brake, theta, theta, lift)
+    ring = inward_ring_displacement_per_normal_force(brake, theta, theta, lift)
     # Only the ring couples the shoes: all matrices except `ring` have a diagonal block per shoe.
     problems = list(map(_contact_problem_of_one_shoe, posts))
     problem = ContactProblem(
@@ -241,7 +244,7 @@ def _contact_problem_of_one_shoe(p: ShoeInStationsAndSectors) -> ContactProblem:
     )
 
 
-def ring_displacement_per_normal_force(
+def inward_ring_displacement_per_normal_force(
     brake: Brake, theta: Floats, loads: Floats, lift: frozenset[str]
 ) -> Floats:
     """The inward displacement (k, n) [m/N] of the drum's ring per normal force on its rim.
@@ -260,18 +263,21 @@ def ring_displacement_per_normal_force(
         return np.zeros((len(theta), len(loads)))
     d = np.subtract.outer(theta, loads)
     twin, R = "all-modes" not in lift, brake.size
-    c = ring_displacement_per_radial_force(
+    c = inward_ring_displacement_per_radial_force(
         ring, R, d, twin=twin, sign=-1, thick="thick-ring" in lift
     )
     # The friction on the drum acts against the rotation, and bends the ring as well.
     if "ring-friction" in lift:
-        c = c - brake.friction * brake.sign_of_motion * ring_displacement_per_tangential_force(
-            ring, R, d, twin=twin
+        c = (
+            c
+            - brake.friction
+            * brake.sign_of_motion
+            * inward_ring_displacement_per_tangential_force(ring, R, d, twin=twin)
         )
     return c
 
 
-def ring_displacement_under_each_shoe(
+def inward_ring_displacement_under_each_shoe(
     brake: Brake, response: Response, theta: Floats, lift: Iterable[str] = ()
 ) -> Floats:
     """The inward displacement (shoes, k) [m] of the drum's ring under the pressure of each shoe.
@@ -298,7 +304,9 @@ def ring_displacement_under_each_shoe(
             * trapezoidal_rule_weights(answer.theta)
             * answer.pressure
         )
-        rows.append(ring_displacement_per_normal_force(brake, theta, answer.theta, names) @ N)
+        rows.append(
+            inward_ring_displacement_per_normal_force(brake, theta, answer.theta, names) @ N
+        )
     return np.array(rows)
 
 
@@ -373,7 +381,10 @@ def _groups_of_shoes_solved_together(
 
 
 def _responses_of_shoe_group(
-    brake: Brake, group: list[int], parts: FoundationContactProblem, found: active_set.Contact
+    brake: Brake,
+    group: list[int],
+    parts: FoundationContactProblem,
+    found: active_set.ContactSolution,
 ) -> dict[int, ShoeResponse]:
     """The responses of a group of shoes, by the index of each shoe in the brake.
 
@@ -387,7 +398,7 @@ def _responses_of_shoe_group(
     answers = {}
     # Inward displacement of the ring at the sectors of all shoes of the group.
     z = parts.ring @ found.p
-    ranges = slices_of_consecutive_parts(len(p.theta) for p in parts.posts)
+    ranges = slices_from_lengths_of_consecutive_parts(len(p.theta) for p in parts.posts)
     for k, i in enumerate(group):
         part, turn = ranges[k], float(found.y[k])
         answers[i] = response_of_post_brake_shoe(
@@ -407,7 +418,7 @@ def texts_of_neglected_effects(brake: Brake, names: frozenset[str]) -> tuple[str
     # Effects of an elastic ring are listed only if the drum has a ring, and "wedge" only if a shoe
     # has a block.
     for name, text in INCLUDABLE_EFFECTS.items():
-        concerns = (ring or name not in INCLUDABLE_EFFECTS_OF_ELASTIC_RING) and (
+        concerns = (ring or name not in INCLUDABLE_EFFECTS_THAT_NEED_ELASTIC_RING) and (
             blocks or name != "wedge"
         )
         if name not in names and concerns:
@@ -423,7 +434,7 @@ def _solve_contact_of_shoe_group(
     sections: int,
     names: frozenset[str],
     start: list[Bools] | None,
-) -> active_set.Contact:
+) -> active_set.ContactSolution:
     """Solve the contact problem of a group of shoes for normal forces and turns about the hinges.
 
     Parameters
@@ -439,7 +450,7 @@ def _solve_contact_of_shoe_group(
     ------
     NoAnswer
         for a self-locking shoe, no equilibrium, no convergence, or a turn of a shoe beyond
-        LARGEST_SHOE_TURN
+        LARGEST_ACCEPTED_TURN_ABOUT_HINGE
     """
     begin = None if start is None else np.concatenate([start[i] for i in group])
 
@@ -469,11 +480,12 @@ def _solve_contact_of_shoe_group(
     except NoAnswer as error:
         raise NoAnswer(f"{brake.text_with_names_of_shoes_at_indices(group)}: {error}") from error
     turn = float(np.abs(found.y).max())
-    if turn > LARGEST_SHOE_TURN:
+    if turn > LARGEST_ACCEPTED_TURN_ABOUT_HINGE:
         raise NoAnswer(
             f"{brake.text_with_names_of_shoes_at_indices(group)}: it would have to turn by "
             f"{math.degrees(turn):.3g} deg; "
-            f"small displacements hold up to {math.degrees(LARGEST_SHOE_TURN):.3g} deg"
+            f"small displacements hold up to "
+            f"{math.degrees(LARGEST_ACCEPTED_TURN_ABOUT_HINGE):.3g} deg"
         )
     return found
 
@@ -530,14 +542,16 @@ def response_of_post_brake_shoe(
     )
 
 
-def _resultant_of_sector_forces(brake: Brake, shoe: Shoe, theta: Floats, N: Floats) -> Resultant:
+def _resultant_of_sector_forces(
+    brake: Brake, shoe: Shoe, theta: Floats, N: Floats
+) -> PressureAndFrictionResultant:
     """The resultant on an external lining of the normal forces `N` (n,) [N] and of their friction.
 
     The normal forces act at the angles `theta` (n,) [rad] around the drum.
     """
     normal = np.array([N @ np.cos(theta), N @ np.sin(theta)])
     drag = brake.signed_friction_stress_over_pressure(shoe)
-    return Resultant(
+    return PressureAndFrictionResultant(
         normal=normal,
         friction=drag * np.array([-normal[1], normal[0]]),
         moment=drag * brake.size * float(N.sum()),

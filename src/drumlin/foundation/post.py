@@ -20,8 +20,8 @@ from drumlin.base.arrays import Floats, Ints
 from drumlin.brake import clearance
 from drumlin.brake.beam_axis import BeamAxis, make_beam_axis
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.brake.components import Beam
-from drumlin.brake.fields import AnyMaterial, Material
+from drumlin.brake.components import BeamBody
+from drumlin.brake.fields import IsotropicOrOrthotropicMaterial, Material
 
 
 class ShoeInStationsAndSectors(NamedTuple):
@@ -95,7 +95,7 @@ def divide_shoe_into_stations_and_sectors(
     """
     body, lining, R = shoe.body, shoe.lining, brake.size
     # `reason_against_foundation_model` has refused brakes whose shoes are not beams.
-    assert isinstance(body, Beam)
+    assert isinstance(body, BeamBody)
     axis = make_beam_axis(shoe.pin.xy, shoe.actuation.point.xy)
     arcs = sorted(
         (np.sort(axis.angle(np.array(arc))) for arc in shoe.lining.arcs), key=itemgetter(0)
@@ -258,7 +258,9 @@ def compression_of_layers_per_pressure(
         1/(1 - nu^2) times as stiff
     """
 
-    def compression_of_layer_per_pressure(thickness: Floats, material: AnyMaterial) -> Floats:
+    def compression_of_layer_per_pressure(
+        thickness: Floats, material: IsotropicOrOrthotropicMaterial
+    ) -> Floats:
         """The compression per pressure [m/Pa] of a layer of a given thickness [m] and material."""
         # `reason_against_foundation_model` has refused brakes with orthotropic materials.
         assert isinstance(material, Material)
@@ -274,7 +276,7 @@ def compression_of_layers_per_pressure(
     if wedge:
         # `reason_against_foundation_model` has refused bodies other than beams, and
         # `validated_names_of_effects_to_include` has refused beams without a thickness.
-        assert isinstance(shoe.body, Beam) and shoe.body.thickness is not None
+        assert isinstance(shoe.body, BeamBody) and shoe.body.thickness is not None
         face = axis.distance_from_drum_centre - shoe.body.thickness / 2
         thickness = face - (brake.size + lining.thickness) * np.cos(theta)
     return total + compression_of_layer_per_pressure(thickness, backing.material)

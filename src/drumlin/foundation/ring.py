@@ -17,7 +17,7 @@ import math
 import numpy as np
 
 from drumlin.base.arrays import Floats
-from drumlin.brake.components import Ring
+from drumlin.brake.components import DrumRing
 from drumlin.brake.fields import Material
 
 INVERSE_SHEAR_CORRECTION_FACTOR = 6 / 5
@@ -76,8 +76,8 @@ def deflection_series_of_one_tangential_force(d: Floats) -> Floats:
     return np.asarray(0.5 * u - (math.pi**2 / 24 + 3 / 16) * s - (u * c + s) / 2 + u**2 * s / 8)
 
 
-def ring_displacement_per_radial_force(
-    ring: Ring, radius: float, d: Floats, *, twin: bool, sign: int, thick: bool
+def inward_ring_displacement_per_radial_force(
+    ring: DrumRing, radius: float, d: Floats, *, twin: bool, sign: int, thick: bool
 ) -> Floats:
     """The inward displacement [m/N] of a ring's rim per inward radial force.
 
@@ -121,8 +121,8 @@ def ring_displacement_per_radial_force(
     return r**3 / (math.pi * section.bending_stiffness) * modes
 
 
-def ring_displacement_per_tangential_force(
-    ring: Ring, radius: float, d: Floats, *, twin: bool
+def inward_ring_displacement_per_tangential_force(
+    ring: DrumRing, radius: float, d: Floats, *, twin: bool
 ) -> Floats:
     """The inward displacement [m/N] of a ring's rim per force along the rim.
 

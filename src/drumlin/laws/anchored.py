@@ -23,12 +23,12 @@ from drumlin.base.errors import NoAnswer
 from drumlin.base.lapack import block_diag
 from drumlin.brake.brake import Brake
 from drumlin.brake.one_sided import (
+    ERROR_TEXT_ON_SHOE_THAT_IS_NOT_HELD,
     LARGEST_ROUND_OFF_PULL_OF_SUPPORT,
-    NOT_HELD_TEXT,
-    HeldMotions,
+    BearingFlagsOfOneSidedSupports,
+    HeldAndFreeRigidBodyMotions,
     OneSidedSupport,
-    SupportForce,
-    WhichSupportsBear,
+    OneSidedSupportForce,
     all_choices_of_bearing_supports,
     divide_motions_into_held_and_free,
     do_linings_resist_free_motions,
@@ -39,9 +39,13 @@ from drumlin.brake.one_sided import (
     work_of_support_push_in_rigid_body_modes,
 )
 from drumlin.brake.support import SupportRigidBodyModes
-from drumlin.laws.face import Arcs, FrictionSurfaceOfRigidShoe, friction_surface_of_shoe
+from drumlin.laws.face import (
+    ContactArcsOfRigidShoe,
+    FrictionSurfaceOfRigidShoe,
+    friction_surface_of_shoe,
+)
 from drumlin.laws.shoe_contact import (
-    MOST_CONTACT_STEPS,
+    MOST_ITERATIONS_FOR_CONTACT_ARCS,
     RigidShoeContact,
     arcs_of_positive_pressure_on_linings,
     are_contact_arcs_equal,
@@ -65,7 +69,7 @@ real equilibria.
 """
 
 
-class _ShoesOnAnchors(NamedTuple):
+class _GeometryOfShoesOnAnchors(NamedTuple):
     """The geometry of shoes on one-sided supports whose equilibria are solved together.
 
     Attributes
@@ -89,7 +93,7 @@ class _ShoesOnAnchors(NamedTuple):
     sizes: Floats
 
 
-class SolvedShoesOnAnchors(NamedTuple):
+class EquilibriumOfShoesOnAnchors(NamedTuple):
     """An equilibrium of shoes on one-sided supports.
 
     `bearing` tells which supports bear, `contacts` has the contact of each shoe by its name, and
@@ -98,14 +102,14 @@ class SolvedShoesOnAnchors(NamedTuple):
     the linings in contact.
     """
 
-    shoes: _ShoesOnAnchors
-    bearing: WhichSupportsBear
+    shoes: _GeometryOfShoesOnAnchors
+    bearing: BearingFlagsOfOneSidedSupports
     contacts: dict[str, RigidShoeContact]
     forces: Floats
     mu_lock: float
 
 
-def _collect_shoes_on_anchors(brake: Brake, members: tuple[int, ...]) -> _ShoesOnAnchors:
+def _collect_shoes_on_anchors(brake: Brake, members: tuple[int, ...]) -> _GeometryOfShoesOnAnchors:
     """Collect the shoes of a brake with the indices `members`, with their one-sided supports."""
     shoes = [brake.shoes[i] for i in members]
     freedoms = tuple(shoe.rigid_body_modes_of_support() for shoe in shoes)
@@ -119,14 +123,14 @@ def _collect_shoes_on_anchors(brake: Brake, members: tuple[int, ...]) -> _ShoesO
         for side in support.sides:
             k = members.index(side.shoe)
             opening[j, 3 * k : 3 * k + 3] = work_of_support_push_in_rigid_body_modes(
-                shoes[k], side.unit_push
+                shoes[k], side.push_of_one_newton
             )
     # If the stiffness of any lining is unknown, all linings are taken as equally stiff.
     stiffness = np.ones(len(shoes))
     linings = [shoe.lining for shoe in shoes]
     if all(lining.material is not None and lining.thickness for lining in linings):
         stiffness = np.array([each.material.E_through / each.thickness for each in linings])
-    return _ShoesOnAnchors(
+    return _GeometryOfShoesOnAnchors(
         members,
         tuple(friction_surface_of_shoe(brake, shoe) for shoe in shoes),
         freedoms,
@@ -149,7 +153,7 @@ class _AnchoredEquilibriumMatrices(NamedTuple):
 
 
 def _equilibrium_matrices_of_shoes_on_arcs(
-    brake: Brake, on: _ShoesOnAnchors, arcs: list[Arcs]
+    brake: Brake, on: _GeometryOfShoesOnAnchors, arcs: list[ContactArcsOfRigidShoe]
 ) -> _AnchoredEquilibriumMatrices:
     """The matrices N and F of shoes whose linings touch drum or plane on the given arcs."""
     found = []
@@ -165,8 +169,8 @@ def _equilibrium_matrices_of_shoes_on_arcs(
 
 
 def _rigid_body_motions_held_and_free(
-    on: _ShoesOnAnchors, bearing: WhichSupportsBear
-) -> HeldMotions | None:
+    on: _GeometryOfShoesOnAnchors, bearing: BearingFlagsOfOneSidedSupports
+) -> HeldAndFreeRigidBodyMotions | None:
     """The motions that the bearing supports prevent, and the motions that they leave free.
 
     The result is None if a free motion closes no gap, so that no pressure resists it, and if one of
@@ -198,11 +202,11 @@ class _EquilibriumInFreeMotions(NamedTuple):
     matrices: _AnchoredEquilibriumMatrices
     y: Floats
     c: list[Floats]
-    arcs: list[Arcs]
+    arcs: list[ContactArcsOfRigidShoe]
 
 
 def _equilibrium_in_free_motions(
-    brake: Brake, on: _ShoesOnAnchors, free: Floats, work: Floats
+    brake: Brake, on: _GeometryOfShoesOnAnchors, free: Floats, work: Floats
 ) -> _EquilibriumInFreeMotions | None:
     """The equilibrium of shoes that can move only in the motions `free`; None if none is found.
 
@@ -211,14 +215,14 @@ def _equilibrium_in_free_motions(
     the loads on each mode.
     """
     linings = [brake.shoes[i].lining for i in on.members]
-    arcs: list[Arcs] = [lining.arcs for lining in linings]
-    before: list[list[Arcs]] = []
+    arcs: list[ContactArcsOfRigidShoe] = [lining.arcs for lining in linings]
+    before: list[list[ContactArcsOfRigidShoe]] = []
     shapes = [
         face.gap_closing_factors_of_rigid_body_motions(modes.motions)
         for face, modes in zip(on.faces, on.freedoms, strict=True)
     ]
     drag = brake.friction * brake.sign_of_motion
-    for _ in range(MOST_CONTACT_STEPS):
+    for _ in range(MOST_ITERATIONS_FOR_CONTACT_ARCS):
         matrices = _equilibrium_matrices_of_shoes_on_arcs(brake, on, arcs)
         K = matrices.normal - drag * matrices.friction
         try:
@@ -243,8 +247,8 @@ def _equilibrium_in_free_motions(
 
 
 def _solve_rigid_shoes_on_given_supports(
-    brake: Brake, on: _ShoesOnAnchors, bearing: WhichSupportsBear
-) -> SolvedShoesOnAnchors | None:
+    brake: Brake, on: _GeometryOfShoesOnAnchors, bearing: BearingFlagsOfOneSidedSupports
+) -> EquilibriumOfShoesOnAnchors | None:
     """The equilibrium of shoes of which given supports bear; None if other supports must bear.
 
     Others must bear if the given supports allow no equilibrium or lock the shoes, if one of them
@@ -277,11 +281,14 @@ def _solve_rigid_shoes_on_given_supports(
         contacts[brake.shoes[i].name] = RigidShoeContact(
             on.faces[k], settled.c[k], amounts, settled.arcs[k], on.freedoms[k], 1
         )
-    return SolvedShoesOnAnchors(on, bearing, contacts, forces, mu_lock)
+    return EquilibriumOfShoesOnAnchors(on, bearing, contacts, forces, mu_lock)
 
 
 def _do_supports_of_rigid_shoes_bear_as_assumed(
-    on: _ShoesOnAnchors, bearing: WhichSupportsBear, y: Floats, forces: Floats
+    on: _GeometryOfShoesOnAnchors,
+    bearing: BearingFlagsOfOneSidedSupports,
+    y: Floats,
+    forces: Floats,
 ) -> bool:
     """Whether no bearing support pulls its shoe, and no open support overlaps its shoe.
 
@@ -308,7 +315,7 @@ def _do_supports_of_rigid_shoes_bear_as_assumed(
 
 def _equilibria_of_shoes_on_anchors(
     brake: Brake, members: tuple[int, ...]
-) -> Iterator[SolvedShoesOnAnchors]:
+) -> Iterator[EquilibriumOfShoesOnAnchors]:
     """Yield each equilibrium of shoes on anchors, trying one set of bearing supports after another.
 
     Sets of bearing supports that lead to the same support forces count as one equilibrium.
@@ -330,7 +337,7 @@ def _equilibria_of_shoes_on_anchors(
 
 def _first_equilibrium_of_shoes_on_anchors(
     brake: Brake, members: tuple[int, ...]
-) -> SolvedShoesOnAnchors:
+) -> EquilibriumOfShoesOnAnchors:
     """The first equilibrium of shoes on anchors. Raises NoAnswer if there is none."""
     first = next(_equilibria_of_shoes_on_anchors(brake, members), None)
     if first is not None:
@@ -342,7 +349,7 @@ def _first_equilibrium_of_shoes_on_anchors(
             f"{names}: self-locking, friction {brake.friction:g} is not below mu_lock = "
             f"{limit:.6g} of the rigid-shoe law"
         )
-    raise NoAnswer(f"{names}: {NOT_HELD_TEXT}")
+    raise NoAnswer(f"{names}: {ERROR_TEXT_ON_SHOE_THAT_IS_NOT_HELD}")
 
 
 def _locking_friction_of_anchored_shoe_group(brake: Brake, members: tuple[int, ...]) -> float:
@@ -380,7 +387,7 @@ def contact_of_shoe_on_anchors(brake: Brake, index: int) -> RigidShoeContact:
     ).contacts[brake.shoes[index].name]
 
 
-def locking_friction_of_shoes_on_anchors(brake: Brake, index: int) -> float:
+def locking_friction_of_shoe_on_anchors(brake: Brake, index: int) -> float:
     """The friction coefficient at which shoe `index`, which is on anchors, locks; inf if never.
 
     The friction coefficients of all linings are scaled in proportion until the shoe locks. The
@@ -392,7 +399,9 @@ def locking_friction_of_shoes_on_anchors(brake: Brake, index: int) -> float:
     return limit * brake.shoe_friction_over_brake_friction(brake.shoes[index])
 
 
-def which_supports_of_rigid_shoes_bear(brake: Brake, members: tuple[int, ...]) -> WhichSupportsBear:
+def which_supports_of_rigid_shoes_bear(
+    brake: Brake, members: tuple[int, ...]
+) -> BearingFlagsOfOneSidedSupports:
     """Whether each one-sided support of the shoes `members` bears, by the rigid-shoe law.
 
     The order is that of `one_sided_supports_of_brake`. The result is () if the shoes have no
@@ -411,7 +420,7 @@ def which_supports_of_rigid_shoes_bear(brake: Brake, members: tuple[int, ...]) -
     return tuple(bears[name] for name in order if name in bears)
 
 
-class AnchoredShoesSolution(NamedTuple):
+class SolutionOfAllShoesOnAnchors(NamedTuple):
     """The answer of the rigid-shoe law for all shoes on anchors of a brake.
 
     Attributes
@@ -423,17 +432,17 @@ class AnchoredShoesSolution(NamedTuple):
     """
 
     contacts: dict[str, RigidShoeContact]
-    supports: dict[str, tuple[SupportForce, ...]]
+    supports: dict[str, tuple[OneSidedSupportForce, ...]]
     warnings: tuple[str, ...]
 
 
-def solve_shoes_on_anchors(brake: Brake) -> AnchoredShoesSolution:
+def solve_shoes_on_anchors(brake: Brake) -> SolutionOfAllShoesOnAnchors:
     """Solve all shoes on anchors of a brake by the rigid-shoe law.
 
     Raises NoAnswer for shoes that lock themselves, or that no set of their supports holds.
     """
     contacts: dict[str, RigidShoeContact] = {}
-    supports: dict[str, tuple[SupportForce, ...]] = {}
+    supports: dict[str, tuple[OneSidedSupportForce, ...]] = {}
     warnings = []
     for members in groups_of_shoes_on_anchors(brake):
         found = list(_equilibria_of_shoes_on_anchors(brake, members)) or [
@@ -455,4 +464,4 @@ def solve_shoes_on_anchors(brake: Brake) -> AnchoredShoesSolution:
                 "equilibrium by the rigid-shoe "
                 f"law, on the supports {choices}; the law takes the first"
             )
-    return AnchoredShoesSolution(contacts, supports, tuple(warnings))
+    return SolutionOfAllShoesOnAnchors(contacts, supports, tuple(warnings))

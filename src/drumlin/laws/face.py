@@ -16,9 +16,9 @@ import numpy as np
 
 from drumlin.base.arrays import Floats
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.response.resultants import Resultant
+from drumlin.response.resultants import PressureAndFrictionResultant
 
-Arcs = tuple[tuple[float, float], ...]
+ContactArcsOfRigidShoe = tuple[tuple[float, float], ...]
 """Begin and end of each stretch of lining in contact: angles [rad] on a drum, x [m] on a plane."""
 
 
@@ -56,7 +56,7 @@ class DrumFrictionSurface(NamedTuple):
         """Values (3, ...) of the shape functions cos, sin and 1 at angles [rad] of any shape."""
         return np.array([np.cos(place), np.sin(place), np.ones(np.shape(place))])
 
-    def integrals_of_shape_products(self, arcs: Arcs) -> Floats:
+    def integrals_of_shape_products(self, arcs: ContactArcsOfRigidShoe) -> Floats:
         """Integrals (3, 2) [m] of products of shape functions over the length of arcs.
 
         Row i belongs to the factor cos, sin or 1, and column j to the factor cos or sin.
@@ -74,7 +74,9 @@ class DrumFrictionSurface(NamedTuple):
             ]
         return self.radius * total
 
-    def arcs_of_positive_pressure(self, c: Floats, start: float, end: float) -> Arcs:
+    def arcs_of_positive_pressure(
+        self, c: Floats, start: float, end: float
+    ) -> ContactArcsOfRigidShoe:
         """Arcs of a lining in which the pressure c[0] cos(theta) + c[1] sin(theta) is positive.
 
         The lining reaches from `start` to `end` [rad].
@@ -89,7 +91,7 @@ class DrumFrictionSurface(NamedTuple):
                 found.append((a, b))
         return tuple(found)
 
-    def peak_pressure_on_arcs(self, c: Floats, arcs: Arcs) -> float:
+    def peak_pressure_on_arcs(self, c: Floats, arcs: ContactArcsOfRigidShoe) -> float:
         """Largest value [Pa] of the pressure c[0] cos + c[1] sin on the arcs."""
         top = math.atan2(c[1], c[0])
         # The pressure is largest at an end of an arc, or at the maximum of c[0] cos + c[1] sin if
@@ -100,7 +102,7 @@ class DrumFrictionSurface(NamedTuple):
             places += [x for x in (a, b, *tops) if a <= x <= b]
         return float(np.max(c @ self.shape_function_values(np.array(places))[:2]))
 
-    def force(self, loads: Floats, drag: float) -> Resultant:
+    def force(self, loads: Floats, drag: float) -> PressureAndFrictionResultant:
         """Resultant on the shoe of pressure and friction.
 
         Parameters
@@ -111,7 +113,7 @@ class DrumFrictionSurface(NamedTuple):
         """
         along = loads[:2]
         # Friction acts at right angles to the normal force, with the radius as its lever.
-        return Resultant(
+        return PressureAndFrictionResultant(
             normal=-self.sign * along,
             friction=drag * np.array([-along[1], along[0]]),
             moment=drag * self.radius * float(loads[2]),
@@ -169,7 +171,7 @@ class PlaneFrictionSurface(NamedTuple):
         """Values (3, ...) of the shape functions 1, x and 0 at places x [m] of any shape."""
         return np.array([np.ones(np.shape(place)), place, np.zeros(np.shape(place))])
 
-    def integrals_of_shape_products(self, arcs: Arcs) -> Floats:
+    def integrals_of_shape_products(self, arcs: ContactArcsOfRigidShoe) -> Floats:
         """Integrals (3, 2) of products of shape functions over the length of arcs.
 
         Row i belongs to the factor 1, x or 0, and column j to the factor 1 or x.
@@ -180,7 +182,9 @@ class PlaneFrictionSurface(NamedTuple):
             total[:2] += [[b - a, first], [first, (b**3 - a**3) / 3]]
         return total
 
-    def arcs_of_positive_pressure(self, c: Floats, start: float, end: float) -> Arcs:
+    def arcs_of_positive_pressure(
+        self, c: Floats, start: float, end: float
+    ) -> ContactArcsOfRigidShoe:
         """The arc, if any, of a lining in which the pressure c[0] + c[1] x is positive.
 
         The lining reaches from `start` to `end` [m].
@@ -194,12 +198,12 @@ class PlaneFrictionSurface(NamedTuple):
             return ((start, end),)
         return ()
 
-    def peak_pressure_on_arcs(self, c: Floats, arcs: Arcs) -> float:
+    def peak_pressure_on_arcs(self, c: Floats, arcs: ContactArcsOfRigidShoe) -> float:
         """Largest value [Pa] of the pressure c[0] + c[1] x on the arcs."""
         # A linear pressure is largest at an end of an arc.
         return float(max(c @ [1.0, x] for x in chain.from_iterable(arcs)))
 
-    def force(self, loads: Floats, drag: float) -> Resultant:
+    def force(self, loads: Floats, drag: float) -> PressureAndFrictionResultant:
         """Resultant on the shoe of pressure and friction.
 
         Parameters
@@ -208,7 +212,7 @@ class PlaneFrictionSurface(NamedTuple):
         drag : friction stress on the lining along +x, divided by the pressure: mu or -mu
         """
         normal, friction = np.array([0.0, loads[0]]), np.array([drag * loads[0], 0.0])
-        return Resultant(normal, friction, float(loads[1]))
+        return PressureAndFrictionResultant(normal, friction, float(loads[1]))
 
     def sign_of_normal_stress_with_given_resultant(
         self, c: Floats, start: float, end: float
@@ -240,5 +244,5 @@ def friction_surface_of_shoe(brake: Brake, shoe: Shoe) -> FrictionSurfaceOfRigid
     return (
         PlaneFrictionSurface()
         if shoe.is_on_plane
-        else DrumFrictionSurface(brake.size, shoe.sign_of_internal_shoe)
+        else DrumFrictionSurface(brake.size, shoe.sign_internal_plus_external_minus)
     )

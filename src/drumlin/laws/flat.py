@@ -24,8 +24,8 @@ from drumlin.base.arrays import Floats, NumberOrArray
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.support import MOTION_TEXTS_BY_KIND_OF_SUPPORT
-from drumlin.brake.surface import PLANE
-from drumlin.brake.units import text_in_mm
+from drumlin.brake.surface import FRICTION_SURFACE_OF_PLANE
+from drumlin.brake.units import length_as_text_in_mm
 from drumlin.laws.rigid import NEGLECTED_BY_RIGID_LAWS, note_on_shoe_without_contact
 from drumlin.response.balance import largest_imbalance_among_shoes, relative_imbalance_of_shoe
 from drumlin.response.merit import response_with_figures_of_merit
@@ -80,7 +80,7 @@ def integrals_of_short_flat_shoe_pressure(pad: FlatShoeLengths) -> FlatPressureI
 
 
 @dataclass(frozen=True)
-class FlatLaw:
+class PressureLawOfFlatShoe:
     """A law p = p_0 f(x) for the pressure of a hinged shoe on a plane.
 
     Attributes
@@ -151,7 +151,7 @@ class FlatLaw:
             return np.where(helps > 0, load.x / np.where(helps > 0, helps, 1.0), np.inf)
 
 
-LINEAR_PRESSURE_LAW = FlatLaw(
+LINEAR_PRESSURE_LAW = PressureLawOfFlatShoe(
     "linear",
     "rigid flat shoe turning about its hinge on a plane: p = p_max x/x_max, x from the hinge's "
     "foot",
@@ -159,7 +159,7 @@ LINEAR_PRESSURE_LAW = FlatLaw(
     lambda x, pad: np.asarray(x / pad.x_max),
 )
 """The law of a long shoe on a plane, whose pressure grows in proportion to the place x."""
-FLAT_SHORT_SHOE_LAW = FlatLaw(
+SHORT_SHOE_LAW_ON_PLANE = PressureLawOfFlatShoe(
     "short",
     "short flat shoe: N = p_m A and friction mu N at the lining's middle",
     integrals_of_short_flat_shoe_pressure,
@@ -185,10 +185,10 @@ def lengths_of_flat_shoe(brake: Brake, shoe: Shoe) -> FlatShoeLengths:
     )
 
 
-def reason_against_flat_law(law: FlatLaw, brake: Brake) -> str | None:
+def reason_against_flat_law(law: PressureLawOfFlatShoe, brake: Brake) -> str | None:
     """The reason why a law of shoes on a plane does not apply to a brake; None if it applies."""
     refusal = (
-        brake.surface.reason_why_surface_is_not_required_one(PLANE)
+        brake.surface.reason_why_surface_is_not_required_one(FRICTION_SURFACE_OF_PLANE)
         or brake.reason_why_cam_or_strut_sets_forces
     )
     if refusal is not None:
@@ -201,7 +201,7 @@ def reason_against_flat_law(law: FlatLaw, brake: Brake) -> str | None:
         if law is LINEAR_PRESSURE_LAW and x_min < 0:
             return (
                 f"shoe {shoe.name!r}: the lining must lie on one side of the hinge, "
-                f"not reach {text_in_mm(-x_min)} beyond"
+                f"not reach {length_as_text_in_mm(-x_min)} beyond"
             )
         if x_min + x_max <= 0:
             return (
@@ -211,7 +211,7 @@ def reason_against_flat_law(law: FlatLaw, brake: Brake) -> str | None:
     return None
 
 
-def solve_brake_on_plane_by_law(law: FlatLaw, brake: Brake) -> Response:
+def solve_brake_on_plane_by_law(law: PressureLawOfFlatShoe, brake: Brake) -> Response:
     """Solve a brake on a plane by a law of flat shoes. Raises NoAnswer for a self-locking shoe."""
     word = brake.surface.name
     shoes = tuple(_flat_shoe_response_by_law(law, brake, shoe) for shoe in brake.shoes)
@@ -229,7 +229,9 @@ def solve_brake_on_plane_by_law(law: FlatLaw, brake: Brake) -> Response:
     return response_with_figures_of_merit(brake, response)
 
 
-def _flat_shoe_response_by_law(law: FlatLaw, brake: Brake, shoe: Shoe) -> ShoeResponse:
+def _flat_shoe_response_by_law(
+    law: PressureLawOfFlatShoe, brake: Brake, shoe: Shoe
+) -> ShoeResponse:
     """The response of one shoe on a plane by a law. Raises NoAnswer if the shoe locks itself."""
     pad, w = lengths_of_flat_shoe(brake, shoe), shoe.lining.width
     mu = brake.friction_coefficient_of_shoe_at_zero_pressure(shoe)

@@ -11,7 +11,7 @@ import numpy as np
 
 from drumlin.base.arrays import Floats
 from drumlin.base.errors import BadInput, NoAnswer
-from drumlin.laws.shapes import Law, PressureIntegrals, ShoeAnglesAndRadii
+from drumlin.laws.shapes import PressureIntegrals, PressureLawOfHingedShoe, ShoeAnglesAndRadii
 
 PressureShapeFunction = Callable[[Floats, ShoeAnglesAndRadii], Any]
 """A function of the angles phi (n,) [rad] from the hinge and of the shoe's `ShoeAnglesAndRadii`.
@@ -19,7 +19,7 @@ PressureShapeFunction = Callable[[Floats, ShoeAnglesAndRadii], Any]
 It returns the pressures (n,) up to a factor.
 """
 
-LAW_GAUSS_POINTS = 20
+GAUSS_POINTS_PER_PIECE_OF_LINING = 20
 """Number of Gauss points in each of INTEGRATION_PIECES_OF_LINING pieces of a lining.
 
 The integral of a smooth pressure has no error but round-off. A kink of the pressure inside a piece
@@ -29,21 +29,23 @@ causes a relative error of some 1e-5, a jump of some 1e-3.
 INTEGRATION_PIECES_OF_LINING = 20
 """Number of equal pieces into which a lining is divided to integrate the pressure."""
 
-ANGLES_SEARCHED_FOR_PEAK_PRESSURE = 2001
+NUMBER_OF_ANGLES_SEARCHED_FOR_PEAK_PRESSURE = 2001
 """Number of equally spaced angles among which the largest pressure is sought.
 
 On a lining of 120 degrees they are 0.06 degrees apart, and the largest of the pressures there
 differs from a smooth peak by 1e-6 of the peak.
 """
 
-NEGLIGIBLE_PRESSURE = 1e-12
+LARGEST_NEGLIGIBLE_NEGATIVE_PRESSURE = 1e-12
 """Negative pressure, relative to the largest pressure, that counts as zero.
 
 A user's function that is zero at an end of the lining may be as negative there by round-off.
 """
 
 
-def make_law_from_pressure_shape(name: str, assumes: str, shape: PressureShapeFunction) -> Law:
+def make_law_from_pressure_shape(
+    name: str, assumes: str, shape: PressureShapeFunction
+) -> PressureLawOfHingedShoe:
     """Make the law of hinged shoes on a drum whose pressure has the given shape.
 
     Parameters
@@ -76,7 +78,7 @@ def make_law_from_pressure_shape(name: str, assumes: str, shape: PressureShapeFu
             wrong = np.ravel(phi)[~np.isfinite(values)][0]
             raise BadInput(f"{asked}returned {values[~np.isfinite(values)][0]} at {wrong:g} rad")
         least = values.min()
-        if least < -NEGLIGIBLE_PRESSURE * np.abs(values).max():
+        if least < -LARGEST_NEGLIGIBLE_NEGATIVE_PRESSURE * np.abs(values).max():
             at = np.ravel(phi)[values.argmin()]
             raise NoAnswer(
                 f"law {name!r}: its pressure is negative, the lining cannot pull: "
@@ -89,7 +91,7 @@ def make_law_from_pressure_shape(name: str, assumes: str, shape: PressureShapeFu
     ) -> PressureIntegrals:
         """Integrals of the function over a part of the arc, by Gauss's rule on equal pieces."""
         ends = np.linspace(float(part.phi_1), float(part.phi_2), INTEGRATION_PIECES_OF_LINING + 1)
-        x, w = np.polynomial.legendre.leggauss(LAW_GAUSS_POINTS)
+        x, w = np.polynomial.legendre.leggauss(GAUSS_POINTS_PER_PIECE_OF_LINING)
         half = 0.5 * np.diff(ends)[:, None]
         phi = (ends[:-1, None] + half * (1 + x)).ravel()
         f = pressure(phi, whole) * (half * w).ravel()
@@ -97,16 +99,18 @@ def make_law_from_pressure_shape(name: str, assumes: str, shape: PressureShapeFu
             raise NoAnswer(f"law {name!r}: its pressure is zero on the whole lining")
         return PressureIntegrals(np.asarray(f.sum()), f @ np.cos(phi), f @ np.sin(phi))
 
-    def peak_at(arc: ShoeAnglesAndRadii) -> Floats:
+    def angle_of_largest_pressure(arc: ShoeAnglesAndRadii) -> Floats:
         """The angle phi [rad] of the largest pressure."""
-        phi = np.linspace(float(arc.phi_1), float(arc.phi_2), ANGLES_SEARCHED_FOR_PEAK_PRESSURE)
+        phi = np.linspace(
+            float(arc.phi_1), float(arc.phi_2), NUMBER_OF_ANGLES_SEARCHED_FOR_PEAK_PRESSURE
+        )
         return np.asarray(phi[np.argmax(pressure(phi, arc))])
 
-    return Law(
+    return PressureLawOfHingedShoe(
         name,
         assumes,
         lambda arc: pressure_integrals_on_arc_part(arc, arc),
         pressure,
-        peak_at,
+        angle_of_largest_pressure,
         pressure_integrals_on_arc_part=pressure_integrals_on_arc_part,
     )

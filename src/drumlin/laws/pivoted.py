@@ -26,7 +26,7 @@ import numpy as np
 
 from drumlin.base.arrays import Floats, NumberOrArray
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.brake.surface import DRUM
+from drumlin.brake.surface import FRICTION_SURFACE_OF_DRUM
 from drumlin.laws.shapes import (
     ShoeAnglesAndRadii,
     integrals_of_cos_phi_pressure,
@@ -202,7 +202,7 @@ def self_locking_friction_of_pivoted_shoe(arc: ShoeAnglesAndRadii, x: float, y: 
 def reason_against_pivoted_shoe_law(brake: Brake) -> str | None:
     """The reason why the law of pivoted shoes does not apply to a brake; None if it applies."""
     refusal = (
-        brake.surface.reason_why_surface_is_not_required_one(DRUM)
+        brake.surface.reason_why_surface_is_not_required_one(FRICTION_SURFACE_OF_DRUM)
         or brake.reason_why_cam_or_strut_sets_forces
     )
     if refusal is not None:

@@ -13,19 +13,19 @@ import numpy as np
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake
 from drumlin.brake.friction import (
-    FrictionCurve,
+    FrictionOverPressureCurve,
     first_key_of_pressure_dependent_friction,
     reason_if_friction_depends_on_pressure,
 )
 from drumlin.response.response import Response
 
-LAWS_OF_UNIFORM_PRESSURE = frozenset({"uniform", "short"})
+NAMES_OF_LAWS_OF_UNIFORM_PRESSURE = frozenset({"uniform", "short"})
 """Names of the laws whose pressure is the same everywhere on the lining."""
 
 PRESSURE_SOLVER_TOLERANCE = 4 * float(np.finfo(float).eps)
 """Relative accuracy to which the pressure of a shoe is found: the finest that `brentq` accepts."""
 
-LawSolver = Callable[[Brake], Response]
+SolveBrakeByLawFunction = Callable[[Brake], Response]
 """A function that solves a brake by a law."""
 
 
@@ -34,14 +34,16 @@ def reason_why_law_cannot_take_pressure_dependent_friction(name: str, brake: Bra
 
     `name` is the name of the law.
     """
-    if name in LAWS_OF_UNIFORM_PRESSURE:
+    if name in NAMES_OF_LAWS_OF_UNIFORM_PRESSURE:
         return None
     return reason_if_friction_depends_on_pressure(
         brake, f"the law {name!r}, whose pressure varies,"
     )
 
 
-def solve_brake_by_law_of_uniform_pressure(solve: LawSolver, brake: Brake) -> Response:
+def solve_brake_by_law_of_uniform_pressure(
+    solve: SolveBrakeByLawFunction, brake: Brake
+) -> Response:
     """Solve a brake by a law, with the friction coefficient that belongs to each shoe's pressure.
 
     Raises NoAnswer if a shoe has no equilibrium.
@@ -82,7 +84,7 @@ def _brake_with_friction_coefficient_of_each_shoe(brake: Brake, frictions: list[
 
 
 def _friction_at_equilibrium_of_smallest_pressure(
-    curve: FrictionCurve, pressure: Callable[[float], float], name: str
+    curve: FrictionOverPressureCurve, pressure: Callable[[float], float], name: str
 ) -> float:
     """The friction coefficient at the smallest pressure at which a shoe is in equilibrium.
 

@@ -29,12 +29,16 @@ from drumlin.brake.support import SupportRigidBodyModes
 from drumlin.brake.writing import part_values_other_than_defaults
 from drumlin.laws.anchored import (
     contact_of_shoe_on_anchors,
-    locking_friction_of_shoes_on_anchors,
+    locking_friction_of_shoe_on_anchors,
     solve_shoes_on_anchors,
 )
-from drumlin.laws.face import Arcs, FrictionSurfaceOfRigidShoe, friction_surface_of_shoe
+from drumlin.laws.face import (
+    ContactArcsOfRigidShoe,
+    FrictionSurfaceOfRigidShoe,
+    friction_surface_of_shoe,
+)
 from drumlin.laws.shoe_contact import (
-    MOST_CONTACT_STEPS,
+    MOST_ITERATIONS_FOR_CONTACT_ARCS,
     RigidShoeContact,
     arcs_of_positive_pressure_on_linings,
     are_contact_arcs_equal,
@@ -44,19 +48,23 @@ from drumlin.laws.shoe_contact import (
 from drumlin.response.balance import largest_imbalance_among_shoes, relative_imbalance_of_shoe
 from drumlin.response.merit import response_with_figures_of_merit
 from drumlin.response.response import (
-    LARGEST_NEUTRAL_FRICTION_WORK_RATIO,
+    LARGEST_NEUTRAL_FRICTION_OVER_PRESSURE_WORK,
     Response,
     ShoeResponse,
     notes_on_forces_of_one_sided_supports,
     response_of_shoe_without_contact,
 )
 from drumlin.response.resultants import (
-    Resultant,
+    PressureAndFrictionResultant,
     planar_cross_product,
     polynomial_nodes_on_linings_and_slots,
     slots_from_nodes_and_lining_mask,
 )
-from drumlin.response.self_locking import LockedShoes, SelfLocking, first_shoes_to_lock
+from drumlin.response.self_locking import (
+    LockedShoesAndLockingFriction,
+    SelfLocking,
+    first_shoes_to_lock,
+)
 
 RIGID_SHOE_LAW_ASSUMPTIONS = (
     "rigid shoe: p = sum of a_k f_k >= 0, f_k how each freedom of the shoe closes the gap"
@@ -75,7 +83,7 @@ NEGLECTED_BY_RIGID_LAWS = {
 }
 """Notes for users on the effects that the rigid-shoe laws neglect on a drum and on a plane."""
 
-PRESSURE_NODES_ON_DRUM_LINING = 257
+NUMBER_OF_PRESSURE_NODES_ON_DRUM_LINING = 257
 """Number of nodes of the pressure over a lining on a drum.
 
 A parabola through every three successive nodes interpolates the pressure (Simpson's rule).
@@ -90,7 +98,7 @@ def self_locking_friction_of_rigid_shoe(brake: Brake, shoe: Shoe) -> float:
     mu_lock. A shoe on anchors locks together with the shoes that a strut joins to it.
     """
     if shoe.anchors:
-        return locking_friction_of_shoes_on_anchors(brake, brake.shoes.index(shoe))
+        return locking_friction_of_shoe_on_anchors(brake, brake.shoes.index(shoe))
     face, arcs = friction_surface_of_shoe(brake, shoe), shoe.lining.arcs
     width = shoe.lining.width
     limits = [
@@ -111,7 +119,7 @@ def self_locking_by_rigid_shoe_law(brake: Brake) -> SelfLocking:
     for shoe in brake.shoes:
         limit = self_locking_friction_of_rigid_shoe(brake, shoe)
         scaled = brake.brake_friction_that_gives_shoe_friction(shoe, limit)
-        limits.append(LockedShoes((shoe.name,), scaled))
+        limits.append(LockedShoesAndLockingFriction((shoe.name,), scaled))
     return SelfLocking(
         brake.friction,
         first_shoes_to_lock(limits),
@@ -216,7 +224,7 @@ def _find_contact_for_friction_sense(
     locking_friction_on = partial(
         self_locking_friction_on_arcs, face, free, shoe.lining.width, spin=brake.sign_of_motion
     )
-    arcs: Arcs = linings
+    arcs: ContactArcsOfRigidShoe = linings
     mu_lock = locking_friction_on(arcs)
     locked = f"self-locking, friction {mu:g} is not below mu_lock = {{:.6g}} of the rigid-shoe law"
     # A shoe with one rigid-body mode moves so that the loads do positive work. This motion tells
@@ -228,7 +236,7 @@ def _find_contact_for_friction_sense(
         mu_lock = locking_friction_on(arcs)
         if mu >= mu_lock:
             raise NoAnswer(f"shoe {shoe.name!r}: {locked.format(mu_lock)}")
-    for _ in range(MOST_CONTACT_STEPS):
+    for _ in range(MOST_ITERATIONS_FOR_CONTACT_ARCS):
         matrices = equilibrium_matrices_of_rigid_shoe(face, free, shoe.lining.width, arcs)
         rigid_body_mode_factors = _pressure_mode_factors_in_equilibrium(
             matrices, free, mu * brake.sign_of_motion
@@ -278,7 +286,7 @@ def _pressure_mode_factors_in_equilibrium(
 
 def _contact_resultant_of_rigid_shoe(
     brake: Brake, shoe: Shoe, found: RigidShoeContact
-) -> Resultant:
+) -> PressureAndFrictionResultant:
     """Resultant of pressure and friction on a rigid shoe in contact."""
     loads = shoe.lining.width * found.face.integrals_of_shape_products(found.arcs) @ found.c
     return found.face.force(loads, brake.signed_friction_stress_over_pressure(shoe))
@@ -292,7 +300,7 @@ def response_of_rigid_shoe(
         return response_of_shoe_without_contact(shoe, -shoe.sum_of_forces_of_all_loads)
     contact, flat = _contact_resultant_of_rigid_shoe(brake, shoe, found), shoe.is_on_plane
     # The pressure on a plane is linear in x, so that three nodes (two intervals) are enough.
-    steps, linings = 2 if flat else PRESSURE_NODES_ON_DRUM_LINING - 1, []
+    steps, linings = 2 if flat else NUMBER_OF_PRESSURE_NODES_ON_DRUM_LINING - 1, []
     for ends in shoe.lining.arcs:
         own = tuple(arc for arc in found.arcs if ends[0] <= arc[0] and arc[1] <= ends[1])
         linings.append(node_places_of_pressure_along_lining(ends, own, steps))
@@ -332,7 +340,7 @@ def response_of_rigid_shoe(
 def _friction_work_minus_round_off_threshold(drag: float, found: RigidShoeContact) -> float:
     """Work of the friction in the motion of a shoe, minus what counts as neutral.
 
-    Neutral is LARGEST_NEUTRAL_FRICTION_WORK_RATIO times the work of the pressure.
+    Neutral is LARGEST_NEUTRAL_FRICTION_OVER_PRESSURE_WORK times the work of the pressure.
 
     The result is positive if friction is self-energising. The small second term keeps the result
     from being positive by round-off if friction does no work, as with a guide square to the
@@ -341,7 +349,7 @@ def _friction_work_minus_round_off_threshold(drag: float, found: RigidShoeContac
     a = found.rigid_body_mode_factors
     systems = equilibrium_matrices_of_rigid_shoe(found.face, found.freedoms, 1.0, found.arcs)
     closed, dragged = (float(a @ work @ a) for work in systems)
-    return drag * dragged - LARGEST_NEUTRAL_FRICTION_WORK_RATIO * closed
+    return drag * dragged - LARGEST_NEUTRAL_FRICTION_OVER_PRESSURE_WORK * closed
 
 
 def pressures_of_rigid_shoe_at_places(found: RigidShoeContact | None, place: Floats) -> Floats:
@@ -355,27 +363,29 @@ def pressures_of_rigid_shoe_at_places(found: RigidShoeContact | None, place: Flo
     return np.maximum(found.c @ found.face.shape_function_values(place)[:2], 0.0)
 
 
-class _PinMoments(NamedTuple):
+class _PressureAndFrictionMomentsAboutPin(NamedTuple):
     """The moments [N m] about a shoe's pin of the pressure and of the friction on its lining."""
 
     pressure: float
     friction: float
 
 
-def _pressure_and_friction_moments_about_pin(shoe: Shoe, contact: Resultant) -> _PinMoments:
+def _pressure_and_friction_moments_about_pin(
+    shoe: Shoe, contact: PressureAndFrictionResultant
+) -> _PressureAndFrictionMomentsAboutPin:
     """Moments about a shoe's pin of pressure and friction, from the resultant of both."""
     pin = shoe.pin.xy
     # The moment of the resultant is taken about the origin. About this point only the pressure has
     # a moment on a plane, and only the friction on a drum.
     pressure, friction = (contact.moment, 0.0) if shoe.is_on_plane else (0.0, contact.moment)
-    return _PinMoments(
+    return _PressureAndFrictionMomentsAboutPin(
         pressure - float(planar_cross_product(pin, contact.normal)),
         friction - float(planar_cross_product(pin, contact.friction)),
     )
 
 
 def node_places_of_pressure_along_lining(
-    ends: tuple[float, float], arcs: Arcs, steps: int
+    ends: tuple[float, float], arcs: ContactArcsOfRigidShoe, steps: int
 ) -> Floats:
     """Choose the places (n,), along a lining, of the nodes at which the pressure is given.
 

@@ -151,7 +151,7 @@ def integrals_of_lumped_cosine_pressure(arc: ShoeAnglesAndRadii) -> PressureInte
     return PressureIntegrals(along, along * np.cos(arc.middle), along * np.sin(arc.middle))
 
 
-def ratio_of_equivalent_friction(theta_0: NumberOrArray) -> Floats:
+def ratio_of_equivalent_to_lining_friction(theta_0: NumberOrArray) -> Floats:
     """Ratio mu'/mu of a block's equivalent friction coefficient to its lining's coefficient.
 
     The equivalent coefficient is mu' = T/(R N), with the torque T and the resultant normal force N.
@@ -167,7 +167,7 @@ def pivot_radius_for_cosine_pressure(R: NumberOrArray, theta_0: NumberOrArray) -
     The pivot lies on the middle radius of a lining of the half-arc theta_0 [rad]. Its distance from
     the drum's centre is 4 R sin theta_0 / (2 theta_0 + sin 2 theta_0).
     """
-    return np.asarray(R * ratio_of_equivalent_friction(theta_0))
+    return np.asarray(R * ratio_of_equivalent_to_lining_friction(theta_0))
 
 
 def _integrals_of_sine_pressure_on_arc_part(
@@ -199,7 +199,7 @@ def _friction_factor_of_one_for_each_arc(arc: ShoeAnglesAndRadii) -> Floats:
 
 
 @dataclass(frozen=True)
-class Law:
+class PressureLawOfHingedShoe:
     """A law p = p_0 f(phi) for the pressure of a shoe that turns about its hinge on a drum.
 
     Attributes
@@ -208,7 +208,7 @@ class Law:
     assumes : assumptions of the law, in words
     load : function that returns the integrals of f over an arc
     pressure : function that returns f at angles phi
-    peak_at : function that returns the angle phi [rad] of the largest f
+    angle_of_largest_pressure : function that returns the angle phi [rad] of the largest f
     lumped : whether the law lets the whole contact force act at the lining's middle
     friction : function that returns the factor by which the law multiplies mu; 1 for most laws
     remark : note for the reader of the law's results
@@ -220,7 +220,7 @@ class Law:
     assumes: str
     load: Callable[[ShoeAnglesAndRadii], PressureIntegrals]
     pressure: Callable[[Floats, ShoeAnglesAndRadii], Floats]
-    peak_at: Callable[[ShoeAnglesAndRadii], Floats]
+    angle_of_largest_pressure: Callable[[ShoeAnglesAndRadii], Floats]
     lumped: bool = False
     friction: Callable[[ShoeAnglesAndRadii], Floats] = _friction_factor_of_one_for_each_arc
     remark: str = ""
@@ -247,7 +247,7 @@ class Law:
         The pressure of every law has one peak. If this angle lies in a slot, the pressure is
         largest at an edge of the slot. The layout must hold numbers, not arrays.
         """
-        top = float(self.peak_at(arc))
+        top = float(self.angle_of_largest_pressure(arc))
         if not arc.slots:
             return top
         places = np.array([np.clip(top, part.phi_1, part.phi_2) for part in arc.linings])
@@ -372,7 +372,7 @@ def _uniform_pressure_of_amplitude_one(phi: Floats, arc: ShoeAnglesAndRadii) -> 
     return np.ones(np.broadcast_shapes(np.shape(phi), np.shape(arc.middle)))
 
 
-SINE_PRESSURE_LAW = Law(
+SINE_PRESSURE_LAW = PressureLawOfHingedShoe(
     "sine",
     "rigid shoe turning about its hinge: p = p_a sin(phi)/sin(phi_a), phi from the hinge",
     integrals_of_sine_pressure,
@@ -381,7 +381,7 @@ SINE_PRESSURE_LAW = Law(
     pressure_integrals_on_arc_part=_integrals_of_sine_pressure_on_arc_part,
 )
 """The law of a rigid shoe that turns about its hinge."""
-COSINE_PRESSURE_LAW = Law(
+COSINE_PRESSURE_LAW = PressureLawOfHingedShoe(
     "cosine",
     "rigid shoe moving along its middle radius: p = p_0 cos(theta - middle), each element "
     "along its radius",
@@ -393,7 +393,7 @@ COSINE_PRESSURE_LAW = Law(
     pressure_integrals_on_arc_part=_integrals_of_cosine_pressure_on_arc_part,
 )
 """The law of a rigid shoe that moves along its middle radius."""
-LUMPED_COSINE_LAW = Law(
+LUMPED_COSINE_PRESSURE_LAW = PressureLawOfHingedShoe(
     "block",
     "p = p_0 cos(theta - middle) lumped at the drum's surface: N, and friction mu' N, at the "
     "lining's middle",
@@ -401,10 +401,10 @@ LUMPED_COSINE_LAW = Law(
     _cosine_pressure_about_middle,
     _angle_of_lining_middle,
     lumped=True,
-    friction=lambda arc: ratio_of_equivalent_friction(arc.half_of_lining_arc),
+    friction=lambda arc: ratio_of_equivalent_to_lining_friction(arc.half_of_lining_arc),
 )
 """The cosine law with all forces at the lining's middle, as textbooks use it for blocks."""
-UNIFORM_PRESSURE_LAW = Law(
+UNIFORM_PRESSURE_LAW = PressureLawOfHingedShoe(
     "uniform",
     "the same pressure everywhere on the lining, each element along its radius",
     integrals_of_uniform_pressure,
@@ -413,7 +413,7 @@ UNIFORM_PRESSURE_LAW = Law(
     pressure_integrals_on_arc_part=_integrals_of_uniform_pressure_on_arc_part,
 )
 """The law of a uniform pressure on the whole lining."""
-SHORT_LAW = Law(
+SHORT_SHOE_LAW_ON_DRUM = PressureLawOfHingedShoe(
     "short",
     "short shoe: N = p_m A and friction mu N at the lining's middle",
     integrals_of_short_shoe_pressure,
@@ -422,14 +422,14 @@ SHORT_LAW = Law(
     lumped=True,
 )
 """The law of a short shoe, whose forces act at the middle of the lining."""
-LAWS = {
+LAWS_OF_HINGED_SHOES_BY_NAME = {
     law.name: law
     for law in (
         SINE_PRESSURE_LAW,
         COSINE_PRESSURE_LAW,
-        LUMPED_COSINE_LAW,
+        LUMPED_COSINE_PRESSURE_LAW,
         UNIFORM_PRESSURE_LAW,
-        SHORT_LAW,
+        SHORT_SHOE_LAW_ON_DRUM,
     )
 }
 """The laws p = p_0 f(phi) of hinged shoes on a drum, by their names."""

@@ -8,9 +8,9 @@ import numpy as np
 
 from drumlin.base.arrays import Floats
 from drumlin.brake.support import SupportRigidBodyModes
-from drumlin.laws.face import Arcs, FrictionSurfaceOfRigidShoe
+from drumlin.laws.face import ContactArcsOfRigidShoe, FrictionSurfaceOfRigidShoe
 
-MOST_CONTACT_STEPS = 200
+MOST_ITERATIONS_FOR_CONTACT_ARCS = 200
 """Largest number of iterations in search of the arcs in contact.
 
 If the arcs still change after so many iterations, the shoe counts as without equilibrium.
@@ -34,7 +34,7 @@ class RigidShoeContact(NamedTuple):
     face: FrictionSurfaceOfRigidShoe
     c: Floats
     rigid_body_mode_factors: Floats
-    arcs: Arcs
+    arcs: ContactArcsOfRigidShoe
     freedoms: SupportRigidBodyModes
     sense: int
 
@@ -48,7 +48,10 @@ class RigidShoeContact(NamedTuple):
 
 
 def equilibrium_matrices_of_rigid_shoe(
-    face: FrictionSurfaceOfRigidShoe, free: SupportRigidBodyModes, width: float, arcs: Arcs
+    face: FrictionSurfaceOfRigidShoe,
+    free: SupportRigidBodyModes,
+    width: float,
+    arcs: ContactArcsOfRigidShoe,
 ) -> tuple[Floats, Floats]:
     """Matrices N and F (k, k) of the equilibria (N - mu s F) a = Q of a rigid shoe.
 
@@ -75,7 +78,7 @@ def self_locking_friction_on_arcs(
     face: FrictionSurfaceOfRigidShoe,
     free: SupportRigidBodyModes,
     width: float,
-    arcs: Arcs,
+    arcs: ContactArcsOfRigidShoe,
     spin: int,
 ) -> float:
     """Friction coefficient mu_lock at which a rigid shoe locks itself; inf if it never does.
@@ -119,13 +122,13 @@ def smallest_friction_with_singular_equilibrium(N: Floats, F: Floats, spin: int)
 
 
 def arcs_of_positive_pressure_on_linings(
-    face: FrictionSurfaceOfRigidShoe, c: Floats, linings: Arcs
-) -> Arcs:
+    face: FrictionSurfaceOfRigidShoe, c: Floats, linings: ContactArcsOfRigidShoe
+) -> ContactArcsOfRigidShoe:
     """The arcs of a shoe's linings on which the pressure with the factors c (2,) is positive."""
     return tuple(chain(*(face.arcs_of_positive_pressure(c, *ends) for ends in linings)))
 
 
-def are_contact_arcs_equal(a: Arcs, b: Arcs) -> bool:
+def are_contact_arcs_equal(a: ContactArcsOfRigidShoe, b: ContactArcsOfRigidShoe) -> bool:
     """Whether two sets of contact arcs are equal up to round-off."""
     if len(a) != len(b):
         return False

@@ -26,7 +26,7 @@ from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake
 from drumlin.brake.fields import Material
 from drumlin.brake.file import make_drum_brake_from_data
-from drumlin.brake.units import text_in_degrees, text_in_mm
+from drumlin.brake.units import angle_as_text_in_degrees, length_as_text_in_mm
 from drumlin.laws.shapes import SINE_PRESSURE_LAW, ShoeAnglesAndRadii
 
 DEFAULT_SIMSCAPE_LINING_MATERIAL = Material(E=300e6, nu=0.25)
@@ -75,22 +75,23 @@ class DoubleShoe:
         # Each rule holds the parameter's name, the function that writes its value, whether the
         # value is allowed, and the text of the message.
         rules = (
-            ("r_D", text_in_mm, self.r_D > 0, "must be greater than 0"),
-            ("r_a", text_in_mm, self.r_a > 0, "must be greater than 0"),
-            ("r_p", text_in_mm, self.r_p > 0, "must be greater than 0"),
-            ("theta_p", text_in_degrees, self.theta_p >= 0, "must be at least 0"),
+            ("r_D", length_as_text_in_mm, self.r_D > 0, "must be greater than 0"),
+            ("r_a", length_as_text_in_mm, self.r_a > 0, "must be greater than 0"),
+            ("r_p", length_as_text_in_mm, self.r_p > 0, "must be greater than 0"),
+            ("theta_p", angle_as_text_in_degrees, self.theta_p >= 0, "must be at least 0"),
             (
                 "theta_sb",
-                text_in_degrees,
+                angle_as_text_in_degrees,
                 0 <= self.theta_sb <= widest,
-                f"must be from 0 to 180 deg - theta_p = {text_in_degrees(widest)}",
+                f"must be from 0 to 180 deg - theta_p = {angle_as_text_in_degrees(widest)}",
             ),
             (
                 "theta_s",
-                text_in_degrees,
+                angle_as_text_in_degrees,
                 least < self.theta_s <= widest - self.theta_sb,
-                f"must be above {text_in_degrees(least)} and at most "
-                f"180 deg - theta_p - theta_sb = {text_in_degrees(widest - self.theta_sb)}",
+                f"must be above {angle_as_text_in_degrees(least)} and at most "
+                f"180 deg - theta_p - theta_sb = "
+                f"{angle_as_text_in_degrees(widest - self.theta_sb)}",
             ),
             ("mu_Coulomb", "{:g}".format, self.mu_Coulomb > 0, "must be greater than 0"),
             ("mu_visc", "{:g} N m s/rad".format, self.mu_visc >= 0, "must be at least 0"),
@@ -122,7 +123,7 @@ class DoubleShoe:
         phi_1, phi_2 = self.arc
         if phi_2 - phi_1 >= math.radians(45) - 1e-9:
             return ()
-        said = f"contact angle {text_in_degrees(phi_2 - phi_1)}"
+        said = f"contact angle {angle_as_text_in_degrees(phi_2 - phi_1)}"
         return (f"{said}: below 45 deg the long-shoe approximation is less accurate",)
 
     @property
@@ -143,7 +144,9 @@ class DoubleShoe:
         """Friction coefficient at speeds omega [rad/s], with the shape and the sign of omega."""
         return np.asarray(self.mu_Coulomb * np.tanh(4 * np.asarray(omega) / self.omega_threshold))
 
-    def shoe_torques(self, force: NumberOrArray, omega: NumberOrArray) -> tuple[Floats, Floats]:
+    def torques_of_leading_and_trailing_shoe(
+        self, force: NumberOrArray, omega: NumberOrArray
+    ) -> tuple[Floats, Floats]:
         """Torques T_LS and T_TS [N m] of the shoes that are leading and trailing at omega > 0.
 
         The arrays `force` [N] and `omega` [rad/s] broadcast. Raises NoAnswer if the leading shoe
@@ -159,7 +162,9 @@ class DoubleShoe:
             moment, mu, self._angles_and_radii_of_shoe(1)
         ), SINE_PRESSURE_LAW.torque(moment, mu, self._angles_and_radii_of_shoe(-1))
 
-    def line_pressures(self, force: NumberOrArray, omega: NumberOrArray) -> tuple[Floats, Floats]:
+    def peak_line_loads_of_leading_and_trailing_shoe(
+        self, force: NumberOrArray, omega: NumberOrArray
+    ) -> tuple[Floats, Floats]:
         """Largest line loads [N/m] of the leading and the trailing shoe: pressure times width.
 
         The arrays `force` [N] and `omega` [rad/s] broadcast.
@@ -167,7 +172,9 @@ class DoubleShoe:
         moment, mu = np.maximum(force, 0.0) * self.arm, self.friction(omega)
         leading, trailing = (
             SINE_PRESSURE_LAW.pressure_amplitude(moment, 1.0, mu, layout)
-            * SINE_PRESSURE_LAW.pressure(SINE_PRESSURE_LAW.peak_at(layout), layout)
+            * SINE_PRESSURE_LAW.pressure(
+                SINE_PRESSURE_LAW.angle_of_largest_pressure(layout), layout
+            )
             for layout in (self._angles_and_radii_of_shoe(1), self._angles_and_radii_of_shoe(-1))
         )
         return leading, trailing
@@ -179,7 +186,7 @@ class DoubleShoe:
         shoes do not touch, so that the viscous torque is zero as well. Raises NoAnswer if the
         leading shoe locks itself.
         """
-        leading, trailing = self.shoe_torques(force, omega)
+        leading, trailing = self.torques_of_leading_and_trailing_shoe(force, omega)
         total = leading + trailing + self.mu_visc * np.asarray(omega)
         return np.where(np.asarray(force) > 0, total, 0.0)
 

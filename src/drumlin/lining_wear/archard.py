@@ -55,25 +55,25 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from drumlin.base.arrays import Bools, Floats, slices_of_consecutive_parts
+from drumlin.base.arrays import Bools, Floats, slices_from_lengths_of_consecutive_parts
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.base.lapack import block_diag
 from drumlin.contact import active_set
-from drumlin.contact.active_set import Contact
+from drumlin.contact.active_set import ContactSolution
 from drumlin.contact.equations import ContactProblem
 from drumlin.contact.pressure_friction import (
-    FRICTION_TOLERANCE,
-    FrictionAtPressures,
+    NEWTON_TOLERANCE_OF_CONTACT_PRESSURES,
+    FunctionOfNodalFrictionByPressures,
     contact_problem_with_friction_tangent,
 )
 from drumlin.contact.self_locking import FrictionDependentProblem
 
-IMPLICIT_WEAR_STAGE_COEFFICIENT = 1 - 1 / math.sqrt(2)
+RUNGE_KUTTA_COEFFICIENT_OF_WEAR_STAGES = 1 - 1 / math.sqrt(2)
 """Coefficient gamma of the two implicit stages of a wear step, a Runge-Kutta method.
 
 This value makes the method L-stable (Alexander 1977)."""
 
-DEFAULT_WEAR_STEP_ERROR = 1e-3
+DEFAULT_PRESSURE_ERROR_OF_WEAR_STEP = 1e-3
 """Largest error of the pressure in a step of wear if the user gives no tolerance.
 
 It is the L2 norm of the error divided by the L2 norm of the pressure. A step with a larger error is
@@ -84,23 +84,23 @@ MAX_WEAR_STEPS = 20_000
 
 The example brakes take some 40 steps."""
 
-MAX_STEP_GROWTH = 4.0
+LARGEST_GROWTH_RATIO_OF_WEAR_STEP = 4.0
 """Largest ratio of the length of a wear step to the length of the step before.
 
 A larger ratio risks a step with too large an error, which has to be repeated."""
 
-PRESSURE_OF_SMOOTHED_WEAR_RATE = 1e-3
+MEAN_PRESSURE_FRACTION_OF_SMOOTHED_WEAR_RATE = 1e-3
 """Pressure below which a wear rate p^m with m < 1 is smoothed, relative to the mean pressure.
 
 Without the smoothing the slope of the rate is infinite at p = 0, and Newton's method does not
 converge there. A judgement."""
 
-NEWTON_TOLERANCE = 1e-11
+NEWTON_PRESSURE_TOLERANCE_OF_WEAR_STAGE = 1e-11
 """Change of the pressure, relative to its maximum, below which Newton's method ends.
 
 Smaller changes are round-off."""
 
-MAX_NEWTON_STEPS = 60
+MOST_NEWTON_STEPS_OF_WEAR_STAGE = 60
 """Largest number of Newton steps in a stage of a wear step; beyond it the run is refused.
 
 A judgement."""
@@ -118,7 +118,7 @@ The sum of the two motions tells in which direction the shoe's foot slides on an
 which way friction acts there. Wear that goes on for ever makes the ratio infinite. At 1e9 the
 elastic motion influences the direction as little as round-off does."""
 
-LARGEST_ADDED_LINING_COMPLIANCE = 1e3
+RELATIVE_COMPLIANCE_FIRST_ADDED_TO_LININGS = 1e3
 """Compliance added to the linings at the start of the search for the nodes in contact.
 
 It is relative to the largest nodal compliance of the brake. With soft linings the contact is easy
@@ -138,7 +138,7 @@ The last problem adds 4e-9 of the brake's largest nodal compliance to the lining
 removed, hardly a node changes between contact and gap."""
 
 
-def accept_any_contact_solution(_: Contact) -> bool:
+def accept_any_contact_solution(_: ContactSolution) -> bool:
     """Always true: without friction at abutments no solution contradicts the assumed friction."""
     return True
 
@@ -157,7 +157,7 @@ class AbutmentFrictionCase(NamedTuple):
     """
 
     problem: ContactProblem
-    is_consistent_with_solution: Callable[[Contact], bool] = accept_any_contact_solution
+    is_consistent_with_solution: Callable[[ContactSolution], bool] = accept_any_contact_solution
     over_friction: FrictionDependentProblem | None = None
 
 
@@ -193,11 +193,11 @@ class WearContactProblem(NamedTuple):
     pressure: Floats
     area: Floats
     torque: Floats
-    is_consistent_with_solution: Callable[[Contact], bool] = accept_any_contact_solution
+    is_consistent_with_solution: Callable[[ContactSolution], bool] = accept_any_contact_solution
     others: tuple[AbutmentFrictionCase, ...] = ()
     settle: Callable[[Floats], tuple[int, Bools]] | None = None
     over_friction: FrictionDependentProblem | None = None
-    friction: FrictionAtPressures | None = None
+    friction: FunctionOfNodalFrictionByPressures | None = None
 
     @property
     def abutment_friction_cases(self) -> tuple[AbutmentFrictionCase, ...]:
@@ -301,19 +301,19 @@ class WearState:
     pulls: tuple[float, ...] = ()
 
 
-WearContactProblems = Sequence[WearContactProblem]
+WearContactProblemsOfAllGroups = Sequence[WearContactProblem]
 """The groups of linings of a brake; the groups do not influence each other."""
 
 
 def wear_linings_over_sliding_distance(
-    forward: WearContactProblems,
+    forward: WearContactProblemsOfAllGroups,
     law: WearLaw,
     *,
-    backward: WearContactProblems = (),
+    backward: WearContactProblemsOfAllGroups = (),
     reverse: float = math.inf,
     torque: float | None = None,
     distance: float = math.inf,
-    tolerance: float = DEFAULT_WEAR_STEP_ERROR,
+    tolerance: float = DEFAULT_PRESSURE_ERROR_OF_WEAR_STEP,
     until: Callable[[WearState], bool] = lambda _: False,
 ) -> list[WearState]:
     """Wear linings over a sliding distance, or until a condition holds; returns all states.
@@ -432,7 +432,7 @@ class _WearRunInProgress:
         # The error is the difference from a first-order method, and so grows with the square of the
         # step's length. The factor for the next length is therefore a square root.
         growth = 0.9 * math.sqrt(self._tolerance / max(error, 1e-30))
-        factor = min(max(growth, 0.2), MAX_STEP_GROWTH)
+        factor = min(max(growth, 0.2), LARGEST_GROWTH_RATIO_OF_WEAR_STEP)
         if error > self._tolerance:
             self._set_length_of_next_wear_step(size * min(factor, 0.7))
             return
@@ -482,7 +482,7 @@ class _WearRunInProgress:
 
 
 def wear_linings_in_given_steps(
-    interfaces: WearContactProblems, law: WearLaw, stations: Sequence[float]
+    interfaces: WearContactProblemsOfAllGroups, law: WearLaw, stations: Sequence[float]
 ) -> list[WearState]:
     """Wear linings in steps that end at the distances `stations` [m], without error control.
 
@@ -496,7 +496,9 @@ def wear_linings_in_given_steps(
     return states
 
 
-def join_contact_problems_of_lining_groups(interfaces: WearContactProblems) -> WearContactProblem:
+def join_contact_problems_of_lining_groups(
+    interfaces: WearContactProblemsOfAllGroups,
+) -> WearContactProblem:
     """Join several groups of linings into one group, with one common contact problem.
 
     The friction at the abutments of a group may have several cases (`AbutmentFrictionCase`): each
@@ -544,14 +546,18 @@ def _join_abutment_friction_cases(footings: Sequence[AbutmentFrictionCase]) -> A
 
 
 def _is_friction_consistent_at_all_abutments(
-    footings: Sequence[AbutmentFrictionCase], contact: Contact
+    footings: Sequence[AbutmentFrictionCase], contact: ContactSolution
 ) -> bool:
     """Whether the solution of a joint contact problem agrees with the friction at all abutments.
 
     `footings` holds the friction case that was assumed for each group of linings.
     """
-    unknowns = slices_of_consecutive_parts(len(footing.problem.q) for footing in footings)
-    motions = slices_of_consecutive_parts(len(footing.problem.h) for footing in footings)
+    unknowns = slices_from_lengths_of_consecutive_parts(
+        len(footing.problem.q) for footing in footings
+    )
+    motions = slices_from_lengths_of_consecutive_parts(
+        len(footing.problem.h) for footing in footings
+    )
     for footing, unknown, motion in zip(footings, unknowns, motions, strict=True):
         if not footing.is_consistent_with_solution(
             replace(contact, p=contact.p[unknown], y=contact.y[motion])
@@ -561,7 +567,7 @@ def _is_friction_consistent_at_all_abutments(
 
 
 def _find_friction_case_and_contact_of_all_worn_linings(
-    interfaces: WearContactProblems, depth: Floats
+    interfaces: WearContactProblemsOfAllGroups, depth: Floats
 ) -> tuple[int, Bools]:
     """Solve the contact of several groups of worn linings, each group without a first guess.
 
@@ -571,7 +577,9 @@ def _find_friction_case_and_contact_of_all_worn_linings(
     """
     number = 0
     active_sets: list[Bools] = []
-    parts = slices_of_consecutive_parts(len(interface.area) for interface in interfaces)
+    parts = slices_from_lengths_of_consecutive_parts(
+        len(interface.area) for interface in interfaces
+    )
     for interface, part in zip(interfaces, parts, strict=True):
         assert interface.settle is not None
         own_number, active = interface.settle(depth[part])
@@ -582,7 +590,7 @@ def _find_friction_case_and_contact_of_all_worn_linings(
     return number, np.concatenate(active_sets)
 
 
-class SteadyWear(NamedTuple):
+class SteadyWearContactSolution(NamedTuple):
     """Steady wear, the final state of a lining, in which the pressure no longer changes.
 
     Attributes
@@ -594,10 +602,10 @@ class SteadyWear(NamedTuple):
     """
 
     footing: int
-    contact: Contact
+    contact: ContactSolution
 
 
-def solve_steady_wear(interface: WearContactProblem, law: WearLaw) -> SteadyWear:
+def solve_steady_wear(interface: WearContactProblem, law: WearLaw) -> SteadyWearContactSolution:
     """Solve the steady wear of a group of linings, in which the pressure no longer changes.
 
     The pressure depends on the exponent of the wear law, and not on its coefficient. NoAnswer is
@@ -621,31 +629,33 @@ def solve_steady_wear(interface: WearContactProblem, law: WearLaw) -> SteadyWear
             elastic / np.abs(compliance_of_wear).max()
         )
         if footing.is_consistent_with_solution(replace(contact, y=scale * contact.y)):
-            return SteadyWear(number, contact)
+            return SteadyWearContactSolution(number, contact)
     raise failure or NoAnswer("worn in, a foot would leave its abutment")
 
 
 def _solve_steady_wear_for_abutment_friction(
     interface: WearContactProblem, footing: AbutmentFrictionCase, law: WearLaw
-) -> Contact:
+) -> ContactSolution:
     """Solve the steady wear of linings under the friction case `footing` at the abutments.
 
     If friction depends on the pressure, Newton's method takes its tangent at the last pressures.
     Raises NoAnswer if there is no equilibrium.
     """
     p = np.zeros(len(interface.area))
-    for _ in range(MAX_NEWTON_STEPS):
+    for _ in range(MOST_NEWTON_STEPS_OF_WEAR_STAGE):
         problem = interface.contact_problem_at_pressures(footing, p)
         contact = _solve_steady_wear_of_contact_problem(interface, problem, law)
         change, p = float(np.abs(contact.p - p).max()), contact.p
-        if interface.friction is None or change <= FRICTION_TOLERANCE * float(p.max()):
+        if interface.friction is None or change <= NEWTON_TOLERANCE_OF_CONTACT_PRESSURES * float(
+            p.max()
+        ):
             return contact
     raise NoAnswer("no worn-in pressure found whose friction agrees with it")
 
 
 def _solve_steady_wear_of_contact_problem(
     interface: WearContactProblem, problem: ContactProblem, law: WearLaw
-) -> Contact:
+) -> ContactSolution:
     """Solve the steady wear of linings with a given contact problem.
 
     For the exponent 1 of the wear law, steady wear is the solution of one contact problem. In this
@@ -663,8 +673,8 @@ def _solve_steady_wear_of_contact_problem(
 
 
 def _solve_steady_power_law_wear(
-    interface: WearContactProblem, problem: ContactProblem, exponent: float, linear: Contact
-) -> Contact:
+    interface: WearContactProblem, problem: ContactProblem, exponent: float, linear: ContactSolution
+) -> ContactSolution:
     """Solve the steady wear of linings under a wear rate p^m with an exponent m other than 1.
 
     If the motions of the shoe are given, the wear rates p^m follow from a contact problem without
@@ -689,7 +699,7 @@ def _solve_steady_power_law_wear(
     top = float((interface.pressure * linear.p).max())
     motions = linear.y / top
 
-    def contact_with_wear_rates_as_pressures(y: Floats) -> Contact:
+    def contact_with_wear_rates_as_pressures(y: Floats) -> ContactSolution:
         """The contact solution if the shoe moves by y per sliding distance.
 
         Its field p holds wear rates: since the lining cannot penetrate the drum, it wears as fast
@@ -744,7 +754,7 @@ def find_contact_set_from_soft_linings(problem: ContactProblem, weight: Floats) 
     """
     A, q, B, C, h = problem
     compliance = float(np.abs(np.diagonal(A)).max() / np.abs(np.diagonal(weight)).max())
-    softest = LARGEST_ADDED_LINING_COMPLIANCE * compliance
+    softest = RELATIVE_COMPLIANCE_FIRST_ADDED_TO_LININGS * compliance
     active = np.ones(len(q), dtype=bool)
     try:
         for k in range(NUMBER_OF_SOFT_LINING_PROBLEMS):
@@ -785,7 +795,7 @@ def contact_problem_at_given_torque(
     )
 
 
-ContactTangentFunction = Callable[[Floats], Floats]
+ContactChangePerGapChangeFunction = Callable[[Floats], Floats]
 """A linear function from a change (n,) of the weighted gap to the change (n,) of contact unknowns.
 
 It is valid as long as the same unknowns stay in contact."""
@@ -819,7 +829,7 @@ class _ContactOfAllLinings(NamedTuple):
 
     p: Floats
     rate: Floats
-    tangents: list[ContactTangentFunction]
+    tangents: list[ContactChangePerGapChangeFunction]
 
 
 class _ContactOfLiningGroup(NamedTuple):
@@ -834,7 +844,7 @@ class _ContactOfLiningGroup(NamedTuple):
 
     p: Floats
     rate: Floats
-    contact: Contact
+    contact: ContactSolution
 
 
 class _WearStepper:
@@ -852,7 +862,9 @@ class _WearStepper:
         actuation
     """
 
-    def __init__(self, interfaces: WearContactProblems, law: WearLaw, torque: float | None) -> None:
+    def __init__(
+        self, interfaces: WearContactProblemsOfAllGroups, law: WearLaw, torque: float | None
+    ) -> None:
         self.law, self.held = law, torque
         # A given torque is the sum of the torques of all linings, so that all linings then need one
         # common contact problem.
@@ -861,7 +873,7 @@ class _WearStepper:
             if torque is None
             else [join_contact_problems_of_lining_groups(interfaces)]
         )
-        self.parts = slices_of_consecutive_parts(
+        self.parts = slices_from_lengths_of_consecutive_parts(
             len(interface.area) for interface in self.interfaces
         )
         self.problems = list(map(self._contact_problems_of_linings, self.interfaces))
@@ -950,21 +962,21 @@ class _WearStepper:
         # Each of the two stages of the Runge-Kutta method gives wear rates. Their weighted mean
         # times the length of the step is the depth that the step wears off.
         first = self._solve_contact_of_all_linings(
-            state.depth, IMPLICIT_WEAR_STAGE_COEFFICIENT * ds
+            state.depth, RUNGE_KUTTA_COEFFICIENT_OF_WEAR_STAGES * ds
         )
         second = self._solve_contact_of_all_linings(
-            state.depth + (1 - IMPLICIT_WEAR_STAGE_COEFFICIENT) * ds * first.rate,
-            IMPLICIT_WEAR_STAGE_COEFFICIENT * ds,
+            state.depth + (1 - RUNGE_KUTTA_COEFFICIENT_OF_WEAR_STAGES) * ds * first.rate,
+            RUNGE_KUTTA_COEFFICIENT_OF_WEAR_STAGES * ds,
         )
         depth = state.depth + ds * (
-            (1 - IMPLICIT_WEAR_STAGE_COEFFICIENT) * first.rate
-            + IMPLICIT_WEAR_STAGE_COEFFICIENT * second.rate
+            (1 - RUNGE_KUTTA_COEFFICIENT_OF_WEAR_STAGES) * first.rate
+            + RUNGE_KUTTA_COEFFICIENT_OF_WEAR_STAGES * second.rate
         )
         # r1 and r2 are the wear rates of the two stages. A first-order method with the same stages
-        # would wear by ds r1, and this depth is wrong by IMPLICIT_WEAR_STAGE_COEFFICIENT ds (r2 -
-        # r1). The derivative of the pressure by the worn depth at the last stage turns this error
-        # of the depth into an error of the pressure.
-        depth_error = IMPLICIT_WEAR_STAGE_COEFFICIENT * ds * (second.rate - first.rate)
+        # would wear by ds r1, and this depth is wrong by RUNGE_KUTTA_COEFFICIENT_OF_WEAR_STAGES ds
+        # (r2 - r1). The derivative of the pressure by the worn depth at the last stage turns this
+        # error of the depth into an error of the pressure.
+        depth_error = RUNGE_KUTTA_COEFFICIENT_OF_WEAR_STAGES * ds * (second.rate - first.rate)
         error = self._norm_of_pressure_over_all_linings(
             self._pressure_change_due_to_worn_depth(second.tangents, depth_error)
         )
@@ -983,8 +995,8 @@ class _WearStepper:
             return ds * float(
                 row
                 @ (
-                    (1 - IMPLICIT_WEAR_STAGE_COEFFICIENT) * at_first
-                    + IMPLICIT_WEAR_STAGE_COEFFICIENT * at_second
+                    (1 - RUNGE_KUTTA_COEFFICIENT_OF_WEAR_STAGES) * at_first
+                    + RUNGE_KUTTA_COEFFICIENT_OF_WEAR_STAGES * at_second
                 )
             )
 
@@ -1001,7 +1013,7 @@ class _WearStepper:
         return self._make_wear_state(state.s + ds, depth, second.p, integrals), error
 
     def _pressure_change_due_to_worn_depth(
-        self, tangents: Sequence[ContactTangentFunction], depth: Floats
+        self, tangents: Sequence[ContactChangePerGapChangeFunction], depth: Floats
     ) -> Floats:
         """The change of the pressure (n,) [Pa] by a small change of the worn depth.
 
@@ -1138,9 +1150,11 @@ class _WearStepper:
         is_linear = (self.law.exponent == 1 or ds == 0) and interface.friction is None
         p = self._first_guess_of_pressure(i, ContactProblem(A, q, B, C, h))
         rounded = (
-            PRESSURE_OF_SMOOTHED_WEAR_RATE * float(interface.area @ p) / float(interface.area.sum())
+            MEAN_PRESSURE_FRACTION_OF_SMOOTHED_WEAR_RATE
+            * float(interface.area @ p)
+            / float(interface.area.sum())
         )
-        for _ in range(1 if is_linear else MAX_NEWTON_STEPS):
+        for _ in range(1 if is_linear else MOST_NEWTON_STEPS_OF_WEAR_STAGE):
             if interface.friction is not None:
                 A, q, B, C, h = self._worn_contact_problem_at_pressures(i, p, worn)
             rate, slope = self.law.wear_rate_and_its_slope(p, rounded)
@@ -1151,7 +1165,9 @@ class _WearStepper:
             )
             new = interface.pressure * contact.p
             change, p = float(np.abs(new - p).max()), new
-            settled = is_linear or change <= NEWTON_TOLERANCE * float(np.abs(p).max())
+            settled = is_linear or change <= NEWTON_PRESSURE_TOLERANCE_OF_WEAR_STAGE * float(
+                np.abs(p).max()
+            )
             # The tangent of the friction stress at pressures that are not settled yet may be that
             # of a brake that locks itself.
             if not contact.stable and self.held is None and (settled or interface.friction is None):
@@ -1195,7 +1211,7 @@ class _WearStepper:
 
 
 def wear_linings_by_explicit_euler(
-    interfaces: WearContactProblems, law: WearLaw, ds: float, steps: int
+    interfaces: WearContactProblemsOfAllGroups, law: WearLaw, ds: float, steps: int
 ) -> list[WearState]:
     """Wear linings by explicit Euler steps; returns the states before and after each step.
 
@@ -1214,9 +1230,9 @@ def wear_linings_by_explicit_euler(
     for _ in range(steps):
         before = states[-1]
         mean = float(stepper.area @ before.pressure) / float(stepper.area.sum())
-        rate = law.wear_rate_and_its_slope(before.pressure, PRESSURE_OF_SMOOTHED_WEAR_RATE * mean)[
-            0
-        ]
+        rate = law.wear_rate_and_its_slope(
+            before.pressure, MEAN_PRESSURE_FRACTION_OF_SMOOTHED_WEAR_RATE * mean
+        )[0]
         depth = before.depth + ds * rate
         bearing = stepper._solve_contact_of_all_linings(depth, 0.0)
         integrals = _IntegralsOverSlidingDistance(

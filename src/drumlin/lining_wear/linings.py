@@ -22,9 +22,9 @@ from drumlin.brake.fields import InterpolationTable, table_rows_from_coordinates
 from drumlin.brake.file import vary
 from drumlin.brake.further_loads import brake_with_springs_of_constant_pull
 from drumlin.brake.one_sided import require_no_shoe_on_anchors
-from drumlin.contact.active_set import Contact
+from drumlin.contact.active_set import ContactSolution
 from drumlin.contact.equations import ContactProblem
-from drumlin.contact.pressure_friction import NodalFriction
+from drumlin.contact.pressure_friction import NodalFrictionAndSlope
 from drumlin.contact.self_locking import FrictionDependentProblem
 from drumlin.fem.equilibrium.group import ShoeGroup, divide_pressed_shoes_into_groups
 from drumlin.fem.equilibrium.pressure_friction import (
@@ -51,7 +51,7 @@ from drumlin.lining_wear.archard import (
     find_contact_set_from_soft_linings,
 )
 
-AnyBrake = TypeVar("AnyBrake", bound=Brake)
+BrakeTypeVariableInWear = TypeVar("BrakeTypeVariableInWear", bound=Brake)
 
 
 class WornLining(NamedTuple):
@@ -160,7 +160,7 @@ class WearSetup(NamedTuple):
         return lining.material.E_through / lining.thickness
 
 
-class _LiningBeforePlacement(NamedTuple):
+class _LiningBeforeNumberingItsUnknowns(NamedTuple):
     """A lining of a group, before its unknowns have positions among all contact unknowns.
 
     `shoe` is the position of the shoe in the brake. The other attributes mean the same as in
@@ -202,12 +202,14 @@ def wear_setup_by_finite_elements(
         for i, body, shoe in zip(
             group.members, group.substructures_of_shoes, group.shoes, strict=True
         ):
-            phi, _ = body.line.angles_and_mean_pressures(np.zeros(len(body.line.nodes)))
+            phi, _ = body.line.angles_and_pressures_averaged_over_width(
+                np.zeros(len(body.line.nodes))
+            )
             for own in body.line.split_nodal_values_by_lining(
                 shoe.frame.surface_coordinates_of_phi(phi)
             ):
                 placed.append(
-                    _LiningBeforePlacement(
+                    _LiningBeforeNumberingItsUnknowns(
                         i,
                         _position_of_lining_at_angles(shoe, own),
                         own,
@@ -297,11 +299,13 @@ def _depends_friction_of_group_on_pressure(group: ShoeGroup) -> bool:
 
 def _friction_of_linings_and_spring_nodes(
     group: ShoeGroup, further: int, p: Floats
-) -> NodalFriction:
+) -> NodalFrictionAndSlope:
     """The friction at pressures p (n + further,) [Pa]; 0 at the `further` unknowns of springs."""
     found = friction_and_its_slopes_at_nodes_of_group(group, p[: len(p) - further])
     nothing = np.zeros(further)
-    return NodalFriction(np.append(found.coefficient, nothing), np.append(found.slope, nothing))
+    return NodalFrictionAndSlope(
+        np.append(found.coefficient, nothing), np.append(found.slope, nothing)
+    )
 
 
 def _abutment_friction_case_of_group(
@@ -316,7 +320,7 @@ def _abutment_friction_case_of_group(
         return AbutmentFrictionCase(problem, is_consistent_with_solution)
     # At the friction coefficient 1 of every node the terms with friction can be scaled by the
     # coefficient of each node.
-    unit = replace(group, friction_at_nodes=np.ones(len(group.contact_node_areas)))
+    unit = replace(group, node_frictions_over_brake_friction=np.ones(len(group.contact_node_areas)))
     over_friction = FrictionDependentProblem.linear_function_of_friction_from_two_problems(
         _contact_problem_in_newtons(unit, 0.0, springs),
         _contact_problem_in_newtons(unit, 1.0, springs),
@@ -345,7 +349,7 @@ def _find_friction_case_and_contact_of_worn_lining_group(
     NoAnswer
         if the worn linings have no equilibrium
     """
-    worn = replace(ways[0], worn_depth=depth[: len(depth) - further])
+    worn = replace(ways[0], worn_depths_at_contact_nodes=depth[: len(depth) - further])
     try:
         settled, contact = solve_shoe_group_with_lining_friction(worn)
     except NoAnswer:
@@ -382,8 +386,8 @@ def brake_with_added_worn_depths(
 
 
 def brake_with_given_lining_clearances(
-    brake: AnyBrake, clearances: Mapping[tuple[int, int], InterpolationTable]
-) -> AnyBrake:
+    brake: BrakeTypeVariableInWear, clearances: Mapping[tuple[int, int], InterpolationTable]
+) -> BrakeTypeVariableInWear:
     """A copy of the brake in which some shoes have new clearances.
 
     The keys of `clearances` are the pairs (`WornLining.shoe`, `WornLining.lining`). If a lining of
@@ -423,7 +427,7 @@ def _contact_problem_in_newtons(
 
 
 def _are_abutment_friction_and_supports_as_assumed(
-    group: ShoeGroup, springs: SpringNodes | None, contact: Contact
+    group: ShoeGroup, springs: SpringNodes | None, contact: ContactSolution
 ) -> bool:
     """Whether a solution agrees with what was assumed at the supports of a group of shoes.
 
@@ -489,7 +493,9 @@ def wear_setup_by_foundation_model(
             theta = brake_angles_from_beam_angles(post.axis, shoe, post.theta)
             for own in np.split(theta, post.further_linings):
                 k = _position_of_lining_at_angles(shoe, own)
-                placed.append(_LiningBeforePlacement(i, k, own, 1, np.zeros(1), np.ones(1)))
+                placed.append(
+                    _LiningBeforeNumberingItsUnknowns(i, k, own, 1, np.zeros(1), np.ones(1))
+                )
         surfaces += _place_linings_among_contact_unknowns(brake, surfaces, len(interfaces), placed)
         area = np.concatenate(areas)
         # The contact unknowns are the normal forces [N] on the sectors of the linings.
@@ -506,7 +512,7 @@ def wear_setup_by_foundation_model(
     return _make_wear_setup(brake, "foundation", interfaces, surfaces)
 
 
-def brake_with_shoes_on_guides(brake: AnyBrake) -> AnyBrake:
+def brake_with_shoes_on_guides(brake: BrakeTypeVariableInWear) -> BrakeTypeVariableInWear:
     """The brake with each shoe on a straight guide in place of its hinge, pivot or abutment.
 
     On a drum the guide has the direction of the radius at the lining's middle. On a plane it has
@@ -526,7 +532,7 @@ def _place_linings_among_contact_unknowns(
     brake: Brake,
     before: Sequence[WornLining],
     interface: int,
-    placed: Sequence[_LiningBeforePlacement],
+    placed: Sequence[_LiningBeforeNumberingItsUnknowns],
 ) -> list[WornLining]:
     """The linings of one group with the positions of their contact unknowns in the wear setup.
 

@@ -23,7 +23,7 @@ from drumlin.base.texts import error_text_in_percent, number_as_text
 from drumlin.brake.brake import Brake
 from drumlin.brake.friction import first_key_of_pressure_dependent_friction
 from drumlin.brake.further_loads import first_key_of_loads_besides_actuation
-from drumlin.brake.units import text_in_mm
+from drumlin.brake.units import length_as_text_in_mm
 from drumlin.laws import rigid
 from drumlin.laws.shoe_contact import RigidShoeContact
 from drumlin.lining_wear import archard
@@ -41,7 +41,7 @@ DEFAULT_WEAR_COEFFICIENT = 1e-14
 Sliding distances in units of 1/(k E/t), with the lining's stiffness E/t, do not depend on k, nor do
 fractions of a lining's life."""
 
-WORN_OUT_FRACTION = 0.8
+WORN_OUT_FRACTION_OF_LINING_THICKNESS = 0.8
 """Fraction of a lining's thickness that is worn off when the lining counts as worn out.
 
 A judgement."""
@@ -49,7 +49,7 @@ A judgement."""
 END_OF_WEAR_TOLERANCE = 1e-3
 """Relative difference of pressure and torque from their final values below which a run ends.
 
-It equals the largest error of a wear step, `archard.DEFAULT_WEAR_STEP_ERROR`."""
+It equals the largest error of a wear step, `archard.DEFAULT_PRESSURE_ERROR_OF_WEAR_STEP`."""
 
 
 class FinalWearPressureAndTorque(NamedTuple):
@@ -165,7 +165,7 @@ def _lining_torque_by_rigid_shoe_law(
     start, end = lining.arcs[surface.lining]
     own = tuple(arc for arc in pressed.arcs if start <= arc[0] and arc[1] <= end)
     theta = rigid.node_places_of_pressure_along_lining(
-        (start, end), own, rigid.PRESSURE_NODES_ON_DRUM_LINING - 1
+        (start, end), own, rigid.NUMBER_OF_PRESSURE_NODES_ON_DRUM_LINING - 1
     )
     # The law's pressure is interpolated by parabolas between nodes. The Gauss rule integrates these
     # parabolas exactly.
@@ -398,7 +398,7 @@ def require_linings_not_worn_through(setup: WearSetup, states: Sequence[WearStat
         if deepest[-1] > thickness:
             after = float(np.interp(thickness, deepest, s))
             worn_through.append(
-                (after, f"shoe {surface.name!r}: its lining of {text_in_mm(thickness)}")
+                (after, f"shoe {surface.name!r}: its lining of {length_as_text_in_mm(thickness)}")
             )
     if worn_through:
         after, lining = min(worn_through)
@@ -432,7 +432,7 @@ def compute_life_of_linings(
     goal: FinalWearPressureAndTorque,
     law: WearLaw,
     within: float = 0.01,
-    part: float = WORN_OUT_FRACTION,
+    part: float = WORN_OUT_FRACTION_OF_LINING_THICKNESS,
 ) -> LiningLife:
     """The life of the linings in a wear run, and the fraction of this life until they are worn in.
 
@@ -672,13 +672,16 @@ def report_lines_of_wear_run(
     for i in np.unique(np.rint(np.linspace(0, len(states) - 1, lines)).astype(int)):
         text.append(_table_line_of_wear_state(setup, states[i], goal, law))
     text += _lines_on_spring_pulls_of_wear_run(setup.brake, states)
-    text.append(f"worn in (law): {surface.word_for_effect} {goal.torque:.6g} {surface.effect_unit}")
+    text.append(
+        f"worn in (law): {surface.word_for_torque_or_brake_force} {goal.torque:.6g} "
+        f"{surface.unit_of_torque_or_brake_force}"
+    )
     text += _notes_on_difference_of_wear_end_from_law(setup, goal, law)
     if law.coefficient > 0:
         spent = compute_life_of_linings(setup, states, goal, law)
         text.append(
             f"life: {spent.distance * 1e-3:.5g} km "
-            f"to {number_as_text(WORN_OUT_FRACTION, '.0%')} of the thickness; "
+            f"to {number_as_text(WORN_OUT_FRACTION_OF_LINING_THICKNESS, '.0%')} of the thickness; "
             "of it p is more than 1 % off the law for "
             f"{_fraction_of_lining_life_as_text(spent.pressure)}, "
             f"the torque for {_fraction_of_lining_life_as_text(spent.torque)}"
@@ -718,14 +721,14 @@ def _heading_lines_of_wear_report(setup: WearSetup, law: WearLaw) -> list[str]:
         wears = (
             f", 1/(k K) = {sliding_distance_of_e_fold_pressure_change(setup, law) * 1e-3:.5g} km"
         )
-    effect_unit = f"[{surface.effect_unit}]"
+    unit_of_torque_or_brake_force = f"[{surface.unit_of_torque_or_brake_force}]"
     return [
         f"{brake.title}: {setup.model}, {brake.motion_as_text}, "
         f"{brake.friction_coefficients_as_text}, k = {law.coefficient:g} 1/Pa, "
         f"exponent {law.exponent:.9g}{wears}",
-        f"{'s':>9}{'s k K':>10}{surface.short_word_for_effect:>11}{'force':>10}"
+        f"{'s':>9}{'s k K':>10}{surface.short_word_for_torque_or_brake_force:>11}{'force':>10}"
         f"{'peak p':>10}{'p off law':>10}{'T off law':>10}{'deepest':>10}",
-        f"{'[km]':>9}{'':10}{effect_unit:>11}{'[N]':>10}{'[MPa]':>10}{'[%]':>10}"
+        f"{'[km]':>9}{'':10}{unit_of_torque_or_brake_force:>11}{'[N]':>10}{'[MPa]':>10}{'[%]':>10}"
         f"{'[%]':>10}{'wear [mm]':>10}",
     ]
 

@@ -24,7 +24,8 @@ This w is 0 where the lining is in contact, and not negative elsewhere, so that 
 The factor a and the motions y0 are free. The module chooses them by these rules:
 
 - a > 0 is the depth of even wear per pressure. A negative a would push the part of the lining that
-  is not in contact into the drum. A small depth is enough, see LARGEST_ADDED_STEADY_WEAR_DEPTH.
+  is not in contact into the drum. A small depth is enough, see
+  LARGEST_ADDED_STEADY_WEAR_OVER_ELASTIC_GAP.
 - y0 is the position in which the unloaded shoe rests. It does not move a foot on a rough abutment.
   The foot then slides by a y' alone, and friction acts on it as in steady wear. y0 is the sum of
   two motions. The first opens the gap nearest to c. The second closes the gap most evenly, and it
@@ -67,7 +68,7 @@ from drumlin.lining_wear.linings import (
 from drumlin.response import Response
 from drumlin.response.merit import response_with_figures_of_merit
 
-LEAST_GAP_CHANGE_BY_MOTION = 0.01
+LEAST_RELATIVE_GAP_CHANGE_OF_CONSIDERED_NODE = 0.01
 """Gap change by a motion of the shoe below which a node is ignored.
 
 It is relative to the lining's largest gap change by this motion. An unloaded worn-in lining must
@@ -75,7 +76,7 @@ not penetrate the drum. The shoe is moved away from the drum until no node penet
 the ignored nodes. These lie near the line through the hinge and the drum's centre, where even a
 large motion hardly changes the gap. A judgement; the pressure does not depend on it."""
 
-LARGEST_ADDED_STEADY_WEAR_DEPTH = 1e-3
+LARGEST_ADDED_STEADY_WEAR_OVER_ELASTIC_GAP = 1e-3
 """Largest depth of the steady wear that is added to a worn-in lining, relative to the elastic gap.
 
 The elastic gap is the largest opening of the gap under load that no motion of the shoe closes. The
@@ -183,12 +184,13 @@ def _gap_of_unloaded_worn_in_linings(interface: WearContactProblem, linings: lis
     closing = approach @ motions.evenly
     for part in linings:
         # The motion `evenly` is added, just large enough to keep the lining out of the drum. Nodes
-        # where this motion hardly changes the gap (LEAST_GAP_CHANGE_BY_MOTION) do not count.
-        moves = closing[part] >= LEAST_GAP_CHANGE_BY_MOTION * closing[part].max()
+        # where this motion hardly changes the gap (LEAST_RELATIVE_GAP_CHANGE_OF_CONSIDERED_NODE) do
+        # not count.
+        moves = closing[part] >= LEAST_RELATIVE_GAP_CHANGE_OF_CONSIDERED_NODE * closing[part].max()
         amount = float((bent[part][moves] / closing[part][moves]).max())
         own_motions = np.any(resting[part] != 0, axis=0)
         rest[own_motions] += amount * motions.evenly[own_motions]
-    depth_per_pressure = LARGEST_ADDED_STEADY_WEAR_DEPTH * np.abs(bent).max() / p.max()
+    depth_per_pressure = LARGEST_ADDED_STEADY_WEAR_OVER_ELASTIC_GAP * np.abs(bent).max() / p.max()
     # In steady wear the shoes move by `rest_among_all` plus `depth_per_pressure` times the steady
     # motion. The directions of friction at the abutments must fit this motion, too.
     rest_among_all = np.linalg.lstsq(B, resting @ rest, rcond=None)[0]

@@ -33,19 +33,19 @@ from drumlin.fem.mesh.arc import DEFAULT_MESH_KIND
 from drumlin.fem.preparation.meshes import DEFAULT_ELEMENTS_ALONG_LINING, Mesher
 from drumlin.fem.substructure.interface import (
     ContactLine,
+    coupling_matrices_of_contact_line,
     function_that_returns_drum_normals_and_tangents,
-    weak_coupling_of_contact_line,
 )
 from drumlin.peers.deck import (
     DRUM_ELEMENTS_BEYOND_LINING,
-    PIN_SPRING_STIFFNESS,
+    PIN_SPRING_STIFFNESS_IN_N_PER_MM,
     CalculixDeckParameters,
     angles_of_drum_nodes,
     plane_stress_deck_text,
 )
 from drumlin.peers.peer import (
-    LoadedShoe,
-    PeerForces,
+    ForcesOnShoeByPeer,
+    MeshedShoeUnderActuation,
     PeerMissing,
     PeerResult,
     brake_response_from_shoe_responses,
@@ -61,7 +61,7 @@ CALCULIX_MISSING_MESSAGE = (
 )
 """The error message if CalculiX is not installed."""
 
-LARGEST_STATE_IMBALANCE = 1e-3
+LARGEST_ACCEPTED_CALCULIX_IMBALANCE = 1e-3
 """Largest relative imbalance of forces or moments of a CalculiX state that is accepted.
 
 The balance counts the contact forces at the undisplaced nodes of the drum. In CalculiX these forces
@@ -74,10 +74,10 @@ LEAST_TOUCHING_ELEMENT_FRACTION = 0.1
 
 CalculiX ended some runs with fewer elements in contact, and their states were no equilibria."""
 
-STICKING_SHEAR_RATIO = 0.99
+LARGEST_SHEAR_RATIO_OF_STICKING_POINT = 0.99
 """Shear stress divided by mu p below which a contact point counts as sticking."""
 
-LARGEST_STICKING_FRACTION = 0.02
+LARGEST_STICKING_FRACTION_IN_FULL_SLIP = 0.02
 """Largest fraction of the contact points that may stick in a state that counts as full slip."""
 
 MOST_DRUM_ROTATION_DOUBLINGS = 4
@@ -87,7 +87,7 @@ LONGEST_CALCULIX_SECONDS = 3600
 """Time [s] after which a run of CalculiX is stopped."""
 
 
-class DeckFormat(NamedTuple):
+class DeckWriterAndContactForceReader(NamedTuple):
     """How a shoe is written as a CalculiX deck, and how the contact forces are read back.
 
     Shoes in plane stress and three-dimensional shoes need different decks.
@@ -177,7 +177,7 @@ def export_calculix_deck_of_each_shoe(
 class ShoeWithDeckText(NamedTuple):
     """A shoe under its actuation, and a function from the name of its deck to the deck's text."""
 
-    loaded: LoadedShoe
+    loaded: MeshedShoeUnderActuation
     text: Callable[[str], str]
 
 
@@ -267,7 +267,9 @@ class CollectedCalculixResults:
         self.answers: list[tuple[ShoeResponse, ForceAndMomentImbalance]] = []
         self._iterations, self._unknowns, self._seconds = 0, 0, 0.0
 
-    def add_results_and_costs_of_shoe(self, loaded: LoadedShoe, state: CalculixState) -> None:
+    def add_results_and_costs_of_shoe(
+        self, loaded: MeshedShoeUnderActuation, state: CalculixState
+    ) -> None:
         """Add the results of a shoe, and the iterations, unknowns and time of its run."""
         self.answers.append(shoe_response_and_imbalance_of_calculix_state(loaded, state))
         self._iterations = max(self._iterations, state.iterations)
@@ -293,13 +295,15 @@ class CollectedCalculixResults:
         )
 
 
-def plane_stress_deck_format(brake: Brake, loaded: LoadedShoe) -> DeckFormat:
+def plane_stress_deck_writer_and_force_reader(
+    brake: Brake, loaded: MeshedShoeUnderActuation
+) -> DeckWriterAndContactForceReader:
     """How a shoe in plane stress is written as a deck, and how forces on the drum are read back."""
     count = len(angles_of_drum_nodes(loaded))
     # The deck lists the drum's nodes from the inner to the outer arc. The friction surface is the
     # inner arc for an internal shoe, the outer arc for an external shoe.
-    arc = slice(count) if loaded.shoe.sign_of_internal_shoe > 0 else slice(-count, None)
-    return DeckFormat(
+    arc = slice(count) if loaded.shoe.sign_internal_plus_external_minus > 0 else slice(-count, None)
+    return DeckWriterAndContactForceReader(
         text=lambda setting, name: plane_stress_deck_text(brake, loaded, setting, name),
         along=lambda forces: forces[arc],
     )
@@ -307,9 +311,9 @@ def plane_stress_deck_format(brake: Brake, loaded: LoadedShoe) -> DeckFormat:
 
 def run_calculix_to_state_and_rotation_of_full_slip(
     brake: Brake,
-    loaded: LoadedShoe,
+    loaded: MeshedShoeUnderActuation,
     setting: CalculixDeckParameters,
-    posed: DeckFormat | None = None,
+    posed: DeckWriterAndContactForceReader | None = None,
 ) -> tuple[CalculixState, float]:
     """Run CalculiX with larger and larger rotations of the drum, until the whole lining slips.
 
@@ -331,7 +335,7 @@ def run_calculix_to_state_and_rotation_of_full_slip(
     for _ in range(MOST_DRUM_ROTATION_DOUBLINGS + 1):
         state = write_deck_of_shoe_and_run_calculix(brake, loaded, setting, posed)
         require_equilibrium_and_contact(loaded, state)
-        if state.sticking <= LARGEST_STICKING_FRACTION:
+        if state.sticking <= LARGEST_STICKING_FRACTION_IN_FULL_SLIP:
             return state, setting.rotation
         setting = setting._replace(rotation=2 * setting.rotation)
     raise NoAnswer(
@@ -343,9 +347,9 @@ def run_calculix_to_state_and_rotation_of_full_slip(
 
 def write_deck_of_shoe_and_run_calculix(
     brake: Brake,
-    loaded: LoadedShoe,
+    loaded: MeshedShoeUnderActuation,
     setting: CalculixDeckParameters,
-    posed: DeckFormat | None = None,
+    posed: DeckWriterAndContactForceReader | None = None,
 ) -> CalculixState:
     """Write the deck of a shoe into a temporary folder, run `ccx` on one thread, read its results.
 
@@ -362,7 +366,7 @@ def write_deck_of_shoe_and_run_calculix(
         if CalculiX does not end normally
     """
     calculix_version()
-    posed = posed or plane_stress_deck_format(brake, loaded)
+    posed = posed or plane_stress_deck_writer_and_force_reader(brake, loaded)
     text = posed.text(setting, "shoe")
     with tempfile.TemporaryDirectory(prefix="drumlin-calculix-") as name:
         folder = Path(name)
@@ -412,7 +416,7 @@ def _read_numbers_of_results_file(dat: str) -> _CalculixResultNumbers:
 
     Raises LookupError or ValueError if numbers are missing.
     """
-    blocks = _rows_of_numbers_below_each_heading(dat)
+    blocks = _number_lines_below_each_heading(dat)
     return _CalculixResultNumbers(
         drum=_numbers_below_heading(blocks, "forces (fx,fy,fz) for set NDRUM"),
         pin=_numbers_below_heading(blocks, "displacements (vx,vy,vz) for set PIN")[0, 1:3],
@@ -427,9 +431,9 @@ def read_calculix_state(
     sta: str,
     output: str,
     brake: Brake,
-    loaded: LoadedShoe,
+    loaded: MeshedShoeUnderActuation,
     setting: CalculixDeckParameters,
-    posed: DeckFormat | None = None,
+    posed: DeckWriterAndContactForceReader | None = None,
 ) -> CalculixState:
     """Read the state of a shoe from the files that CalculiX has written.
 
@@ -458,14 +462,14 @@ def read_calculix_state(
     # The deck models only a fraction of the lining's width, so that its forces are divided by this
     # fraction.
     size = setting.thickness
-    along = (posed or plane_stress_deck_format(brake, loaded)).along
+    along = (posed or plane_stress_deck_writer_and_force_reader(brake, loaded)).along
     stress = results.stress
     pressure, shear = stress[:, 2], np.hypot(stress[:, 3], stress[:, 4])
     # Contact points with hardly any pressure do not count in the fraction of sticking points.
     pressed = pressure > 1e-3 * pressure.max()
     sticks = (
         shear[pressed]
-        < STICKING_SHEAR_RATIO
+        < LARGEST_SHEAR_RATIO_OF_STICKING_POINT
         * brake.friction_coefficient_of_shoe_at_zero_pressure(shoe)
         * pressure[pressed]
     )
@@ -474,7 +478,10 @@ def read_calculix_state(
     equations = re.search(r"number of equations\s+(\d+)", output)
     return CalculixState(
         contact=shoe.frame.convert_vectors_to_shoe_frame(along(results.drum[:, 1:3])) / size,
-        pin=shoe.frame.convert_vectors_to_shoe_frame(-PIN_SPRING_STIFFNESS * results.pin) / size,
+        pin=shoe.frame.convert_vectors_to_shoe_frame(
+            -PIN_SPRING_STIFFNESS_IN_N_PER_MM * results.pin
+        )
+        / size,
         turn=results.turn,
         touching=len(np.unique(stress[:, 0])),
         points=len(stress),
@@ -484,7 +491,7 @@ def read_calculix_state(
     )
 
 
-def _rows_of_numbers_below_each_heading(dat: str) -> dict[str, str]:
+def _number_lines_below_each_heading(dat: str) -> dict[str, str]:
     """The lines with numbers in CalculiX's file of results, by the heading above them.
 
     If a heading occurs several times, the lines below its last occurrence are returned.
@@ -515,11 +522,11 @@ def _numbers_below_heading(blocks: dict[str, str], start: str) -> Floats:
     raise LookupError(f"nothing under {start!r}")
 
 
-def require_equilibrium_and_contact(loaded: LoadedShoe, state: CalculixState) -> None:
+def require_equilibrium_and_contact(loaded: MeshedShoeUnderActuation, state: CalculixState) -> None:
     """Raise NoAnswer if a shoe's state is no equilibrium or has too few elements in contact."""
     name, lining = loaded.shoe.name, len(loaded.parts.line.pieces[0])
     _, balance = shoe_response_and_imbalance_of_calculix_state(loaded, state)
-    if not max(balance.force, balance.moment) < LARGEST_STATE_IMBALANCE:
+    if not max(balance.force, balance.moment) < LARGEST_ACCEPTED_CALCULIX_IMBALANCE:
         raise NoAnswer(
             f"shoe {name!r}: CalculiX ended normally where forces balance only to "
             f"{balance.force:.1e} and moments to {balance.moment:.1e}"
@@ -532,7 +539,7 @@ def require_equilibrium_and_contact(loaded: LoadedShoe, state: CalculixState) ->
 
 
 def shoe_response_and_imbalance_of_calculix_state(
-    loaded: LoadedShoe, state: CalculixState
+    loaded: MeshedShoeUnderActuation, state: CalculixState
 ) -> tuple[ShoeResponse, ForceAndMomentImbalance]:
     """The response of a shoe from CalculiX's results, and the relative imbalance of its forces.
 
@@ -548,10 +555,10 @@ def shoe_response_and_imbalance_of_calculix_state(
     # Each quadratic edge of an element has three successive nodes; two edges share an end node.
     pieces = np.arange(3)[:, None] + np.arange(0, len(phi) - 2, 2)
     line = ContactLine(np.arange(len(phi)), xy, phi, pieces)
-    coupling = weak_coupling_of_contact_line(
+    coupling = coupling_matrices_of_contact_line(
         line,
         shoe.lining.width,
-        function_that_returns_drum_normals_and_tangents(shoe.sign_of_internal_shoe),
+        function_that_returns_drum_normals_and_tangents(shoe.sign_internal_plus_external_minus),
     )
     # Column j of each matrix has the nodal forces of a unit pressure, or unit shear, at node j.
     pressing, dragging = -coupling.N.T, coupling.T.T
@@ -565,7 +572,7 @@ def shoe_response_and_imbalance_of_calculix_state(
     # force, so that `held` is the force of the hinge on the shoe's body.
     if not loaded.does_actuation_act_on_body_end:
         held += [*loaded.force, loaded.couple]
-    found = PeerForces(normal, friction, math.copysign(torque, loaded.drag), held, torque)
+    found = ForcesOnShoeByPeer(normal, friction, math.copysign(torque, loaded.drag), held, torque)
     lining = slice(2 * DRUM_ELEMENTS_BEYOND_LINING, len(phi) - 2 * DRUM_ELEMENTS_BEYOND_LINING)
     turn = np.array([state.turn])
     return shoe_response_and_imbalance_from_peer_forces(

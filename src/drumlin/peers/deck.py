@@ -18,15 +18,15 @@ import numpy as np
 from drumlin.base.arrays import Floats, Ints
 from drumlin.base.errors import BadInput
 from drumlin.brake.brake import Brake
-from drumlin.brake.fields import Material, Orthotropic
+from drumlin.brake.fields import Material, OrthotropicMaterial
 from drumlin.fem.equilibrium.state import unloaded_lining_gaps_at_points
 from drumlin.fem.mesh.abaqus import ABAQUS_TYPE_OF_MESHIO_CELL
-from drumlin.fem.mesh.arc import element_kind_of_mesh
+from drumlin.fem.mesh.arc import mesh_kind_of_scikit_fem_mesh
 from drumlin.fem.mesh.edges import nodes_along_element_edges
 from drumlin.fem.preparation.meshes import materials_and_widths_of_shoe_parts
 from drumlin.fem.substructure.elasticity import elastic_layers_of_shoe
 from drumlin.fem.substructure.interface import nodal_forces_of_unit_end_loads_and_end_centre
-from drumlin.peers.peer import LoadedShoe
+from drumlin.peers.peer import MeshedShoeUnderActuation
 
 MM_PER_METRE = 1e3
 """Millimetres in a metre: the lengths of a deck are in mm."""
@@ -49,7 +49,7 @@ DRUM_ANGLE_BEYOND_LINING = math.radians(3)
 DRUM_ELEMENTS_BEYOND_LINING = 2
 """Number of the drum's elements past each end of the lining."""
 
-PIN_SPRING_STIFFNESS = 1e10
+PIN_SPRING_STIFFNESS_IN_N_PER_MM = 1e10
 """Stiffness of the springs that support the pin [N/mm].
 
 The hinge reaction is computed from the displacement of the pin. Under 1 kN the pin moves by 1e-7
@@ -120,7 +120,7 @@ class FirstDrumLabels(NamedTuple):
     element: int
 
 
-class DrumMesh(NamedTuple):
+class DrumMeshAsDeckLines(NamedTuple):
     """The drum's mesh: deck lines of its nodes and elements, and the nodes' places (n, 2) [mm]."""
 
     lines: list[str]
@@ -128,7 +128,10 @@ class DrumMesh(NamedTuple):
 
 
 def plane_stress_deck_text(
-    brake: Brake, loaded: LoadedShoe, setting: CalculixDeckParameters, name: str = "shoe"
+    brake: Brake,
+    loaded: MeshedShoeUnderActuation,
+    setting: CalculixDeckParameters,
+    name: str = "shoe",
 ) -> str:
     """The text of the CalculiX deck of one shoe, in the brake's frame.
 
@@ -148,7 +151,7 @@ def plane_stress_deck_text(
     grid = _shoe_mesh_in_form_of_calculix_deck(loaded)
     drum_mesh = mesh_drum_arc(brake, loaded, FirstDrumLabels(grid.turn + 1, len(grid.cells) + 1))
     lining_faces = deck_lines_of_element_faces(grid.cells, grid.edges["contact"], grid.corners)
-    drum_face = "S1" if loaded.shoe.sign_of_internal_shoe > 0 else "S3"
+    drum_face = "S1" if loaded.shoe.sign_internal_plus_external_minus > 0 else "S3"
     lines = [
         *deck_header_lines(brake, loaded, setting, name),
         *_deck_lines_of_shoe_mesh(loaded, grid),
@@ -163,7 +166,7 @@ def plane_stress_deck_text(
     return "\n".join(lines) + "\n"
 
 
-def require_lining_without_gap(brake: Brake, loaded: LoadedShoe) -> None:
+def require_lining_without_gap(brake: Brake, loaded: MeshedShoeUnderActuation) -> None:
     """Raise BadInput if there is a gap between the undeformed lining and the drum."""
     shoe, line = loaded.shoe, loaded.parts.line
     if np.any(unloaded_lining_gaps_at_points(line.xy, line.phi, brake, shoe)):
@@ -173,10 +176,10 @@ def require_lining_without_gap(brake: Brake, loaded: LoadedShoe) -> None:
         )
 
 
-def _shoe_mesh_in_form_of_calculix_deck(loaded: LoadedShoe) -> ShoeMeshOfDeck:
+def _shoe_mesh_in_form_of_calculix_deck(loaded: MeshedShoeUnderActuation) -> ShoeMeshOfDeck:
     """The mesh of a shoe in the form of a CalculiX deck. Raises BadInput for linear elements."""
     shoe, parts = loaded.shoe, loaded.parts
-    cell = element_kind_of_mesh(parts.mesh).cell
+    cell = mesh_kind_of_scikit_fem_mesh(parts.mesh).cell
     if cell not in DECK_CELL_AND_CORNERS_OF_MESH_CELL:
         raise BadInput("--kind: CalculiX gets quadratic elements only; allowed: quad2, tri2")
     kind, corners = DECK_CELL_AND_CORNERS_OF_MESH_CELL[cell]
@@ -199,7 +202,7 @@ def _shoe_mesh_in_form_of_calculix_deck(loaded: LoadedShoe) -> ShoeMeshOfDeck:
     )
 
 
-def _deck_lines_of_shoe_mesh(loaded: LoadedShoe, grid: ShoeMeshOfDeck) -> list[str]:
+def _deck_lines_of_shoe_mesh(loaded: MeshedShoeUnderActuation, grid: ShoeMeshOfDeck) -> list[str]:
     """The lines of a deck for the nodes and elements of a shoe."""
     hinge = loaded.shoe.pin.xy * MM_PER_METRE
     lines = ["*NODE, NSET=NSHOE"]
@@ -222,7 +225,9 @@ def _deck_line_of_node(label: int, xy: Floats) -> str:
     return f"{label}, {xy[0]:.12e}, {xy[1]:.12e}, 0."
 
 
-def _deck_lines_of_materials(loaded: LoadedShoe, setting: CalculixDeckParameters) -> list[str]:
+def _deck_lines_of_materials(
+    loaded: MeshedShoeUnderActuation, setting: CalculixDeckParameters
+) -> list[str]:
     """The lines of a deck for the materials and the thickness of the parts of a shoe.
 
     All parts have the same thickness. A part that is wider than the lining gets a larger modulus in
@@ -255,7 +260,7 @@ def _deck_lines_of_materials(loaded: LoadedShoe, setting: CalculixDeckParameters
     return lines
 
 
-def _deck_lines_of_orthotropic_material(material: Orthotropic, times: float) -> list[str]:
+def _deck_lines_of_orthotropic_material(material: OrthotropicMaterial, times: float) -> list[str]:
     """The lines of a deck for an orthotropic material, with its moduli multiplied by `times`.
 
     CalculiX's directions 1, 2, 3 are through, along and across the layer, as in its cylindrical
@@ -294,7 +299,11 @@ def _deck_lines_of_orientation(name: str, along: Floats | None) -> list[str]:
 
 
 def deck_lines_of_contact(
-    brake: Brake, loaded: LoadedShoe, setting: CalculixDeckParameters, slave: list[str], master: str
+    brake: Brake,
+    loaded: MeshedShoeUnderActuation,
+    setting: CalculixDeckParameters,
+    slave: list[str],
+    master: str,
 ) -> list[str]:
     """The lines of a deck for the contact between lining and drum.
 
@@ -325,7 +334,7 @@ def deck_lines_of_contact(
     ]
 
 
-def deck_lines_of_hinge(loaded: LoadedShoe, grid: ShoeMeshOfDeck) -> list[str]:
+def deck_lines_of_hinge(loaded: MeshedShoeUnderActuation, grid: ShoeMeshOfDeck) -> list[str]:
     """The lines of a deck for the hinge and its pin.
 
     The nodes at the hinge move as a rigid line with the pin and turn about it. Stiff springs
@@ -345,7 +354,11 @@ def deck_lines_of_hinge(loaded: LoadedShoe, grid: ShoeMeshOfDeck) -> list[str]:
             f"{grid.bearing + c}, {grid.pin}",
         ]
     for c, axis in enumerate("XY", start=1):
-        lines += [f"*SPRING, ELSET=BEARING{axis}", f"{c}", f"{PIN_SPRING_STIFFNESS:.12e}"]
+        lines += [
+            f"*SPRING, ELSET=BEARING{axis}",
+            f"{c}",
+            f"{PIN_SPRING_STIFFNESS_IN_N_PER_MM:.12e}",
+        ]
     return [*lines, "*BOUNDARY", f"{grid.pin}, 3, 3"]
 
 
@@ -384,7 +397,7 @@ def deck_lines_of_load_step(
 
 
 def _deck_lines_of_actuation(
-    loaded: LoadedShoe, setting: CalculixDeckParameters, grid: ShoeMeshOfDeck
+    loaded: MeshedShoeUnderActuation, setting: CalculixDeckParameters, grid: ShoeMeshOfDeck
 ) -> list[str]:
     """The lines of a deck for the actuation of a shoe.
 
@@ -414,7 +427,7 @@ def deck_lines_of_nodal_forces(forces: Floats, nodes: Ints) -> list[str]:
 
 
 def deck_lines_of_load_on_pin(
-    loaded: LoadedShoe, setting: CalculixDeckParameters, grid: ShoeMeshOfDeck
+    loaded: MeshedShoeUnderActuation, setting: CalculixDeckParameters, grid: ShoeMeshOfDeck
 ) -> list[str]:
     """The lines of a deck for the actuation as a force and a couple on the pin of a rigid shoe."""
     frame, size = loaded.shoe.frame, setting.thickness
@@ -425,7 +438,7 @@ def deck_lines_of_load_on_pin(
 
 
 def deck_header_lines(
-    brake: Brake, loaded: LoadedShoe, setting: CalculixDeckParameters, name: str
+    brake: Brake, loaded: MeshedShoeUnderActuation, setting: CalculixDeckParameters, name: str
 ) -> list[str]:
     """The comment lines at the head of a deck: its brake, its units, how to run and read it.
 
@@ -488,7 +501,7 @@ def deck_lines_of_element_faces(cells: Ints, along: Ints, corners: int) -> list[
     return lines
 
 
-def angles_of_drum_nodes(loaded: LoadedShoe) -> Floats:
+def angles_of_drum_nodes(loaded: MeshedShoeUnderActuation) -> Floats:
     """The angles theta [rad] of the nodes of the drum's arc in a CalculiX deck.
 
     The drum has nodes at the same angles as the lining, so that no gap is left between the curved
@@ -501,7 +514,9 @@ def angles_of_drum_nodes(loaded: LoadedShoe) -> Floats:
     return np.concatenate([theta[0] - more[::-1], theta, theta[-1] + more])
 
 
-def mesh_drum_arc(brake: Brake, loaded: LoadedShoe, first: FirstDrumLabels) -> DrumMesh:
+def mesh_drum_arc(
+    brake: Brake, loaded: MeshedShoeUnderActuation, first: FirstDrumLabels
+) -> DrumMeshAsDeckLines:
     """The mesh of the drum in a CalculiX deck: one layer of elements CPS8 along the arc.
 
     The face of the elements on the friction surface is S1 for an internal shoe, and S3 for an
@@ -512,7 +527,7 @@ def mesh_drum_arc(brake: Brake, loaded: LoadedShoe, first: FirstDrumLabels) -> D
     count = len(theta) // 2
     inner, outer = (
         (R, R * (1 + DRUM_LAYER_THICKNESS_OVER_RADIUS))
-        if shoe.sign_of_internal_shoe > 0
+        if shoe.sign_internal_plus_external_minus > 0
         else (R * (1 - DRUM_LAYER_THICKNESS_OVER_RADIUS), R)
     )
     # Rows of nodes along the arc: the inner arc, the middle of the layer (at every other angle),
@@ -532,4 +547,4 @@ def mesh_drum_arc(brake: Brake, loaded: LoadedShoe, first: FirstDrumLabels) -> D
         # The nodes run counter-clockwise: first the four corners, then the four middle nodes.
         nodes = [a + i + 2, a + i, c + i, c + i + 2, a + i + 1, b + k, c + i + 1, b + k + 1]
         lines.append(", ".join(map(str, [first.element + k, *nodes])))
-    return DrumMesh(lines, xy)
+    return DrumMeshAsDeckLines(lines, xy)

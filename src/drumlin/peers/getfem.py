@@ -28,16 +28,16 @@ from drumlin.brake.further_loads import reason_if_loads_besides_actuation_act
 from drumlin.fem.equilibrium.state import unloaded_lining_gaps_at_points
 from drumlin.fem.mesh.arc import DEFAULT_MESH_KIND
 from drumlin.fem.mesh.edges import nodes_along_element_edges
-from drumlin.fem.model import LARGEST_ANSWER_IMBALANCE
+from drumlin.fem.model import LARGEST_ACCEPTED_FORCE_IMBALANCE_OF_SHOE
 from drumlin.fem.preparation.meshes import DEFAULT_ELEMENTS_ALONG_LINING, Mesher
 from drumlin.fem.substructure.elasticity import (
     elastic_layers_of_shoe,
     isotropic_and_orthotropic_elastic_constants,
 )
 from drumlin.peers.peer import (
-    LoadedShoe,
+    ForcesOnShoeByPeer,
     MeshedShoe,
-    PeerForces,
+    MeshedShoeUnderActuation,
     PeerMissing,
     PeerResult,
     brake_response_from_shoe_responses,
@@ -57,7 +57,7 @@ GETFEM_MISSING_MESSAGE = (
 )
 """The error message if GetFEM is not installed."""
 
-CONTACT_FORMULATIONS = ("full slip", "coulomb")
+NAMES_OF_GETFEM_CONTACT_FORMULATIONS = ("full slip", "coulomb")
 """The two formulations of contact with friction, which getfem_brake.py describes."""
 
 FRICTION_RATIO_OF_TIMED_LOAD_CASE = 0.9
@@ -128,9 +128,10 @@ def solve_brake_in_getfem_process(
     NoAnswer
         if GetFEM does not converge
     """
-    if formulation not in CONTACT_FORMULATIONS:
+    if formulation not in NAMES_OF_GETFEM_CONTACT_FORMULATIONS:
         raise BadInput(
-            f"formulation = {formulation!r}: unknown; allowed: {', '.join(CONTACT_FORMULATIONS)}"
+            f"formulation = {formulation!r}: unknown; allowed: "
+            f"{', '.join(NAMES_OF_GETFEM_CONTACT_FORMULATIONS)}"
         )
     interpreter = path_of_python_with_getfem()
     meshed = mesh_shoes_for_peer_program(brake, elements, kind, mesher)
@@ -141,7 +142,10 @@ def solve_brake_in_getfem_process(
     response = brake_response_from_shoe_responses(
         "getfem", each, costs.steps, {"getfem": costs.seconds_of_first_solve}
     )
-    if not max(response.balance.force, response.balance.moment) < LARGEST_ANSWER_IMBALANCE:
+    if (
+        not max(response.balance.force, response.balance.moment)
+        < LARGEST_ACCEPTED_FORCE_IMBALANCE_OF_SHOE
+    ):
         raise NoAnswer(
             f"GetFEM: forces balance only to {response.balance.force:.1e}, "
             f"moments to {response.balance.moment:.1e}"
@@ -211,7 +215,9 @@ class _GetfemScriptRunner:
         self._formulation, self._repeats = formulation, repeats
         self._runs: list[_GetfemScriptRun] = []
 
-    def run_getfem_script_for_shoes(self, shoes: list[LoadedShoe]) -> list[dict[str, Any]]:
+    def run_getfem_script_for_shoes(
+        self, shoes: list[MeshedShoeUnderActuation]
+    ) -> list[dict[str, Any]]:
         """Run the script for some shoes; returns its results, a dictionary for each shoe."""
         problem = _brake_data_for_getfem_script(self.brake, shoes, self._formulation, self._repeats)
         self._runs.append(_run_getfem_script(self._interpreter, problem))
@@ -392,7 +398,7 @@ def _solve_shoes_trying_abutment_friction_senses(
 
 
 def _shoe_result_if_abutment_friction_sense_fits(
-    brake: Brake, loaded: LoadedShoe, attempt: int, found: dict[str, Any]
+    brake: Brake, loaded: MeshedShoeUnderActuation, attempt: int, found: dict[str, Any]
 ) -> GetfemShoeResult | None:
     """A shoe's result, or None if another sense of the friction at its abutment must be tried.
 
@@ -430,7 +436,7 @@ def _shoe_result_if_abutment_friction_sense_fits(
 
 
 def _brake_data_for_getfem_script(
-    brake: Brake, shoes: Sequence[LoadedShoe], formulation: str, repeats: int
+    brake: Brake, shoes: Sequence[MeshedShoeUnderActuation], formulation: str, repeats: int
 ) -> dict[str, Any]:
     """The input of the GetFEM script: arrays by name, and under "data" all other data as JSON text.
 
@@ -454,7 +460,7 @@ def _brake_data_for_getfem_script(
     return arrays | {"data": json.dumps(data)}
 
 
-def _mesh_and_material_arrays(brake: Brake, loaded: LoadedShoe) -> dict[str, Any]:
+def _mesh_and_material_arrays(brake: Brake, loaded: MeshedShoeUnderActuation) -> dict[str, Any]:
     """The arrays of a shoe's mesh and elastic constants, by name.
 
     The names end in the number of the shoe's shape, since shoes of equal shape share the arrays.
@@ -488,13 +494,13 @@ def _mesh_and_material_arrays(brake: Brake, loaded: LoadedShoe) -> dict[str, Any
     return arrays
 
 
-def _shoe_data_for_getfem_script(brake: Brake, loaded: LoadedShoe) -> dict[str, Any]:
+def _shoe_data_for_getfem_script(brake: Brake, loaded: MeshedShoeUnderActuation) -> dict[str, Any]:
     """The support, the load and the gap of a shoe, as plain numbers for the GetFEM script."""
     shoe, parts, R = loaded.shoe, loaded.parts, brake.size
     E, width = shoe.lining.material.E_through, shoe.lining.width
     line = parts.line
     modes = _rigid_body_modes_scaled_by_drum_radius(loaded, R)
-    work = loaded.work_of_loads_on_rigid_shoe_holder / modes.test_sizes / (E * R**2 * width)
+    work = loaded.virtual_work_of_loads_on_rigid_holder / modes.test_sizes / (E * R**2 * width)
     gap = unloaded_lining_gaps_at_points(line.xy, line.phi, brake, shoe) / R
     open_by = (
         clearance.gaps_between_unloaded_lining_and_surface(
@@ -504,7 +510,7 @@ def _shoe_data_for_getfem_script(brake: Brake, loaded: LoadedShoe) -> dict[str, 
     )
     return {
         "body": loaded.body,
-        "side": shoe.sign_of_internal_shoe,
+        "side": shoe.sign_internal_plus_external_minus,
         "flat": shoe.is_on_plane,
         "pin": (shoe.pin_position_in_shoe_frame / R).tolist(),
         "motions": modes.motions.tolist(),
@@ -513,7 +519,7 @@ def _shoe_data_for_getfem_script(brake: Brake, loaded: LoadedShoe) -> dict[str, 
         "on_body": loaded.does_actuation_act_on_body_end,
         "force": (loaded.force / (E * R * width)).tolist(),
         "couple": loaded.couple / (E * R**2 * width),
-        "centre": (parts.load_centre / R).tolist(),
+        "centre": (parts.application_point_of_actuation_loads / R).tolist(),
         "at_places": (loaded.at_places / (E * R * width)).tolist(),
         "drag_sense": math.copysign(brake.shoe_friction_over_brake_friction(shoe), loaded.drag),
         "middle": sum(shoe.arc) / 2,
@@ -542,7 +548,7 @@ class _ScaledRigidBodyAndTestModes(NamedTuple):
 
 
 def _rigid_body_modes_scaled_by_drum_radius(
-    loaded: LoadedShoe, R: float
+    loaded: MeshedShoeUnderActuation, R: float
 ) -> _ScaledRigidBodyAndTestModes:
     """Scale a shoe's modes to norm 1, with displacements divided by the drum's radius R [m]."""
     unit = np.array([R, R, 1.0])
@@ -573,7 +579,7 @@ def _run_getfem_script(interpreter: str, problem: dict[str, Any]) -> _GetfemScri
 
 
 def _shoe_result_in_si_units(
-    brake: Brake, loaded: LoadedShoe, found: dict[str, Any]
+    brake: Brake, loaded: MeshedShoeUnderActuation, found: dict[str, Any]
 ) -> GetfemShoeResult:
     """The result of a shoe in SI units, from the numbers of the GetFEM script.
 
@@ -592,7 +598,7 @@ def _shoe_result_in_si_units(
     order = np.argsort(phi)
     # The script's unit of force, in newtons.
     size = E * R * shoe.lining.width
-    forces = PeerForces(
+    forces = ForcesOnShoeByPeer(
         normal=size * np.array(found["normal"]),
         friction=size * np.array(found["tangential"]),
         moment=size * R * found["moment"],

@@ -40,20 +40,20 @@ BOUNDARY_NAME_OF_REGION = {
 }
 """Names of the three boundaries in the problem file, by their numbers in GetFEM's mesh."""
 
-SLIDING_DRUM_DISPLACEMENT = 1e-2
+SLIDING_DRUM_DISPLACEMENT_OVER_RADIUS = 1e-2
 """Displacement of the sliding drum in the "coulomb" formulation, in drum radii.
 
 The drum must move much farther than the lining, so that the lining slips everywhere."""
 
-GETFEM_UNKNOWN_NAMES = ("u", "hold", "p")
+NAMES_OF_GETFEM_UNKNOWNS = ("u", "hold", "p")
 """Unknowns of a GetFEM model: the displacement, the traction of the support on the shoe, and the
 pressure or traction of the contact. The coordinates of the rigid-body modes are further unknowns.
 """
 
-MOST_NEWTON_STEPS = 60
+MOST_NEWTON_STEPS_OF_GETFEM = 60
 """Number of Newton steps after which a solve counts as not converged, chosen by judgement."""
 
-NEWTON_RESIDUAL = 1e-11
+NEWTON_RESIDUAL_TOLERANCE_OF_GETFEM = 1e-11
 """Residual at which Newton's method ends; smaller residuals are round-off."""
 
 
@@ -329,7 +329,7 @@ class GetfemBody:
     def initial_unknowns_of_newton_method(self, shoe: dict[str, Any]) -> dict[str, Any]:
         """The unknowns with which Newton's method starts: no displacement, all nodes touch."""
         values = {}
-        for name in (*GETFEM_UNKNOWN_NAMES, *self.amounts):
+        for name in (*NAMES_OF_GETFEM_UNKNOWNS, *self.amounts):
             values[name] = np.zeros(len(self.model.variable(name)))
         force = np.add(shoe["force"], np.sum(shoe["at_places"], axis=0))
         pressure = shoe["augment"] * max(shoe["gap"]) + float(np.hypot(*force))
@@ -353,14 +353,20 @@ class GetfemBody:
             shoe.get("state") or self.initial_unknowns_of_newton_method(shoe)
         ).items():
             md.set_variable(name, value)
-        options = {"max_iter": MOST_NEWTON_STEPS, "max_res": NEWTON_RESIDUAL, "lsolver": "mumps"}
+        options = {
+            "max_iter": MOST_NEWTON_STEPS_OF_GETFEM,
+            "max_res": NEWTON_RESIDUAL_TOLERANCE_OF_GETFEM,
+            "lsolver": "mumps",
+        }
         options |= {"lsearch": "simplest", "alpha min": 1.0}
         # GetFEM takes options as a list of names and values in turn.
         arguments: list[Any] = []
         for option in options.items():
             arguments += option
         steps, converged = md.solve(*arguments)
-        shoe["state"] = {name: md.variable(name) for name in (*GETFEM_UNKNOWN_NAMES, *self.amounts)}
+        shoe["state"] = {
+            name: md.variable(name) for name in (*NAMES_OF_GETFEM_UNKNOWNS, *self.amounts)
+        }
         return self._results_of_solved_shoe_as_plain_numbers(int(steps), bool(converged), drag)
 
     def _set_loads_and_rigid_body_modes_of_shoe(self, shoe: dict[str, Any], drag: float) -> None:
@@ -395,7 +401,8 @@ class GetfemBody:
         off = x[1] if shoe["flat"] else shoe["side"] * (1 - np.hypot(*x))
         md.set_variable("obstacle", off + clearance)
         md.set_variable(
-            "slid", (SLIDING_DRUM_DISPLACEMENT * np.sign(drag) * self.sliding).ravel(order="F")
+            "slid",
+            (SLIDING_DRUM_DISPLACEMENT_OVER_RADIUS * np.sign(drag) * self.sliding).ravel(order="F"),
         )
         md.set_variable("mu", np.array([abs(drag)]))
 

@@ -32,7 +32,7 @@ RELATIVE_SIZE_OF_FREE_SIDE_ELEMENT = 1 / 8
 Since there are only few elements across the width, their sizes differ less than the sizes along the
 lining.
 """
-HEXAHEDRON_CORNERS = [2, 2, 1, 3, 1, 3, 0, 0], [1, 0, 1, 1, 0, 0, 1, 0]
+SECTION_CORNERS_AND_Z_ENDS_OF_HEXAHEDRON = [2, 2, 1, 3, 1, 3, 0, 0], [1, 0, 1, 1, 0, 0, 1, 0]
 """The eight corners of skfem's hexahedra.
 
 For each corner of a hexahedron the first list has the number of the section's corner below it, and
@@ -198,7 +198,7 @@ def _mesh_of_hexahedra_with_straight_edges(
         section
     """
     count = section.p.shape[1]
-    corner, above = HEXAHEDRON_CORNERS
+    corner, above = SECTION_CORNERS_AND_Z_ENDS_OF_HEXAHEDRON
     corners = section.t[corner][:, cell] + count * (layer + np.array(above)[:, None])
     # Corners that belong to no hexahedron are left out.
     used, t = np.unique(corners, return_inverse=True)

@@ -36,7 +36,7 @@ from drumlin.fem.preparation.load_places import (
 )
 from drumlin.fem.preparation.meshes import (
     DEFAULT_ELEMENTS_ALONG_LINING,
-    AssembledShoe,
+    AssembledUncondensedShoe,
     Mesher,
     mesh_and_assemble_shoe,
 )
@@ -55,7 +55,7 @@ from drumlin.response.response import (
 )
 from drumlin.response.resultants import contact_arcs_from_nodal_pressures, planar_cross_product
 
-LARGEST_PRESSURE_WITHOUT_CONTACT = 1e-3
+LARGEST_RELATIVE_PRESSURE_WITHOUT_CONTACT = 1e-3
 """Pressure, relative to the peak, below which a lining counts as not touching the drum.
 
 A peer with a contact penalty has small pressures outside the contact, which are ignored in this
@@ -106,11 +106,11 @@ class MeshedShoe(NamedTuple):
     """
 
     body: int
-    parts: AssembledShoe
+    parts: AssembledUncondensedShoe
 
 
 @dataclass(frozen=True)
-class LoadedShoe:
+class MeshedShoeUnderActuation:
     """A meshed shoe under its actuation, in the frame of the shoe.
 
     Attributes
@@ -119,7 +119,7 @@ class LoadedShoe:
     parts : mesh and matrices of the shoe
     body : number of the shoe's shape
     force : force (2,) [N] of the actuation
-    couple : couple [N m] of the actuation about `parts.load_centre`
+    couple : couple [N m] of the actuation about `parts.application_point_of_actuation_loads`
     drag : friction coefficient, negative if the drum drags the lining towards smaller phi
     is_pressed_on_drum : whether the loads press the shoe on the drum anywhere
     motions : rigid-body modes (k, 3) of the shoe's rigid holder, the part that the support guides:
@@ -132,7 +132,7 @@ class LoadedShoe:
     """
 
     shoe: Shoe
-    parts: AssembledShoe
+    parts: AssembledUncondensedShoe
     body: int
     force: Floats
     couple: float
@@ -145,7 +145,7 @@ class LoadedShoe:
     at_places: Floats
 
     @property
-    def work_of_loads_on_rigid_shoe_holder(self) -> Floats:
+    def virtual_work_of_loads_on_rigid_holder(self) -> Floats:
         """Work (k,) of the loads on the shoe's rigid holder on the test modes.
 
         The rigid holder is the part of the shoe that the support guides.
@@ -159,7 +159,7 @@ class LoadedShoe:
     @property
     def actuation_resultant_about_pin(self) -> Floats:
         """Resultant (3,) of the actuation about the pin: force x, y [N] and moment [N m]."""
-        arm = self.parts.load_centre - self.shoe.pin_position_in_shoe_frame
+        arm = self.parts.application_point_of_actuation_loads - self.shoe.pin_position_in_shoe_frame
         couple = self.couple + float(planar_cross_product(arm, self.force))
         return np.array([*self.force, couple])
 
@@ -240,7 +240,7 @@ def mesh_shoes_for_peer_program(
 
 def meshed_shoe_with_actuation_and_support(
     brake: Brake, shoe: Shoe, meshed: MeshedShoe, sense: int = 1
-) -> LoadedShoe:
+) -> MeshedShoeUnderActuation:
     """A meshed shoe with its actuation, its support and the friction of the drum.
 
     Parameters
@@ -267,14 +267,14 @@ def meshed_shoe_with_actuation_and_support(
     if shoe.kind_of_support == "hinge" and not shoe.is_on_plane:
         # If the shoe turns by 1 rad about the pin at (a, 0), the gap at the point (x, y) of the
         # lining, at the radius r, closes by -sign a y / r.
-        closing = -moment * shoe.sign_of_internal_shoe * parts.line.xy[1]
+        closing = -moment * shoe.sign_internal_plus_external_minus * parts.line.xy[1]
         is_pressed_on_drum = shoe.is_any_load_on_shoe and bool((closing > 0).any())
     else:
         is_pressed_on_drum = (
             shoe.is_any_load_on_shoe
             and rigid.sign_of_pressure_that_balances_actuation(brake, shoe) >= 0
         )
-    return LoadedShoe(
+    return MeshedShoeUnderActuation(
         shoe=shoe,
         parts=parts,
         body=meshed.body,
@@ -295,7 +295,7 @@ def mesh_hinged_shoes_under_actuation(
     elements: int = DEFAULT_ELEMENTS_ALONG_LINING,
     kind: str = DEFAULT_MESH_KIND,
     mesher: Mesher | None = None,
-) -> list[LoadedShoe]:
+) -> list[MeshedShoeUnderActuation]:
     """The hinged shoes of a brake, meshed by drumlin's mesher, each under its own actuation.
 
     `elements` and `kind` are the number of elements along each lining and their kind, and `mesher`
@@ -312,7 +312,7 @@ def mesh_hinged_shoes_under_actuation(
     ]
 
 
-class PeerForces(NamedTuple):
+class ForcesOnShoeByPeer(NamedTuple):
     """The forces on one shoe by a peer's computation, in the shoe's frame.
 
     Attributes
@@ -332,11 +332,11 @@ class PeerForces(NamedTuple):
 
 
 def shoe_response_and_imbalance_from_peer_forces(
-    loaded: LoadedShoe,
+    loaded: MeshedShoeUnderActuation,
     phi: Floats,
     pressure: Floats,
     order: int,
-    forces: PeerForces,
+    forces: ForcesOnShoeByPeer,
     amounts: Floats,
 ) -> tuple[ShoeResponse, ForceAndMomentImbalance]:
     """A shoe's response from a peer's pressure and forces, and the imbalance of these forces.
@@ -374,13 +374,13 @@ def shoe_response_and_imbalance_from_peer_forces(
         located=False,
     )
     p = response.pressure
-    touching = np.where(p > LARGEST_PRESSURE_WITHOUT_CONTACT * p.max(), p, 0.0)
+    touching = np.where(p > LARGEST_RELATIVE_PRESSURE_WITHOUT_CONTACT * p.max(), p, 0.0)
     arcs = contact_arcs_from_nodal_pressures(response.theta, touching, order)
     return replace(response, contact_arcs=arcs), _imbalance_of_peer_forces(loaded, forces, load)
 
 
 def _friction_force_and_moment_about_pin_from_peer_forces(
-    loaded: LoadedShoe, forces: PeerForces
+    loaded: MeshedShoeUnderActuation, forces: ForcesOnShoeByPeer
 ) -> Floats:
     """The friction force x, y [N] on a shoe, and its moment about the pin [N m], as (3,).
 
@@ -394,7 +394,7 @@ def _friction_force_and_moment_about_pin_from_peer_forces(
 
 
 def _imbalance_of_peer_forces(
-    loaded: LoadedShoe, forces: PeerForces, load: Floats
+    loaded: MeshedShoeUnderActuation, forces: ForcesOnShoeByPeer, load: Floats
 ) -> ForceAndMomentImbalance:
     """The relative imbalance of a peer's forces on a shoe.
 
@@ -420,7 +420,7 @@ def _imbalance_of_peer_forces(
         [forces.normal, forces.friction, forces.held[:2], push[:2]],
         [forces.moment, *moments, size, -size],
     )
-    work = loaded.work_of_loads_on_rigid_shoe_holder
+    work = loaded.virtual_work_of_loads_on_rigid_holder
     lengths = np.hypot(*tests.T[:2]) + loaded.radius * np.abs(tests[:, 2])
     unbalanced = np.abs(tests @ forces.held - work) / lengths
     moment = max(balance.moment, float(unbalanced.max()) / normal_force)
@@ -428,7 +428,7 @@ def _imbalance_of_peer_forces(
 
 
 def zero_response_and_imbalance_of_shoe_turned_from_drum(
-    loaded: LoadedShoe,
+    loaded: MeshedShoeUnderActuation,
 ) -> tuple[ShoeResponse, ForceAndMomentImbalance]:
     """The response, without pressure, of a shoe that its loads turn away from the drum."""
     return response_of_shoe_without_contact(

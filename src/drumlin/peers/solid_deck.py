@@ -29,7 +29,7 @@ from drumlin.peers.deck import (
     MM_PER_METRE,
     MPA_PER_PASCAL,
     CalculixDeckParameters,
-    DrumMesh,
+    DrumMeshAsDeckLines,
     FirstDrumLabels,
     ShoeMeshOfDeck,
     angles_of_drum_nodes,
@@ -52,13 +52,13 @@ from drumlin.peers.hexahedra import (
     solid_nodes_that_move_with_pin,
 )
 from drumlin.peers.peer import (
-    LoadedShoe,
+    MeshedShoeUnderActuation,
     PeerResult,
     mesh_hinged_shoes_under_actuation,
     zero_response_and_imbalance_of_shoe_turned_from_drum,
 )
 
-SOLID_DRUM_ROTATION = 4e-3
+DRUM_ROTATION_IN_SOLID_DECK = 4e-3
 """Rotation of the drum [rad].
 
 Friction acts in the direction of slip. A pressed lining also expands by some ten micrometres across
@@ -85,10 +85,10 @@ It is above 1, since the lining must not reach the drum's edge.
 """
 
 
-class _SolidShoe(NamedTuple):
+class _ShoeUnderActuationWithSolidMesh(NamedTuple):
     """A shoe under its actuation, and its three-dimensional mesh."""
 
-    loaded: LoadedShoe
+    loaded: MeshedShoeUnderActuation
     solid: HalfSolidShoeMesh
 
 
@@ -116,7 +116,7 @@ def export_solid_calculix_decks(
     shoes away from the drum
     """
     setting = CalculixDeckParameters(
-        rotation=SOLID_DRUM_ROTATION, thickness=MODELLED_FRACTION_OF_WIDTH
+        rotation=DRUM_ROTATION_IN_SOLID_DECK, thickness=MODELLED_FRACTION_OF_WIDTH
     )
     decks = []
     for loaded, solid in _mesh_solid_shoes_under_actuation(brake, elements, across):
@@ -144,10 +144,11 @@ def solve_solid_by_calculix(
     brake : the brake
     elements : number of elements along each lining
     across : number of elements over half of the lining's width; None: it follows from `elements`
-    setting : parameters of the decks; None: the usual ones with the rotation SOLID_DRUM_ROTATION
+    setting : parameters of the decks; None: the usual ones with the rotation
+        DRUM_ROTATION_IN_SOLID_DECK
     """
     installed = calculix.calculix_version()
-    start = (setting or CalculixDeckParameters(rotation=SOLID_DRUM_ROTATION))._replace(
+    start = (setting or CalculixDeckParameters(rotation=DRUM_ROTATION_IN_SOLID_DECK))._replace(
         thickness=MODELLED_FRACTION_OF_WIDTH
     )
     tally = calculix.CollectedCalculixResults()
@@ -155,7 +156,7 @@ def solve_solid_by_calculix(
         if not loaded.is_pressed_on_drum:
             tally.answers.append(zero_response_and_imbalance_of_shoe_turned_from_drum(loaded))
             continue
-        pose = calculix.DeckFormat(
+        pose = calculix.DeckWriterAndContactForceReader(
             text=partial(deck_text_of_half_solid_shoe, brake, loaded, solid),
             along=partial(nodal_forces_on_drum_arc, loaded),
         )
@@ -170,7 +171,7 @@ def solve_solid_by_calculix(
 
 def _mesh_solid_shoes_under_actuation(
     brake: Brake, elements: int, across: int | None
-) -> list[_SolidShoe]:
+) -> list[_ShoeUnderActuationWithSolidMesh]:
     """The shoes of a brake under their actuation, with their three-dimensional meshes.
 
     Raises BadInput if drumlin's model of solid shoes cannot solve the brake.
@@ -189,13 +190,13 @@ def _mesh_solid_shoes_under_actuation(
             elements,
             across or default_number_of_hexahedra_over_half_width(shoe, elements),
         )
-        posed.append(_SolidShoe(loaded, solid))
+        posed.append(_ShoeUnderActuationWithSolidMesh(loaded, solid))
     return posed
 
 
 def deck_text_of_half_solid_shoe(
     brake: Brake,
-    loaded: LoadedShoe,
+    loaded: MeshedShoeUnderActuation,
     solid: HalfSolidShoeMesh,
     setting: CalculixDeckParameters,
     name: str = "shoe",
@@ -267,7 +268,7 @@ def _points_and_cells_in_brake_frame(shoe: Shoe, solid: HalfSolidShoeMesh) -> tu
 
 
 def _half_solid_shoe_mesh_for_deck(
-    loaded: LoadedShoe, points: Floats, cells: Ints, held: Ints
+    loaded: MeshedShoeUnderActuation, points: Floats, cells: Ints, held: Ints
 ) -> ShoeMeshOfDeck:
     """The mesh of half a three-dimensional shoe in the form of a CalculiX deck.
 
@@ -347,7 +348,7 @@ def _deck_lines_of_solid_faces(cells: Ints, on: Ints) -> list[str]:
 
 
 def _deck_lines_of_half_solid_shoe_actuation(
-    loaded: LoadedShoe,
+    loaded: MeshedShoeUnderActuation,
     solid: HalfSolidShoeMesh,
     setting: CalculixDeckParameters,
     grid: ShoeMeshOfDeck,
@@ -411,7 +412,9 @@ class _DrumNodeRow(NamedTuple):
         return np.column_stack([r * np.cos(t), r * np.sin(t), np.full(len(t), self.z)])
 
 
-def mesh_solid_drum(brake: Brake, loaded: LoadedShoe, first: FirstDrumLabels) -> DrumMesh:
+def mesh_solid_drum(
+    brake: Brake, loaded: MeshedShoeUnderActuation, first: FirstDrumLabels
+) -> DrumMeshAsDeckLines:
     """The mesh of the drum in a three-dimensional CalculiX deck: one row of elements along the arc.
 
     The elements reach from z = 0 to a little beyond the side of the lining. Their face S1 lies on
@@ -422,7 +425,7 @@ def mesh_solid_drum(brake: Brake, loaded: LoadedShoe, first: FirstDrumLabels) ->
     shoe, R = loaded.shoe, brake.size
     theta = angles_of_drum_nodes(loaded)
     ends = theta[::2]
-    back = R * (1 + shoe.sign_of_internal_shoe * DRUM_LAYER_THICKNESS_OVER_RADIUS)
+    back = R * (1 + shoe.sign_internal_plus_external_minus * DRUM_LAYER_THICKNESS_OVER_RADIUS)
     outer = DRUM_WIDTH_OVER_LINING_WIDTH * shoe.lining.width / 2
     rows = [
         _DrumNodeRow(R, theta, 0.0),
@@ -440,9 +443,11 @@ def mesh_solid_drum(brake: Brake, loaded: LoadedShoe, first: FirstDrumLabels) ->
     lines.append("*ELEMENT, TYPE=C3D20, ELSET=DRUM")
     labels = first.node + np.cumsum([0, *(len(row.theta) for row in rows)])
     for k in range(len(ends) - 1):
-        nodes = _node_labels_of_drum_element(labels[:-1].tolist(), k, shoe.sign_of_internal_shoe)
+        nodes = _node_labels_of_drum_element(
+            labels[:-1].tolist(), k, shoe.sign_internal_plus_external_minus
+        )
         lines += _deck_lines_of_solid_element(first.element + k, nodes)
-    return DrumMesh(lines, xyz[:, :2])
+    return DrumMeshAsDeckLines(lines, xyz[:, :2])
 
 
 def _node_labels_of_drum_element(labels: list[int], k: int, sign: int) -> Ints:
@@ -473,7 +478,7 @@ def _node_labels_of_drum_element(labels: list[int], k: int, sign: int) -> Ints:
     )
 
 
-def nodal_forces_on_drum_arc(loaded: LoadedShoe, forces: Floats) -> Floats:
+def nodal_forces_on_drum_arc(loaded: MeshedShoeUnderActuation, forces: Floats) -> Floats:
     """The nodal forces (n, 2) on the drum's arc, summed over the width of the drum.
 
     `forces` has the forces on all nodes of the drum in the order of `mesh_solid_drum`. The sums are

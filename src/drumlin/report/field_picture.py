@@ -22,11 +22,11 @@ from drumlin.base.round_numbers import largest_round_number_not_above_value
 from drumlin.brake.brake import Brake
 from drumlin.brake.fields import Point
 from drumlin.brake.support import SupportedShoe
-from drumlin.fem.analysis.fields import Fields
+from drumlin.fem.analysis.fields import StressAndDisplacementFields
 from drumlin.report.figures import (
     FULL_WIDTH,
+    MATPLOTLIB_SETTINGS_FOR_PRINT,
     PIXELS_PER_INCH,
-    PRINT_STYLE,
     height_of_title,
     title_folded_into_lines,
     write_title_above_picture,
@@ -36,10 +36,10 @@ from drumlin.report.signs import MM_PER_M
 from drumlin.response.balance import brake_with_forces_of_response
 from drumlin.response.response import Response
 
-ROUND_ENDS_OF_COLOUR_BAR = 1, 1.2, 1.6, 2, 2.4, 3.2, 4, 6, 8, 10
+ROUND_UPPER_ENDS_OF_COLOUR_BAR = 1, 1.2, 1.6, 2, 2.4, 3.2, 4, 6, 8, 10
 """Allowed upper ends of the colour bar, times any power of ten; a quarter of each is round."""
 
-PERCENTAGE_OF_COLOURED_PLANE_NODES = 99.5
+PERCENTAGE_OF_PLANE_NODES_WITHIN_COLOUR_BAR = 99.5
 """Percentage of the nodes whose stress is within the colour bar.
 
 Stresses at singular edges are far above all other stresses. With all of them in the colour bar, the
@@ -53,7 +53,7 @@ LARGEST_DRAWN_DISPLACEMENT_OVER_RADIUS = 0.04
 Longer displacements would hide the shape of the shoes. The value is a judgement by eye.
 """
 
-PRESSURE_ARROW_LENGTH = 0.2
+LONGEST_PRESSURE_ARROW_OVER_RADIUS = 0.2
 """Length of the longest pressure arrows, relative to the drum's radius."""
 
 PERCENTAGE_OF_PROPORTIONAL_ARROWS = 90
@@ -63,13 +63,13 @@ Pressures at singular edges are far above all other pressures. The longest tenth
 therefore shortened to one length.
 """
 
-FORCE_ARROW_LENGTH = 0.28
+FORCE_ARROW_LENGTH_OVER_RADIUS = 0.28
 """Length of each force's arrow, relative to the drum's radius."""
 
-ARROW_SPACING = math.radians(2.5)
+PRESSURE_ARROW_SPACING_OVER_RADIUS = math.radians(2.5)
 """Distance of the pressure arrows along the friction surface, relative to the drum's radius."""
 
-PIN_RADIUS = 0.035
+DRAWN_PIN_RADIUS_OVER_DRUM_RADIUS = 0.035
 """Radius of the disc of a pin, relative to the drum's radius."""
 
 PICTURE_MARGIN_OVER_RADIUS = 0.03
@@ -94,7 +94,7 @@ and its caption fit on a page.
 SAMPLES_PER_PIXEL_SIDE = 2
 """Number of samples in each direction that are averaged for a pixel of the stress colours."""
 
-LARGEST_CELL_SAMPLE_SPACING = 0.7
+LARGEST_CELL_SAMPLE_SPACING_IN_PIXELS = 0.7
 """Largest distance of the sampled places of a cell [pixels]; above 1 pixels would be left out."""
 
 
@@ -115,7 +115,7 @@ class _DrawnFrictionSurface(NamedTuple):
 
 
 def draw_stress_in_shoes_and_ring(
-    brake: Brake, response: Response, bodies: Sequence[Fields]
+    brake: Brake, response: Response, bodies: Sequence[StressAndDisplacementFields]
 ) -> Figure:
     """Draw the von Mises stress on the deformed bodies, pressure, forces, pins and drum or plane.
 
@@ -136,10 +136,10 @@ def draw_stress_in_shoes_and_ring(
     pressure = MM_PER_M * _pressure_arrows(brake, response, surface.size)
     forces = MM_PER_M * _force_arrows(brake_with_forces_of_response(brake, response), surface.size)
     pins = [MM_PER_M * point for point in _points_of_supports(brake)]
-    radius = PIN_RADIUS * size
+    radius = DRAWN_PIN_RADIUS_OVER_DRUM_RADIUS * size
     discs = [pin + radius * np.array([[-1.0, -1.0], [1.0, 1.0]]) for pin in pins]
     places = [line, *deformed, pressure.reshape(-1, 2), forces.reshape(-1, 2), *discs]
-    with mpl.rc_context(PRINT_STYLE):
+    with mpl.rc_context(MATPLOTLIB_SETTINGS_FOR_PRINT):
         motion = f"{brake.motion_as_text}; displacements × {factor:g}"
         title = title_folded_into_lines(brake.title, motion)
         figure, axes, bar = _figure_that_shows_all_points(np.concatenate(places), size, title)
@@ -212,14 +212,16 @@ def _draw_arrows(axes: Axes, arrows: Floats, color: str, width: float) -> None:
 
 
 def _draw_stress_and_colour_bar(
-    axes: Axes, bar: Axes, bodies: Sequence[Fields], deformed: Sequence[Floats]
+    axes: Axes, bar: Axes, bodies: Sequence[StressAndDisplacementFields], deformed: Sequence[Floats]
 ) -> None:
     """Colour the deformed bodies by their von Mises stress, and draw the colour bar.
 
     `deformed` are the deformed points (n, 2) [mm] of each body.
     """
     stresses = [1e-6 * body.von_mises for body in bodies]
-    highest = float(np.percentile(np.concatenate(stresses), PERCENTAGE_OF_COLOURED_PLANE_NODES))
+    highest = float(
+        np.percentile(np.concatenate(stresses), PERCENTAGE_OF_PLANE_NODES_WITHIN_COLOUR_BAR)
+    )
     top = rounded_up_to_end_of_colour_bar(highest)
     colours = ScalarMappable(Normalize(0, top), "viridis")
     (left, right), (bottom, above) = axes.get_xlim(), axes.get_ylim()
@@ -283,7 +285,7 @@ def paint_values_of_cells(image: Any, points: Floats, cells: Ints, values: Float
     """Paint nodal values into the pixels of an image that the cells of a mesh cover.
 
     Within a cell the value is bilinear between its nodes. Each cell is sampled at places that are
-    at most LARGEST_CELL_SAMPLE_SPACING apart, so that no pixel within a cell stays empty.
+    at most LARGEST_CELL_SAMPLE_SPACING_IN_PIXELS apart, so that no pixel within a cell stays empty.
 
     Parameters
     ----------
@@ -299,7 +301,9 @@ def paint_values_of_cells(image: Any, points: Floats, cells: Ints, values: Float
     # Numbers of samples in both directions of a cell. They are rounded up to powers of two, so that
     # many cells have the same numbers and are sampled at once.
     lengths = np.stack([sides[:, 0::2].max(axis=1), sides[:, 1::2].max(axis=1)], axis=1)
-    powers = np.ceil(np.log2(np.maximum(lengths / LARGEST_CELL_SAMPLE_SPACING, 1.0))).astype(int)
+    powers = np.ceil(
+        np.log2(np.maximum(lengths / LARGEST_CELL_SAMPLE_SPACING_IN_PIXELS, 1.0))
+    ).astype(int)
     for across, along in np.unique(powers, axis=0):
         own = (powers == (across, along)).all(axis=1)
         x, y = ((np.arange(2**power) + 0.5) / 2**power for power in (across, along))
@@ -310,7 +314,7 @@ def paint_values_of_cells(image: Any, points: Floats, cells: Ints, values: Float
         image[row, column] = values[corners[own]] @ weights
 
 
-def _edges_of_outline(body: Fields) -> Ints:
+def _edges_of_outline(body: StressAndDisplacementFields) -> Ints:
     """The edges (n, 2) of a body's cells, as node numbers, that belong to one cell only.
 
     Nodes at one place count as one node, since a body has separate nodes for each material.
@@ -361,7 +365,7 @@ def _force_arrows(brake: Brake, size: float) -> Floats:
         if force.any():
             tail = shoe.actuation.point.xy
             along = force / float(np.linalg.norm(force))
-            arrows.append([tail, tail + FORCE_ARROW_LENGTH * size * along])
+            arrows.append([tail, tail + FORCE_ARROW_LENGTH_OVER_RADIUS * size * along])
     return np.array(arrows).reshape(-1, 2, 2)
 
 
@@ -371,7 +375,7 @@ def _pressure_arrows(brake: Brake, response: Response, size: float) -> Floats:
     `size` [m] is the drum's radius, or, on a plane, half the length of the brake.
     """
     is_plane = brake.surface.is_plane_and_not_drum
-    spacing = ARROW_SPACING * (size if is_plane else 1.0)
+    spacing = PRESSURE_ARROW_SPACING_OVER_RADIUS * (size if is_plane else 1.0)
     tips, pushes = [], []
     for shoe, answer in zip(brake.shoes, response.shoes, strict=True):
         first, last = np.ceil(answer.theta[0] / spacing), np.floor(answer.theta[-1] / spacing)
@@ -384,13 +388,13 @@ def _pressure_arrows(brake: Brake, response: Response, size: float) -> Floats:
         else:
             radial = np.column_stack([np.cos(theta), np.sin(theta)])
             tips.append(size * radial)
-            pushes.append(-shoe.sign_of_internal_shoe * p[:, None] * radial)
+            pushes.append(-shoe.sign_internal_plus_external_minus * p[:, None] * radial)
     tip, push = np.concatenate(tips), np.concatenate(pushes)
     if not len(tip):
         return np.zeros((0, 2, 2))
     lengths = np.linalg.norm(push, axis=1)
     top = float(np.percentile(lengths, PERCENTAGE_OF_PROPORTIONAL_ARROWS))
-    scale = PRESSURE_ARROW_LENGTH * size / np.maximum(lengths, top)
+    scale = LONGEST_PRESSURE_ARROW_OVER_RADIUS * size / np.maximum(lengths, top)
     return np.stack([tip - scale[:, None] * push, tip], axis=1)
 
 
@@ -418,5 +422,7 @@ def rounded_up_to_end_of_colour_bar(value: float) -> float:
     """The smallest number not below `value` that is a round end of a colour bar."""
     power = 10.0 ** math.floor(math.log10(value)) if value > 0 else 1.0
     return next(
-        step * power for step in ROUND_ENDS_OF_COLOUR_BAR if step * power >= value * (1 - 1e-9)
+        step * power
+        for step in ROUND_UPPER_ENDS_OF_COLOUR_BAR
+        if step * power >= value * (1 - 1e-9)
     )

@@ -20,14 +20,14 @@ from matplotlib.transforms import ScaledTranslation
 from drumlin.base.arrays import Floats, Ints
 from drumlin.base.errors import BadInput
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.brake.units import text_in_mm
-from drumlin.fem.mesh.arc import element_kind_of_mesh
+from drumlin.brake.units import length_as_text_in_mm
+from drumlin.fem.mesh.arc import mesh_kind_of_scikit_fem_mesh
 from drumlin.fem.mesh.degree import nodal_basis_of_mesh
 from drumlin.fem.mesh.edges import nodes_along_element_edges
 from drumlin.fem.mesh.file import read_shoe_mesh_with_notes
 from drumlin.fem.mesh.from_file import ShoeMeshReadFromFile
 from drumlin.report.drawing import absolute_force_as_text_with_unit, draw_arrow_from_tail_to_tip
-from drumlin.report.figures import SCREEN_STYLE
+from drumlin.report.figures import MATPLOTLIB_SETTINGS_FOR_SCREEN
 from drumlin.report.palette import BLUE, COLOR_OF_AXES_AND_NOTES, GREEN, INK, PURPLE, RED
 from drumlin.report.signs import DRUM_COLOR, MM_PER_M, draw_support_of_shoe
 from drumlin.report.view import boundary_nodes_around_each_mesh_element
@@ -44,9 +44,9 @@ MESH_GROUP_COLORS = {
 """The colour of each group of a mesh: of areas for groups of elements, of lines for groups of
 edges.
 """
-UM_PER_M = 1e6
+MICROMETRES_PER_METRE = 1e6
 """Micrometres in a metre."""
-LEGEND_DISTANCE = 0.55
+LEGEND_DISTANCE_BELOW_AXES = 0.55
 """Distance [inch] of a legend from the axes above it, which leaves room for the axis label."""
 
 
@@ -73,7 +73,7 @@ class _ContactOffsets(NamedTuple):
     solved: Floats
 
 
-def read_meshes_of_brake(brake: Brake) -> list[ShoeWithMeshFromFile]:
+def read_mesh_files_of_brake(brake: Brake) -> list[ShoeWithMeshFromFile]:
     """Read the mesh of each shoe that has a mesh file.
 
     Raises BadInput if no shoe has a mesh file, and for a mesh file that cannot be used.
@@ -101,7 +101,7 @@ def text_lines_about_mesh_to_be_solved(
     Further lines say what drumlin changed in the mesh when it read the file.
     """
     shoe, mesh = checked.shoe, checked.read.mesh
-    kind = element_kind_of_mesh(mesh)
+    kind = mesh_kind_of_scikit_fem_mesh(mesh)
     form = "triangles" if len(mesh.t) == 3 else "quadrilaterals"
     degree = "quadratic" if kind.edge == "line3" else "linear"
     parts = ", ".join(f"{name} {len(of)}" for name, of in mesh.subdomains.items())
@@ -137,7 +137,7 @@ def _text_about_contact_line(brake: Brake, checked: ShoeWithMeshFromFile) -> str
 
 def _largest_length_as_text_in_micrometres(lengths: Floats | float) -> str:
     """The largest absolute value of lengths [m] as text in micrometres; "0 um" for round-off."""
-    largest = float(np.abs(lengths).max()) * UM_PER_M
+    largest = float(np.abs(lengths).max()) * MICROMETRES_PER_METRE
     return f"{largest:.3g} um" if largest > 1e-4 else "0 um"
 
 
@@ -146,8 +146,9 @@ def _text_about_support_and_force(shoe: Shoe, mesh: Any) -> str:
     held = len(mesh.boundaries["hinge"])
     x, y = shoe.pin.xy.tolist()
     text = (
-        f"the {held} sides of the group hinge are a rigid line held at x = {text_in_mm(x)}, "
-        f"y = {text_in_mm(y)} ({shoe.kind_of_support}); "
+        f"the {held} sides of the group hinge are a rigid line held at x = "
+        f"{length_as_text_in_mm(x)}, "
+        f"y = {length_as_text_in_mm(y)} ({shoe.kind_of_support}); "
     )
     where = "the rigid line"
     if "actuation" in mesh.boundaries and not shoe.has_support_on_back_of_body:
@@ -197,7 +198,7 @@ def _nodes_along_element_sides(mesh: Any, facets: Ints) -> Ints:
 
 def draw_checked_meshes(brake: Brake, checked: list[ShoeWithMeshFromFile]) -> Figure:
     """Draw the meshes that were read from files, in a row of two panels for each shoe."""
-    with mpl.rc_context(SCREEN_STYLE):
+    with mpl.rc_context(MATPLOTLIB_SETTINGS_FOR_SCREEN):
         figure = Figure(figsize=(13.0, 6.4 * len(checked)), layout="constrained")
         rows = figure.subplots(
             len(checked), 2, squeeze=False, gridspec_kw={"width_ratios": [1.25, 1.0]}
@@ -273,7 +274,9 @@ def _draw_legend_below_axes(axes: Axes, handles: list[Any], columns: int) -> Non
     """Draw a legend below the label of the horizontal axis, where it covers no part of a mesh."""
     figure = axes.get_figure()
     assert isinstance(figure, Figure)
-    below = axes.transAxes + ScaledTranslation(0.0, -LEGEND_DISTANCE, figure.dpi_scale_trans)
+    below = axes.transAxes + ScaledTranslation(
+        0.0, -LEGEND_DISTANCE_BELOW_AXES, figure.dpi_scale_trans
+    )
     axes.legend(
         handles=handles,
         loc="upper center",
@@ -347,19 +350,31 @@ def _draw_offsets_of_contact_line(axes: Axes, brake: Brake, checked: ShoeWithMes
     shoe = checked.shoe
     offsets = _offsets_of_contact_nodes(brake, checked)
     at = offsets.at * shoe.surface.si_to_shown_unit_factor
-    compression = mean_lining_compression_under_actuation_force(brake, shoe) * UM_PER_M
+    compression = mean_lining_compression_under_actuation_force(brake, shoe) * MICROMETRES_PER_METRE
     word = shoe.surface.name
     axes.axhline(0.0, color=INK, lw=1.2)
     if compression:
         axes.axhspan(-compression, compression, facecolor="#dfe5ea", zorder=0)
     moved = np.abs(offsets.in_file - offsets.solved).max() > 0
     in_file = "in the file" if moved else "in the file, solved as it is"
-    axes.plot(at, offsets.in_file * UM_PER_M, "o-", color=RED, ms=3, lw=0.9, label=in_file)
+    axes.plot(
+        at, offsets.in_file * MICROMETRES_PER_METRE, "o-", color=RED, ms=3, lw=0.9, label=in_file
+    )
     if moved:
-        axes.plot(at, offsets.solved * UM_PER_M, ".-", color=BLUE, ms=3, lw=1.2, label="solved")
+        axes.plot(
+            at,
+            offsets.solved * MICROMETRES_PER_METRE,
+            ".-",
+            color=BLUE,
+            ms=3,
+            lw=1.2,
+            label="solved",
+        )
     # The vertical axis covers at least the lining's compression, so that distances that are
     # round-off do not fill the panel.
-    shown = np.append(offsets.in_file * UM_PER_M, [-1.5 * compression, 1.5 * compression])
+    shown = np.append(
+        offsets.in_file * MICROMETRES_PER_METRE, [-1.5 * compression, 1.5 * compression]
+    )
     low, high = min(float(shown.min()), -1e-3), max(float(shown.max()), 1e-3)
     margin = 0.06 * (high - low)
     axes.set_ylim(low - margin, high + margin)

@@ -24,7 +24,7 @@ from markupsafe import Markup
 import drumlin
 from drumlin.base.files import write_text
 from drumlin.base.texts import command_text_without_folders, number_as_text
-from drumlin.comparison import TableColumn
+from drumlin.comparison import ResultTableColumn
 
 _MEDIA_TYPE_OF_PICTURE_SUFFIX = {".svg": "image/svg+xml", ".png": "image/png", ".gif": "image/gif"}
 """The media type of a picture file, by the ending of its name."""
@@ -56,18 +56,18 @@ def picture_data_uri(path: Path) -> str:
 
 
 def table_columns_with_value_in_any_row(
-    rows: Sequence[dict[str, Any]], columns: Sequence[TableColumn]
-) -> list[TableColumn]:
+    rows: Sequence[dict[str, Any]], columns: Sequence[ResultTableColumn]
+) -> list[ResultTableColumn]:
     """The columns of a table that have a value in at least one row."""
 
-    def has_value_in_any_row(column: TableColumn) -> bool:
+    def has_value_in_any_row(column: ResultTableColumn) -> bool:
         """Whether at least one row has a value in the column."""
         return any(row.get(column.key) is not None for row in rows)
 
     return list(filter(has_value_in_any_row, columns))
 
 
-def is_text_column(rows: Sequence[dict[str, Any]], column: TableColumn) -> bool:
+def is_text_column(rows: Sequence[dict[str, Any]], column: ResultTableColumn) -> bool:
     """Whether a table's column holds text; the heading of such a column is aligned to the left."""
     return any(isinstance(row.get(column.key), str) for row in rows)
 
@@ -136,7 +136,7 @@ def _jinja_environment_for_page(template: Path, page: Path) -> jinja2.Environmen
         "embedded": lambda name: picture_data_uri(page.parent / name),
         "filled": table_columns_with_value_in_any_row,
         "of_words": is_text_column,
-        "Column": TableColumn,
+        "Column": ResultTableColumn,
         "pi": math.pi,
     }
     return environment

@@ -53,7 +53,7 @@ def color_of_model(model: str) -> str:
     )
 
 
-def line_style_of_model(model: str) -> dict[str, Any]:
+def color_and_line_style_of_model(model: str) -> dict[str, Any]:
     """Colour and line style of a model's curves, as keyword arguments of matplotlib."""
     return {
         "color": color_of_model(model),

@@ -14,9 +14,9 @@ from drumlin.base.arrays import Floats
 from drumlin.base.round_numbers import largest_round_number_not_above_value
 from drumlin.report.field_picture import (
     LARGEST_DRAWN_DISPLACEMENT_OVER_RADIUS,
-    PERCENTAGE_OF_COLOURED_PLANE_NODES,
+    LONGEST_PRESSURE_ARROW_OVER_RADIUS,
+    PERCENTAGE_OF_PLANE_NODES_WITHIN_COLOUR_BAR,
     PERCENTAGE_OF_PROPORTIONAL_ARROWS,
-    PRESSURE_ARROW_LENGTH,
     rounded_up_to_end_of_colour_bar,
 )
 from drumlin.report.palette import RED
@@ -26,13 +26,13 @@ from drumlin.report.solid_picture import STRESS_ARRAY_NAME
 PLANE_PICTURE_PIXELS = 1800, 1300
 """Width and height [pixels] of the picture."""
 
-WINDOW_RANGES_OF_DRAWN_BODIES = (0.02, 0.82), (0.03, 0.93)
+RELATIVE_WINDOW_RANGES_OF_DRAWN_BODIES = (0.02, 0.82), (0.03, 0.93)
 """Ranges of the width and of the height of the window in which the bodies and arrows are drawn.
 
 The colour bar with its title is to the right of this region, and the picture's title above it.
 """
 
-PRESSURE_ARROW_SQUARE_SIDE = 0.04
+SIDE_OF_SQUARE_WITH_ONE_PRESSURE_ARROW = 0.04
 """Side of the squares with one pressure arrow each, relative to half the length of the bodies.
 
 Nodes lie close together at the ends of a contact, where arrows at all nodes would hide one another.
@@ -68,7 +68,11 @@ def draw_plane_fields_in_this_process(fields: Path, picture: Path, title: str) -
     deformed.points = np.asarray(grid.points) + factor * u
     # Stresses at singular edges are far above all other stresses.
     top = rounded_up_to_end_of_colour_bar(
-        float(np.percentile(grid.point_data[STRESS_ARRAY_NAME], PERCENTAGE_OF_COLOURED_PLANE_NODES))
+        float(
+            np.percentile(
+                grid.point_data[STRESS_ARRAY_NAME], PERCENTAGE_OF_PLANE_NODES_WITHIN_COLOUR_BAR
+            )
+        )
     )
     plotter = pv.Plotter(off_screen=True, window_size=PLANE_PICTURE_PIXELS)
     plotter.set_background("white")
@@ -103,9 +107,9 @@ def centre_and_half_height_of_window(bounds: Floats) -> tuple[Floats, float]:
     """The place (2,) [m] at the window's centre, and half of the height [m] that the window shows.
 
     All that is within `bounds`, the least and the largest x and y (2, 2) [m], is then as large as
-    possible in WINDOW_RANGES_OF_DRAWN_BODIES, at its centre.
+    possible in RELATIVE_WINDOW_RANGES_OF_DRAWN_BODIES, at its centre.
     """
-    region = np.array(WINDOW_RANGES_OF_DRAWN_BODIES)
+    region = np.array(RELATIVE_WINDOW_RANGES_OF_DRAWN_BODIES)
     # The window, in units of its height.
     window = np.array([PLANE_PICTURE_PIXELS[0] / PLANE_PICTURE_PIXELS[1], 1.0])
     height = float((np.diff(bounds)[:, 0] / (np.diff(region)[:, 0] * window)).max())
@@ -134,12 +138,12 @@ def _add_pressure_arrows(plotter: Any, grid: Any, size: float) -> None:
     if not len(touching):
         return
     points = np.asarray(grid.points)[touching]
-    cells = np.round(points / (PRESSURE_ARROW_SQUARE_SIDE * size))
+    cells = np.round(points / (SIDE_OF_SQUARE_WITH_ONE_PRESSURE_ARROW * size))
     chosen = touching[np.unique(cells, axis=0, return_index=True)[1]]
     push = np.asarray(grid.point_data["push of the drum [Pa]"])[chosen]
     lengths = np.linalg.norm(push, axis=1)
     top = float(np.percentile(lengths, PERCENTAGE_OF_PROPORTIONAL_ARROWS))
-    arrows = push * (PRESSURE_ARROW_LENGTH * size / np.maximum(lengths, top))[:, None]
+    arrows = push * (LONGEST_PRESSURE_ARROW_OVER_RADIUS * size / np.maximum(lengths, top))[:, None]
     cloud = pv.PolyData(np.asarray(grid.points)[chosen] - arrows)
     cloud["arrow"], cloud["size"] = arrows, np.linalg.norm(arrows, axis=1)
     tip = pv.Arrow(tip_length=0.25, tip_radius=0.05, shaft_radius=0.016)

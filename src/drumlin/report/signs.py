@@ -22,11 +22,11 @@ MM_PER_M = 1e3
 
 # These are the colours of a brake's parts in drawings.
 DRUM_COLOR = "#e6ebf0"
-BODY_COLOR = "#aab6c2"
+COLOR_OF_SHOE_BODY = "#aab6c2"
 COLOR_OF_SHOE_BACKING = "#e3cfa4"
 LINING_COLOR = "#c89b6a"
 FORCE_COLOR = RED
-MOTION_COLOR = BLUE
+COLOR_OF_MOTION_ARROW = BLUE
 
 
 def draw_support_of_shoe(axes: Axes, shoe: Shoe, unit: float, *, on_strut: bool = False) -> None:
@@ -179,7 +179,9 @@ def draw_struts_and_cam(
         axes.plot(*np.array(tips).T, color=INK, lw=5, solid_capstyle="butt", zorder=4)
         middle = tuple(0.5 * (tips[0] + tips[1]))
         radius = max((brake.actuation.radius or 0.0) * MM_PER_M, 0.5 * unit)
-        axes.add_patch(Circle(middle, radius, facecolor=BODY_COLOR, edgecolor=INK, zorder=5))
+        axes.add_patch(
+            Circle(middle, radius, facecolor=COLOR_OF_SHOE_BODY, edgecolor=INK, zorder=5)
+        )
 
 
 def draw_fixed_or_moving_pin(axes: Axes, point: Point, unit: float, *, fixed: bool) -> None:

@@ -19,7 +19,7 @@ from drumlin.report.field_picture import (
 )
 from drumlin.report.figures import (
     FULL_WIDTH,
-    PRINT_STYLE,
+    MATPLOTLIB_SETTINGS_FOR_PRINT,
     height_of_title,
     save_figure,
     title_folded_into_lines,
@@ -27,7 +27,7 @@ from drumlin.report.figures import (
 )
 from drumlin.report.render import draw_picture_in_new_process, draw_picture_named_by_arguments
 
-LARGEST_DRAWN_SOLID_DISPLACEMENT = 0.05
+LARGEST_DRAWN_SOLID_DISPLACEMENT_OVER_RADIUS = 0.05
 """Length of the largest displacement in the picture, relative to the drum's radius.
 
 Longer displacements would hide the shape of the shoes, and with shorter displacements the
@@ -37,7 +37,7 @@ deformation would not be seen.
 STRESS_ARRAY_NAME = "von Mises stress [MPa]"
 """The name of the stresses [MPa] in the grid of pyvista."""
 
-PERCENTAGE_OF_COLOURED_SOLID_NODES = 99.0
+PERCENTAGE_OF_SOLID_NODES_WITHIN_COLOUR_BAR = 99.0
 """Percentage of the nodes whose stress is within the colour bar.
 
 With a larger share the shoes away from their loaded ends, where the stresses are far smaller, have
@@ -75,7 +75,7 @@ def draw_solid_shoes_in_this_process(fields: Path, picture: Path, title: str) ->
     factor = _factor_that_enlarges_drawn_displacements(grid)
     stress = np.asarray(grid.point_data[STRESS_ARRAY_NAME])
     top = rounded_up_to_end_of_colour_bar(
-        float(np.percentile(stress, PERCENTAGE_OF_COLOURED_SOLID_NODES))
+        float(np.percentile(stress, PERCENTAGE_OF_SOLID_NODES_WITHIN_COLOUR_BAR))
     )
     plotter = pv.Plotter(off_screen=True, window_size=SOLID_PICTURE_PIXELS)
     plotter.set_background("white")
@@ -119,7 +119,7 @@ def _figure_around_pixels(pixels: Any, title: str, top: float, *, beyond: bool) 
     """
     height = RELATIVE_WIDTH_OF_DRAWN_SHOES * FULL_WIDTH * pixels.shape[0] / pixels.shape[1]
     total = height + height_of_title(title)
-    with mpl.rc_context(PRINT_STYLE):
+    with mpl.rc_context(MATPLOTLIB_SETTINGS_FOR_PRINT):
         figure = Figure(figsize=(FULL_WIDTH, total))
         axes = figure.add_axes((0, 0, RELATIVE_WIDTH_OF_DRAWN_SHOES, height / total))
         axes.imshow(pixels, aspect="auto")
@@ -150,12 +150,14 @@ def _factor_that_enlarges_drawn_displacements(grid: Any) -> float:
     """The factor by which the picture enlarges the displacements.
 
     It is 1, 2 or 5 times a power of ten, and the largest at which no displacement is drawn longer
-    than LARGEST_DRAWN_SOLID_DISPLACEMENT.
+    than LARGEST_DRAWN_SOLID_DISPLACEMENT_OVER_RADIUS.
     """
     u = np.asarray(grid.point_data["displacement [m]"])
     radius = float(np.linalg.norm(np.asarray(grid.points)[:, :2], axis=1).max())
     largest = float(np.linalg.norm(u, axis=1).max()) or 1.0
-    return largest_round_number_not_above_value(LARGEST_DRAWN_SOLID_DISPLACEMENT * radius / largest)
+    return largest_round_number_not_above_value(
+        LARGEST_DRAWN_SOLID_DISPLACEMENT_OVER_RADIUS * radius / largest
+    )
 
 
 def main() -> int:

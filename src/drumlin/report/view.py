@@ -14,7 +14,12 @@ from drumlin.fem.solve import prepared_model_with_finest_elements
 from drumlin.models import reasons_why_models_do_not_apply
 from drumlin.report.drawing import draw_brake
 
-MESH_COLORS = {"shoe": "#c9d3dc", "table": "#b3c0cc", "backing": "#d9c39a", "lining": "#b98b6b"}
+COLOR_OF_ELEMENTS_BY_SHOE_PART = {
+    "shoe": "#c9d3dc",
+    "table": "#b3c0cc",
+    "backing": "#d9c39a",
+    "lining": "#b98b6b",
+}
 """Colour of the finite elements, by the part of the shoe to which they belong."""
 
 
@@ -46,7 +51,7 @@ def draw_brake_with_meshes(brake: Brake, **options: Any) -> Figure:
         for name, elements in body.mesh.subdomains.items():
             polygons = PolyCollection(
                 list(xy[around[:, elements].T]),
-                facecolor=MESH_COLORS[name],
+                facecolor=COLOR_OF_ELEMENTS_BY_SHOE_PART[name],
                 edgecolor="#40505f",
                 lw=0.25,
                 zorder=3.5,

@@ -5,10 +5,10 @@ responses. The package imports `drumlin.brake`, but no model that computes a res
 """
 
 from drumlin.response.response import (
-    UNCOMPARED_EDGE_ZONE,
+    UNCOMPARED_EDGE_ZONE_IN_RADIANS,
     ForceAndMomentImbalance,
     Response,
     ShoeResponse,
 )
 
-__all__ = ["UNCOMPARED_EDGE_ZONE", "ForceAndMomentImbalance", "Response", "ShoeResponse"]
+__all__ = ["UNCOMPARED_EDGE_ZONE_IN_RADIANS", "ForceAndMomentImbalance", "Response", "ShoeResponse"]

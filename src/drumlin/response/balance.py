@@ -14,15 +14,17 @@ from drumlin.brake.brake import Brake
 from drumlin.brake.further_loads import brake_with_loads_assigned_to_shoes
 from drumlin.response.response import ForceAndMomentImbalance, Response, ShoeResponse
 from drumlin.response.resultants import (
-    Resultant,
+    PressureAndFrictionResultant,
     planar_cross_product,
     resultant_of_pressure_and_friction,
 )
 
-BrakeType = TypeVar("BrakeType", bound=Brake)
+BrakeTypeVariableInBalance = TypeVar("BrakeTypeVariableInBalance", bound=Brake)
 
 
-def resultant_of_contact_on_shoe(brake: Brake, index: int, response: ShoeResponse) -> Resultant:
+def resultant_of_contact_on_shoe(
+    brake: Brake, index: int, response: ShoeResponse
+) -> PressureAndFrictionResultant:
     """The resultant of pressure and friction on the lining of shoe `index`.
 
     The resultant is the integral of the pressure in the shoe's response. A model that lumps the
@@ -38,7 +40,7 @@ def resultant_of_contact_on_shoe(brake: Brake, index: int, response: ShoeRespons
         order=response.order,
         size=brake.size,
         per_place=brake.length_per_surface_coordinate * shoe.lining.width,
-        sign=shoe.sign_of_internal_shoe,
+        sign=shoe.sign_internal_plus_external_minus,
         drag=brake.signed_friction_stress_over_pressure(shoe)
         if response.friction_stress is None
         else brake.sign_of_motion,
@@ -46,7 +48,9 @@ def resultant_of_contact_on_shoe(brake: Brake, index: int, response: ShoeRespons
     )
 
 
-def brake_with_forces_of_response(brake: BrakeType, response: Response) -> BrakeType:
+def brake_with_forces_of_response(
+    brake: BrakeTypeVariableInBalance, response: Response
+) -> BrakeTypeVariableInBalance:
     """The brake with the actuation forces and spring pulls that a model has found for its shoes.
 
     If a cam or a strut determines the forces on the shoes, the response states the force on each

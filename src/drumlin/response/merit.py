@@ -29,12 +29,12 @@ from drumlin.response.response import (
     ShoeResponse,
 )
 from drumlin.response.resultants import (
-    Resultant,
+    PressureAndFrictionResultant,
     integral_of_piecewise_polynomial,
     planar_cross_product,
 )
 
-BrakeVar = TypeVar("BrakeVar", bound=Brake)
+BrakeTypeVariableInMerit = TypeVar("BrakeTypeVariableInMerit", bound=Brake)
 
 
 def sign_of_friction_moment_about_hinge(brake: Brake, shoe: Shoe) -> int:
@@ -48,14 +48,19 @@ def sign_of_friction_moment_about_hinge(brake: Brake, shoe: Shoe) -> int:
     # A lining that reaches beyond half a turn from the hinge is pressed either before or beyond
     # this angle. The sense of the actuation moment tells which.
     M = shoe.moment_of_all_loads_about_point(shoe.pin)
-    beyond = shoe.arc[1] > math.pi and M * -shoe.sign_of_internal_shoe * shoe.frame.sense < 0
+    beyond = (
+        shoe.arc[1] > math.pi and M * -shoe.sign_internal_plus_external_minus * shoe.frame.sense < 0
+    )
     return (
-        shoe.sign_of_internal_shoe * brake.sign_of_motion * shoe.frame.sense * (1 if beyond else -1)
+        shoe.sign_internal_plus_external_minus
+        * brake.sign_of_motion
+        * shoe.frame.sense
+        * (1 if beyond else -1)
     )
 
 
 def figures_of_merit_of_shoe_on_drum(
-    brake: Brake, index: int, response: ShoeResponse, contact: Resultant
+    brake: Brake, index: int, response: ShoeResponse, contact: PressureAndFrictionResultant
 ) -> FiguresOfMeritOnDrum:
     """The figures of merit of one shoe on a drum.
 
@@ -77,7 +82,7 @@ def figures_of_merit_of_shoe_on_drum(
     N, T = float(np.linalg.norm(contact.normal)), response.torque
     # With the sign, `outwards` points from the drum's centre to the lining, for internal and for
     # external shoes.
-    outwards = -shoe.sign_of_internal_shoe * contact.normal
+    outwards = -shoe.sign_internal_plus_external_minus * contact.normal
     angle = math.atan2(outwards[1], outwards[0])
     sum_of_forces = (
         b * R * integral_of_piecewise_polynomial(response.theta, response.pressure, response.order)
@@ -241,8 +246,10 @@ def torque_sensitivity_to_friction_by_differences(
 
 
 def brake_scaled_to_peak_pressure(
-    brake: BrakeVar, solve: Callable[[BrakeVar], Response], peak_pressure: float
-) -> BrakeVar:
+    brake: BrakeTypeVariableInMerit,
+    solve: Callable[[BrakeTypeVariableInMerit], Response],
+    peak_pressure: float,
+) -> BrakeTypeVariableInMerit:
     """The brake with its actuation forces scaled by one factor to reach a given peak pressure.
 
     Parameters

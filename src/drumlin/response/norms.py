@@ -7,7 +7,7 @@ from typing import Self
 import numpy as np
 
 from drumlin.base.arrays import Bools, Floats, Ints
-from drumlin.response.response import UNCOMPARED_EDGE_ZONE, ShoeResponse
+from drumlin.response.response import UNCOMPARED_EDGE_ZONE_IN_RADIANS, ShoeResponse
 from drumlin.response.resultants import (
     GAUSS,
     WEIGHTS,
@@ -128,7 +128,7 @@ class PressureDifference:
 
 
 def relative_distance_of_pressures(
-    a: ShoeResponse, b: ShoeResponse, edge: float = UNCOMPARED_EDGE_ZONE
+    a: ShoeResponse, b: ShoeResponse, edge: float = UNCOMPARED_EDGE_ZONE_IN_RADIANS
 ) -> float:
     """The relative L2 distance between the pressures p_a and p_b of two responses of a shoe.
 

@@ -7,16 +7,16 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from drumlin.base.arrays import Bools, EqualByArrays, Floats
+from drumlin.base.arrays import BaseClassWithArrayEquality, Bools, Floats
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.brake.one_sided import SupportForce
-from drumlin.brake.surface import DRUM, FrictionSurface
+from drumlin.brake.one_sided import OneSidedSupportForce
+from drumlin.brake.surface import FRICTION_SURFACE_OF_DRUM, FrictionSurface
 from drumlin.response.limits import require_lining_strain_below_limit
 from drumlin.response.resultants import (
+    BeginAndEndOfEachSlot,
     LiningWithoutEndZones,
-    Resultant,
-    SlotEnds,
+    PressureAndFrictionResultant,
     arrange_nodal_values_by_piece,
     contact_arcs_from_nodal_pressures,
     integral_of_piecewise_polynomial,
@@ -30,21 +30,21 @@ from drumlin.response.show import (
     text_of_response,
 )
 
-UNCOMPARED_EDGE_ZONE = math.radians(0.2)
+UNCOMPARED_EDGE_ZONE_IN_RADIANS = math.radians(0.2)
 """Length [rad] of the zone at each end of a lining in which pressures are not compared.
 
 The pressure is singular at a sharp elastic edge. The stated error of a pressure therefore holds
 outside the zones at the lining's ends.
 """
 
-LARGEST_CURVE_STEP = math.radians(0.2)
+LARGEST_PRESSURE_CURVE_STEP_IN_RADIANS = math.radians(0.2)
 """Longest step [rad] between two points of a pressure curve that is drawn or written to a file.
 
 With it a lining of 100 degrees has 500 points, about as many as a plot can show. The spacing does
 not change the answer of a model.
 """
 
-SHORTEST_CURVE_PIECE_AT_LINING_END = 1e-9
+LEAST_ANGLE_FROM_LINING_END_TO_PRESSURE_CURVE_POINT = 1e-9
 """Distance [rad] from an end of the lining up to which a pressure curve has no point but the end.
 
 Angles that differ by less are the same number in a table. Towards a corner of the lining that
@@ -53,7 +53,7 @@ out the ends of the pieces that lie nearer to the lining's end. These pieces bea
 on the corner.
 """
 
-LARGEST_NEUTRAL_FRICTION_WORK_RATIO = 1e-9
+LARGEST_NEUTRAL_FRICTION_OVER_PRESSURE_WORK = 1e-9
 """Ratio of friction work to pressure work up to which friction is not self-energising.
 
 Both works are done in the same rigid-body motion of the shoe. A ratio below the limit is round-off:
@@ -98,13 +98,13 @@ class BeamAndRingDeflections(NamedTuple):
     z: Floats
 
 
-class RelativeShoeChanges(NamedTuple):
+class RelativeChangesOfShoeResults(NamedTuple):
     """Relative changes of a shoe's results by one cause, such as the finite contact penalty.
 
     Attributes
     ----------
-    pressure : change of the pressure in the L2 norm, outside UNCOMPARED_EDGE_ZONE at the lining's
-        ends
+    pressure : change of the pressure in the L2 norm, outside UNCOMPARED_EDGE_ZONE_IN_RADIANS at the
+        lining's ends
     torque : change of the torque
     reaction : change of the support reaction
     peak : largest change of the pressure near its peak, relative to the peak pressure
@@ -116,7 +116,7 @@ class RelativeShoeChanges(NamedTuple):
     peak: float = 0.0
 
 
-ZERO_SHOE_CHANGES = RelativeShoeChanges(0.0, 0.0, 0.0)
+ZERO_CHANGES_OF_SHOE_RESULTS = RelativeChangesOfShoeResults(0.0, 0.0, 0.0)
 """Relative changes that are all zero, for a shoe whose results have no such cause of change."""
 
 
@@ -129,7 +129,7 @@ def reference_force_of_reaction_errors(reaction: Floats, normal_force: float) ->
     return max(math.hypot(*reaction), NEGLIGIBLE_REACTION_OVER_NORMAL_FORCE * normal_force) or 1.0
 
 
-class PlaneStressError(NamedTuple):
+class EstimatedErrorOfPlaneStress(NamedTuple):
     """The estimated error of the assumption of plane stress, for shoes of finite width.
 
     Attributes
@@ -160,7 +160,7 @@ class PlaneStressError(NamedTuple):
         return {**self.brake, "peak": None, **corrected}
 
 
-class PressureOverWidth(NamedTuple):
+class PressureOverArcAndWidth(NamedTuple):
     """The pressure over the arc and the width of a lining, by a solid model.
 
     Attributes
@@ -178,7 +178,7 @@ class PressureOverWidth(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class ShoeResponse(EqualByArrays):
+class ShoeResponse(BaseClassWithArrayEquality):
     """The forces on one shoe, the pressure on its lining, and its motion, as a model computes them.
 
     For a shoe on a plane, `theta` and `contact_arcs` are places x [m], and `torque` is 0, because
@@ -234,20 +234,20 @@ class ShoeResponse(EqualByArrays):
     theta: Floats
     pressure: Floats
     order: int = 2
-    slots: SlotEnds = ()
+    slots: BeginAndEndOfEachSlot = ()
     friction_stress: Floats | None = None
     turn: float | None = None
-    lumped: Resultant | None = None
+    lumped: PressureAndFrictionResultant | None = None
     pivot_reaction: Floats | None = None
     reaction_moment: float = 0.0
-    supports: tuple[SupportForce, ...] = ()
+    supports: tuple[OneSidedSupportForce, ...] = ()
     force: float | None = None
     motion: tuple[float, float, float] | None = None
     deformation: BeamAndRingDeflections | None = None
-    surface: PressureOverWidth | None = None
+    surface: PressureOverArcAndWidth | None = None
     error: Mapping[str, float] | None = None
-    softness: RelativeShoeChanges = ZERO_SHOE_CHANGES
-    lost: RelativeShoeChanges = ZERO_SHOE_CHANGES
+    softness: RelativeChangesOfShoeResults = ZERO_CHANGES_OF_SHOE_RESULTS
+    lost: RelativeChangesOfShoeResults = ZERO_CHANGES_OF_SHOE_RESULTS
 
     @property
     def length_of_shortest_lining(self) -> float:
@@ -312,16 +312,16 @@ class ShoeResponse(EqualByArrays):
     def _pressure_curve_with_slots(self) -> tuple[Floats, Floats]:
         """Points of the pressure curve on several linings; the pressure is 0 in the slots.
 
-        Beside each slot there is a point at SHORTEST_CURVE_PIECE_AT_LINING_END from the lining's
-        edge.
+        Beside each slot there is a point at LEAST_ANGLE_FROM_LINING_END_TO_PRESSURE_CURVE_POINT
+        from the lining's edge.
         """
         edges = [self.theta[0], *(edge for slot in self.slots for edge in slot), self.theta[-1]]
         theta, pressure = [], []
         for k, (start, end) in enumerate(zip(edges[::2], edges[1::2], strict=True)):
             if k > 0:
                 slot = [
-                    edges[2 * k - 1] + SHORTEST_CURVE_PIECE_AT_LINING_END,
-                    start - SHORTEST_CURVE_PIECE_AT_LINING_END,
+                    edges[2 * k - 1] + LEAST_ANGLE_FROM_LINING_END_TO_PRESSURE_CURVE_POINT,
+                    start - LEAST_ANGLE_FROM_LINING_END_TO_PRESSURE_CURVE_POINT,
                 ]
                 theta.append(np.array(slot))
                 pressure.append(np.zeros(2))
@@ -333,12 +333,15 @@ class ShoeResponse(EqualByArrays):
 
     def _pressure_curve_of_one_lining(self, nodes: Floats) -> tuple[Floats, Floats]:
         """Points of the pressure curve on the lining with the given nodes (n,) [rad]."""
-        # Ends of pieces within SHORTEST_CURVE_PIECE_AT_LINING_END of the lining's ends are left
-        # out.
+        # Ends of pieces within LEAST_ANGLE_FROM_LINING_END_TO_PRESSURE_CURVE_POINT of the lining's
+        # ends are left out.
         ends = nodes[:: self.order]
-        apart = np.minimum(ends - ends[0], ends[-1] - ends) > SHORTEST_CURVE_PIECE_AT_LINING_END
+        apart = (
+            np.minimum(ends - ends[0], ends[-1] - ends)
+            > LEAST_ANGLE_FROM_LINING_END_TO_PRESSURE_CURVE_POINT
+        )
         ends = np.concatenate([ends[:1], ends[apart], ends[-1:]])
-        half_steps = np.ceil(np.diff(ends) / (2 * LARGEST_CURVE_STEP))
+        half_steps = np.ceil(np.diff(ends) / (2 * LARGEST_PRESSURE_CURVE_STEP_IN_RADIANS))
         counts = 2 * np.maximum(self.order, half_steps).astype(int)
         pieces = []
         for i, count in enumerate(counts):
@@ -419,7 +422,9 @@ def notes_on_forces_of_one_sided_supports(shoes: Sequence[ShoeResponse]) -> tupl
     return (f"supports: {'; '.join(parts)}",)
 
 
-def _arrays_as_lists(arrays: BeamAndRingDeflections | PressureOverWidth) -> dict[str, list[Any]]:
+def _arrays_as_lists(
+    arrays: BeamAndRingDeflections | PressureOverArcAndWidth,
+) -> dict[str, list[Any]]:
     """The arrays of a result as lists by their names, for JSON."""
     return {key: values.tolist() for key, values in arrays._asdict().items()}
 
@@ -479,7 +484,7 @@ class FiguresOfMeritOnPlane(NamedTuple):
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class Response(EqualByArrays):
+class Response(BaseClassWithArrayEquality):
     """The answer of a model for a brake: torque, pressures, reactions and contact of its shoes.
 
     Two responses are equal if everything but their times is equal.
@@ -498,8 +503,8 @@ class Response(EqualByArrays):
     bearing_load : (2,) [N], force of all shoes on the drum, which the drum's bearings carry
     error : estimated relative errors by their keys "pressure" (of the worst shoe, L2 norm outside
         the edge zones) and "torque"; None if nothing was estimated
-    surface : friction surface; always DRUM until `response_with_figures_of_merit` sets drum or
-        plane
+    surface : friction surface; always FRICTION_SURFACE_OF_DRUM until
+        `response_with_figures_of_merit` sets drum or plane
     plane_stress_error : estimated error of the assumption of plane stress; None if it was not asked
         for
     self_locking : the friction of the brake and the friction coefficients at which the brake locks
@@ -519,8 +524,8 @@ class Response(EqualByArrays):
     merits: tuple[FiguresOfMeritOnDrum | FiguresOfMeritOnPlane, ...] = ()
     bearing_load: Floats | None = None
     error: Mapping[str, float] | None = None
-    surface: FrictionSurface = DRUM
-    plane_stress_error: PlaneStressError | None = None
+    surface: FrictionSurface = FRICTION_SURFACE_OF_DRUM
+    plane_stress_error: EstimatedErrorOfPlaneStress | None = None
     self_locking: SelfLocking | SelfLockingFactor | None = None
     spring_pulls: tuple[float, ...] = ()
 
@@ -629,7 +634,7 @@ def response_of_pressed_elastic_shoe(
     located: bool = True,
     on_lining: Bools | None = None,
     peak: float | None = None,
-    surface: PressureOverWidth | None = None,
+    surface: PressureOverArcAndWidth | None = None,
     friction_stress: Floats | None = None,
     **results: Any,
 ) -> ShoeResponse:
@@ -742,10 +747,10 @@ def angle_of_edge_zone_left_out_of_peak_search(shoe: Shoe, size: float) -> float
 def length_of_uncompared_edge_zone(length: float, unit: float = 1.0) -> float:
     """The length of the zone at each end of a lining in which pressures are not compared.
 
-    It is UNCOMPARED_EDGE_ZONE, or a quarter of the lining's `length` if that is shorter. Both
-    lengths are in a coordinate that grows by `unit` per radian.
+    It is UNCOMPARED_EDGE_ZONE_IN_RADIANS, or a quarter of the lining's `length` if that is shorter.
+    Both lengths are in a coordinate that grows by `unit` per radian.
     """
-    return min(unit * UNCOMPARED_EDGE_ZONE, 0.25 * length)
+    return min(unit * UNCOMPARED_EDGE_ZONE_IN_RADIANS, 0.25 * length)
 
 
 class PeakPressurePlace(NamedTuple):
@@ -767,7 +772,8 @@ def place_of_peak_pressure(
 ) -> PeakPressurePlace | None:
     """The place of the peak pressure of shoe `index`; None if the shoe does not touch.
 
-    The place is one of the points of the pressure curve, at most LARGEST_CURVE_STEP apart.
+    The place is one of the points of the pressure curve, at most
+    LARGEST_PRESSURE_CURVE_STEP_IN_RADIANS apart.
     """
     if not response.contact_arcs or not response.peak_pressure > 0:
         return None
@@ -787,7 +793,7 @@ def place_of_peak_pressure(
 
 
 def largest_nodal_pressure_outside_end_zones(
-    theta: Floats, pressure: Floats, zone: float, slots: SlotEnds = ()
+    theta: Floats, pressure: Floats, zone: float, slots: BeginAndEndOfEachSlot = ()
 ) -> float:
     """The largest nodal pressure [Pa] at nodes farther than `zone` [rad] from the lining's ends.
 
@@ -799,7 +805,7 @@ def largest_nodal_pressure_outside_end_zones(
 
 
 def which_angles_are_outside_end_zones(
-    theta: Floats, first: float, last: float, zone: float, slots: SlotEnds = ()
+    theta: Floats, first: float, last: float, zone: float, slots: BeginAndEndOfEachSlot = ()
 ) -> Bools:
     """Whether angles are on a lining, and farther than a zone from its ends; a mask (n,).
 

@@ -14,7 +14,7 @@ torque. The value is a judgement and changes no result.
 """
 
 
-class LockedShoes(NamedTuple):
+class LockedShoesAndLockingFriction(NamedTuple):
     """Shoes that lock together, and the friction coefficient mu_lock at which they lock.
 
     Attributes
@@ -44,8 +44,8 @@ class SelfLocking(NamedTuple):
     """
 
     friction: float
-    law: LockedShoes
-    elastic: LockedShoes | None = None
+    law: LockedShoesAndLockingFriction
+    elastic: LockedShoesAndLockingFriction | None = None
     sought: float = 0.0
     key_of_lining_with_own_friction: str = ""
 
@@ -64,10 +64,12 @@ class SelfLocking(NamedTuple):
         known = []
         if self.elastic is not None and math.isfinite(self.elastic.friction):
             known.append(
-                self._friction_as_percentage_of_limit(self.elastic, "for the elastic brake")
+                self._friction_in_percent_of_limit_as_text(self.elastic, "for the elastic brake")
             )
         if math.isfinite(self.law.friction):
-            known.append(self._friction_as_percentage_of_limit(self.law, "by the rigid-shoe law"))
+            known.append(
+                self._friction_in_percent_of_limit_as_text(self.law, "by the rigid-shoe law")
+            )
         if not known:
             known.append("no friction locks the brake by the rigid-shoe law")
         if self.elastic is not None and math.isinf(self.elastic.friction):
@@ -76,7 +78,9 @@ class SelfLocking(NamedTuple):
             known.append(f"all frictions in proportion, {self.key_of_lining_with_own_friction} too")
         return f"self-locking: {'; '.join(known)}"
 
-    def _friction_as_percentage_of_limit(self, limit: LockedShoes, whose: str) -> str:
+    def _friction_in_percent_of_limit_as_text(
+        self, limit: LockedShoesAndLockingFriction, whose: str
+    ) -> str:
         """Text such as "friction 0.3 is 60 % of mu_lock = 0.5 for the elastic brake".
 
         `whose` are the last words of the text.
@@ -93,9 +97,9 @@ class SelfLocking(NamedTuple):
             self.elastic is not None
             and self.friction > WARNED_FRACTION_OF_LOCKING_FRICTION * self.elastic.friction
         ):
+            near = self._friction_in_percent_of_limit_as_text(self.elastic, "for the elastic brake")
             yield (
-                f"warning: {_shoe_names_as_text(self.elastic.shoes)}: "
-                f"{self._friction_as_percentage_of_limit(self.elastic, 'for the elastic brake')}, "
+                f"warning: {_shoe_names_as_text(self.elastic.shoes)}: {near}, "
                 "towards which the torque grows without bound"
             )
         shoe = _shoe_names_as_text(self.law.shoes)
@@ -108,7 +112,7 @@ class SelfLocking(NamedTuple):
         elif self.friction > WARNED_FRACTION_OF_LOCKING_FRICTION * self.law.friction:
             yield (
                 f"warning: {shoe}: "
-                f"{self._friction_as_percentage_of_limit(self.law, 'by the rigid-shoe law')}"
+                f"{self._friction_in_percent_of_limit_as_text(self.law, 'by the rigid-shoe law')}"
             )
 
 
@@ -126,7 +130,7 @@ class SelfLockingFactor(NamedTuple):
     """
 
     key: str
-    elastic: LockedShoes | None = None
+    elastic: LockedShoesAndLockingFriction | None = None
     sought: float = 0.0
 
     def as_dict(self) -> dict[str, Any]:
@@ -164,7 +168,9 @@ class SelfLockingFactor(NamedTuple):
             )
 
 
-def first_shoes_to_lock(limits: Sequence[LockedShoes]) -> LockedShoes:
+def first_shoes_to_lock(
+    limits: Sequence[LockedShoesAndLockingFriction],
+) -> LockedShoesAndLockingFriction:
     """The shoes that lock first: those with the smallest mu_lock among all `limits`."""
     return min(limits, key=lambda limit: limit.friction)
 

@@ -5,12 +5,12 @@ from drumlin.sweeps.file import Normal, Range, SweepFile, Triangular, TruncatedN
 from drumlin.sweeps.options import FemOptions, FoundationOptions, SolidOptions
 
 # Keys that several distributions share, each with its meaning.
-_DISTRIBUTION_KEY_MEANINGS = {
+_MEANINGS_OF_KEYS_SHARED_BY_DISTRIBUTIONS = {
     "distribution": "name of the distribution",
     "each_shoe": "whether each shoe draws a value of its own",
 }
-_END_KEY_MEANINGS = {"from": "lower end", "to": "upper end"}
-_MEAN_KEY_MEANINGS = {
+_MEANINGS_OF_RANGE_END_KEYS = {"from": "lower end", "to": "upper end"}
+_MEANINGS_OF_MEAN_AND_DEVIATION_KEYS = {
     "mean": "mean value, by default the value in the brake file",
     "deviation": "standard deviation, as a quantity or in % of the mean",
 }
@@ -31,16 +31,18 @@ MEANINGS_OF_SWEEP_FILE_KEYS: tuple[KeyMeaningsOfPart, ...] = (
         "vary": "the table `[vary]`: keys of the brake file, such as "
             "`\"shoe[0].lining.thickness\"`, each with a list, a range or a distribution of "
             "values"}),
-    ("A range", Range, {**_END_KEY_MEANINGS, "count": "number of values",
+    ("A range", Range, {**_MEANINGS_OF_RANGE_END_KEYS, "count": "number of values",
     "scale": "equal steps (`linear`), or equal ratios (`log`)"}),
-    ('`distribution = "uniform"`', Uniform, {**_DISTRIBUTION_KEY_MEANINGS, **_END_KEY_MEANINGS}),
+    ('`distribution = "uniform"`', Uniform, {
+        **_MEANINGS_OF_KEYS_SHARED_BY_DISTRIBUTIONS, **_MEANINGS_OF_RANGE_END_KEYS}),
     ('`distribution = "triangular"`', Triangular, {
-        **_DISTRIBUTION_KEY_MEANINGS, **_END_KEY_MEANINGS,
+        **_MEANINGS_OF_KEYS_SHARED_BY_DISTRIBUTIONS, **_MEANINGS_OF_RANGE_END_KEYS,
         "mode": "most frequent value, by default the value in the brake file"}),
     ('`distribution = "normal"` or `"lognormal"`', Normal, {
-        **_DISTRIBUTION_KEY_MEANINGS, **_MEAN_KEY_MEANINGS}),
+        **_MEANINGS_OF_KEYS_SHARED_BY_DISTRIBUTIONS, **_MEANINGS_OF_MEAN_AND_DEVIATION_KEYS}),
     ('`distribution = "truncated-normal"`', TruncatedNormal, {
-        **_DISTRIBUTION_KEY_MEANINGS, **_MEAN_KEY_MEANINGS, **_END_KEY_MEANINGS}),
+        **_MEANINGS_OF_KEYS_SHARED_BY_DISTRIBUTIONS, **_MEANINGS_OF_MEAN_AND_DEVIATION_KEYS,
+        **_MEANINGS_OF_RANGE_END_KEYS}),
     ("`[model.fem]`", FemOptions, {
         "elements": "number of elements along each lining", "kind": "kind of the elements",
         "penalty": "contact stiffness over E/t of the lining",

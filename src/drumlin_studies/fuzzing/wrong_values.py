@@ -12,7 +12,7 @@ from pydantic import BaseModel
 
 from drumlin_studies.fuzzing.inputs import UnquotedTomlText
 
-WRONG_WORDS = (
+ODD_TEXTS_FOR_KEYS_AND_OPTIONS = (
     "",
     " ",
     "0",
@@ -155,7 +155,7 @@ def random_toml_value(rng: random.Random, deep: int = 2) -> Any:
     Tables and lists are nested up to `deep` levels.
     """
     simple: list[Callable[[], Any]] = [
-        lambda: rng.choice(WRONG_WORDS),
+        lambda: rng.choice(ODD_TEXTS_FOR_KEYS_AND_OPTIONS),
         lambda: rng.choice(USUAL_TO_IMPOSSIBLE_QUANTITIES),
         lambda: rng.choice(USUAL_TO_IMPOSSIBLE_NUMBERS),
         lambda: rng.random() < 0.5,
@@ -211,7 +211,9 @@ def tables_and_allowed_keys_in_brake_data(
                     yield from tables_and_allowed_keys_in_brake_data(model, part)
 
 
-def random_value_near_type(rng: random.Random, annotation: Any, before: Any) -> Any:
+def random_value_mostly_of_similar_type_or_value(
+    rng: random.Random, annotation: Any, before: Any
+) -> Any:
     """A random value for a key, mostly near its type or near its present value.
 
     Parameters

@@ -14,12 +14,12 @@ import numpy as np
 from drumlin.base.arrays import Floats
 from drumlin.base.lapack import block_diag
 from drumlin.brake.brake import Brake
-from drumlin.brake.support import SENSE_OF_RELEASED_ABUTMENT
+from drumlin.brake.support import SENSE_VALUE_OF_ABUTMENT_THAT_DOES_NOT_ACT
 from drumlin.contact import equations
 from drumlin.contact.stick_slip import StickSlipProblem
 from drumlin.fem.equilibrium.group import ShoeGroup
 from drumlin.fem.equilibrium.sharing import (
-    ForceEffects,
+    EffectsOfActuationForceOnShoe,
     make_contact_problem_with_strut_and_cam_forces,
 )
 from drumlin.fem.equilibrium.spring_nodes import (
@@ -51,7 +51,11 @@ def make_stick_slip_problem_and_slip_per_drum_rotation(
     the `springs` with a rate. The group is then that of `group_under_spring_pulls` with None.
     """
     feet = FeetOnRoughAbutments.collect_feet_on_rough_abutments(group)
-    still = replace(group, brake=feet.brake_with_smooth_abutments(0.0), friction_senses=feet.senses)
+    still = replace(
+        group,
+        brake=feet.brake_with_smooth_abutments(0.0),
+        abutment_friction_directions_of_shoes=feet.senses,
+    )
     shoes = [_matrices_of_tractions_on_lining(still, k) for k in range(len(group.members))]
     problem = feet.stick_slip_problem_with_abutment_nodes(
         _stick_slip_problem_without_abutments(still, shoes), still
@@ -80,8 +84,8 @@ class _TractionMatrices(NamedTuple):
     compliance : compliance (n, n) of the penalty contact along the friction surface, which is the
         same as normal to the surface
     q_s : weighted slips (n,) without pressure and traction
-    effects : the `ForceEffects` of the actuation force, with slips in place of gaps and tractions
-        in place of pressures
+    effects : the `EffectsOfActuationForceOnShoe` of the actuation force, with slips in place of
+        gaps and tractions in place of pressures
     load_travel : elastic displacement (n, l) of the point at which each of l unit loads acts, along
         the load and per nodal traction
     """
@@ -93,7 +97,7 @@ class _TractionMatrices(NamedTuple):
     C_t: Floats
     compliance: Floats
     q_s: Floats
-    effects: ForceEffects
+    effects: EffectsOfActuationForceOnShoe
     load_travel: Floats
 
 
@@ -109,7 +113,7 @@ def _matrices_of_tractions_on_lining(group: ShoeGroup, k: int) -> _TractionMatri
     # Y is L^-1 f for nodal forces f and the Cholesky factor L of the stiffness L L^T. The product
     # of two parts of Y is a flexibility: pressed^T dragged gives the weighted gaps that tractions
     # open.
-    Y = condensed.inverse_cholesky_factor_times_nodal_forces(
+    Y = condensed.half_flexibility_under_nodal_forces(
         np.hstack([-coupling.N.T, T.T, condensed.load_on_contact])
     )
     pressed, dragged, loaded = np.split(Y, [n, 2 * n], axis=1)
@@ -196,16 +200,17 @@ class FeetOnRoughAbutments(NamedTuple):
     Attributes
     ----------
     group : the group of shoes
-    shoe_numbers : numbers, within the group, of the shoes whose feet stand on rough abutments
+    indices_of_shoes_on_rough_abutments : numbers, within the group, of the shoes whose feet stand
+        on rough abutments
     senses : direction of friction at the abutment of each shoe of the group;
-        SENSE_OF_RELEASED_ABUTMENT (the abutment is left out) if the foot is a node of the
-        stick-slip problem
+        SENSE_VALUE_OF_ABUTMENT_THAT_DOES_NOT_ACT (the abutment is left out) if the foot is a node
+        of the stick-slip problem
     foot_compliance : penalty compliance (feet,) [m/N] of the contact between each foot and its
         abutment, normal to the face and along it
     """
 
     group: ShoeGroup
-    shoe_numbers: list[int]
+    indices_of_shoes_on_rough_abutments: list[int]
     senses: tuple[int, ...]
     foot_compliance: Floats
 
@@ -221,7 +226,7 @@ class FeetOnRoughAbutments(NamedTuple):
             if shoe.abutment is None or not shoe.abutment.friction > 0:
                 continue
             on.append(k)
-            senses[k] = SENSE_OF_RELEASED_ABUTMENT
+            senses[k] = SENSE_VALUE_OF_ABUTMENT_THAT_DOES_NOT_ACT
             area = float(group.substructures_of_shoes[k].coupling.areas_of_contact_nodes.sum())
             stiffness.append(penalty_stiffness_of_contact_per_area(shoe, penalty) * area)
         return cls(group, on, tuple(senses), 1 / np.array(stiffness))
@@ -240,7 +245,7 @@ class FeetOnRoughAbutments(NamedTuple):
 
     def friction_coefficients_of_all_nodes(self) -> Floats:
         """The friction coefficients (n,) of all nodes: linings, feet, then one-sided supports."""
-        abutments = [self.group.shoes[k].abutment for k in self.shoe_numbers]
+        abutments = [self.group.shoes[k].abutment for k in self.indices_of_shoes_on_rough_abutments]
         of_feet = [abutment.friction for abutment in abutments if abutment is not None]
         of_supports = [0.0] * len(self.group.one_sided_supports)
         of_linings = self.group.brake.friction * self.group.friction_of_nodes_over_brake_friction
@@ -256,16 +261,20 @@ class FeetOnRoughAbutments(NamedTuple):
         problem : the stick-slip problem of the linings
         still : the frictionless group of this problem, whose feet move freely
         """
-        if not self.shoe_numbers:
+        if not self.indices_of_shoes_on_rough_abutments:
             return problem
-        count = len(self.shoe_numbers)
+        count = len(self.indices_of_shoes_on_rough_abutments)
         off = np.zeros((count, problem.B_w.shape[1]))
         slid = np.zeros((count, problem.B_w.shape[1]))
         # The rigid-body modes of the shoe are two translations and the rotation about its foot. One
         # translation moves the foot off the abutment, the other along it; the rotation does not
         # move it.
-        for row, k in enumerate(self.shoe_numbers):
-            names = still.shoes[k].rigid_body_modes_of_support(SENSE_OF_RELEASED_ABUTMENT).names
+        for row, k in enumerate(self.indices_of_shoes_on_rough_abutments):
+            names = (
+                still.shoes[k]
+                .rigid_body_modes_of_support(SENSE_VALUE_OF_ABUTMENT_THAT_DOES_NOT_ACT)
+                .names
+            )
             first = still.rigid_body_mode_slices_of_shoes[k].start
             off[row, first + names.index("off")] = 1.0
             slid[row, first + names.index("slide")] = 1.0
@@ -433,8 +442,10 @@ def _contact_problem_with_tractions_among_pressures(
 
 def _actuation_effects_on_pressures_and_tractions(
     still: ShoeGroup, shoes: list[_TractionMatrices], n: int, springs: SpringNodes | None
-) -> list[ForceEffects]:
-    """The `ForceEffects` of each shoe, with slips after the gaps and tractions after the pressures.
+) -> list[EffectsOfActuationForceOnShoe]:
+    """The effects of the actuation force on each shoe, with slips and tractions.
+
+    The slips follow the gaps, and the tractions follow the pressures.
 
     They are the effects of the actuation force on the n gaps and n slips, and the effects of the n
     pressures and n tractions on the shoe's tip and foot.

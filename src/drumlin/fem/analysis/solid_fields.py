@@ -17,9 +17,9 @@ from drumlin.fem.preparation.bodies import ShoeSubstructure
 from drumlin.fem.preparation.displacements import nodal_displacements_of_shoe
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.fem.width.face import ContactFaceWithWidth
-from drumlin.fem.width.functions import WidthFunctions
+from drumlin.fem.width.functions import FunctionsAcrossWidth
 from drumlin.fem.width.integrals import LameConstants
-from drumlin.fem.width.recovery import EliminatedWidthUnknowns
+from drumlin.fem.width.recovery import EliminatedUnknownsOfShoeWithWidth
 from drumlin.response.balance import brake_with_forces_of_response
 from drumlin.response.response import Response, ShoeResponse
 from drumlin.response.resultants import gauss_lobatto_points
@@ -61,7 +61,7 @@ Bottom and top are exchanged. Corners come first, then the middles of the edges.
 """
 
 
-class SolidFields(NamedTuple):
+class StressAndDisplacementFieldsOfHalfShoe(NamedTuple):
     """Displacement and stress in half a shoe (z >= 0), in the brake's frame.
 
     A node is repeated for each material that meets in it.
@@ -105,7 +105,7 @@ class _SamplesAcrossWidthPiece(NamedTuple):
     odd_slopes: Floats
 
 
-class _PartFields(NamedTuple):
+class _FieldsOfShoePart(NamedTuple):
     """The fields in one part of a shoe, in the shoe's frame.
 
     Attributes
@@ -126,7 +126,7 @@ class _PartFields(NamedTuple):
 
 def recover_stresses_in_half_of_each_solid_shoe(
     scene: PreparedModel, brake: Brake, response: Response
-) -> list[SolidFields]:
+) -> list[StressAndDisplacementFieldsOfHalfShoe]:
     """The displacements and stresses in half of each shoe (z >= 0), from a response's pressures.
 
     `response` was computed on the prepared model `scene`, which has shoes with widths.
@@ -140,7 +140,7 @@ def recover_stresses_in_half_of_each_solid_shoe(
 
 def _recover_stresses_in_half_of_solid_shoe(
     body: ShoeSubstructure, brake: Brake, shoe: Shoe, answer: ShoeResponse
-) -> SolidFields:
+) -> StressAndDisplacementFieldsOfHalfShoe:
     """The displacements and stresses in half of a shoe (z >= 0).
 
     Parameters
@@ -181,7 +181,7 @@ def _recover_stresses_in_half_of_solid_shoe(
     points = np.column_stack(
         [shoe.convert_points_to_brake_frame(unknowns.grid.doflocs[:, nodes]).T, z]
     )
-    return SolidFields(
+    return StressAndDisplacementFieldsOfHalfShoe(
         points=points,
         cells=hexahedra_turned_to_positive_volume(points, np.concatenate(cells)),
         part=np.concatenate(numbers),
@@ -199,15 +199,17 @@ def contact_face_of_solid_shoe(body: ShoeSubstructure) -> ContactFaceWithWidth:
     return body.line
 
 
-def displacement_unknowns_of_solid_shoe(body: ShoeSubstructure) -> EliminatedWidthUnknowns:
+def displacement_unknowns_of_solid_shoe(
+    body: ShoeSubstructure,
+) -> EliminatedUnknownsOfShoeWithWidth:
     """The unknowns of a shoe with a width, by which eliminated displacements are recovered."""
     # `prepare_model_with_shoe_widths` gives every body unknowns of this type.
-    assert isinstance(body.condensed.inner, EliminatedWidthUnknowns)
+    assert isinstance(body.condensed.inner, EliminatedUnknownsOfShoeWithWidth)
     return body.condensed.inner
 
 
 def _width_functions_at_sample_points_of_each_piece(
-    functions: WidthFunctions, half: float
+    functions: FunctionsAcrossWidth, half: float
 ) -> Iterator[_SamplesAcrossWidthPiece]:
     """Yield the sample points, with the width functions, of each piece of a part's half width."""
     ends = functions.breaks[: functions.number_of_width_pieces_in_part(half) + 1]
@@ -227,8 +229,8 @@ def _width_functions_at_sample_points_of_each_piece(
 
 
 def displacements_and_stresses_in_shoe_part(
-    unknowns: EliminatedWidthUnknowns, u: Floats, name: str
-) -> _PartFields:
+    unknowns: EliminatedUnknownsOfShoeWithWidth, u: Floats, name: str
+) -> _FieldsOfShoePart:
     """The displacements and stresses in the part `name` of a shoe, from all unknowns u [m]."""
     grid, elements = unknowns.grid, unknowns.grid.subdomains[name]
     even, odd = unknowns.factors_of_even_and_odd_functions_at_nodes(u)
@@ -265,7 +267,7 @@ def displacements_and_stresses_in_shoe_part(
         grid.quadrilaterals_between_element_nodes, steps + 1
     )
     cells = means.cells[corners].reshape(8, -1).T
-    return _PartFields(nodes, levels[level], cells, displacement[level, nodes], means.values)
+    return _FieldsOfShoePart(nodes, levels[level], cells, displacement[level, nodes], means.values)
 
 
 def _corners_of_cells_between_sample_points(quadrilaterals: Ints, levels: int) -> Ints:
@@ -319,7 +321,7 @@ def _stress_at_sample_points_across_width(
 
 
 def _pressure_at_sample_points_of_lining(
-    face: ContactFaceWithWidth, p: Floats, lining: _PartFields
+    face: ContactFaceWithWidth, p: Floats, lining: _FieldsOfShoePart
 ) -> Floats:
     """The pressure (n,) [Pa] at the samples of a lining, 0 off the face.
 

@@ -18,7 +18,7 @@ import numpy as np
 from drumlin.base.arrays import Floats
 from drumlin.brake.one_sided import (
     LARGEST_ROUND_OFF_PULL_OF_SUPPORT,
-    WhichSupportsBear,
+    BearingFlagsOfOneSidedSupports,
     divide_motions_into_held_and_free,
     do_linings_resist_free_motions,
 )
@@ -26,7 +26,7 @@ from drumlin.contact.equations import ContactProblem
 
 
 @dataclass(frozen=True)
-class SupportMatrices:
+class OneSidedSupportMatrices:
     """The effects of m one-sided supports on n pressures and k rigid-body motions of a group.
 
     Forces and displacements are per newton of the group's actuation force.
@@ -51,7 +51,7 @@ class SupportMatrices:
 
 
 @dataclass(frozen=True)
-class BearingSupports:
+class ContactProblemOnBearingSupports:
     """The contact problem of a group of shoes on the one-sided supports that bear.
 
     Attributes
@@ -67,8 +67,8 @@ class BearingSupports:
     """
 
     problem: ContactProblem
-    bearing: WhichSupportsBear
-    matrices: SupportMatrices
+    bearing: BearingFlagsOfOneSidedSupports
+    matrices: OneSidedSupportMatrices
     forces_without_pressure: Floats
     forces_by_pressure: Floats
     motions_without_pressure: Floats
@@ -107,8 +107,10 @@ class BearingSupports:
 
 
 def contact_problem_on_supports_that_bear(
-    problem: ContactProblem, matrices: SupportMatrices, bearing: WhichSupportsBear
-) -> BearingSupports | None:
+    problem: ContactProblem,
+    matrices: OneSidedSupportMatrices,
+    bearing: BearingFlagsOfOneSidedSupports,
+) -> ContactProblemOnBearingSupports | None:
     """Make the contact problem of a group of shoes on the one-sided supports that bear.
 
     The result is None if the bearing supports are redundant, or leave a motion free that the
@@ -144,6 +146,6 @@ def contact_problem_on_supports_that_bear(
         C=free.T @ C,
         h=free.T @ h,
     )
-    return BearingSupports(
+    return ContactProblemOnBearingSupports(
         reduced, bearing, matrices, constant, by_pressure, motion, motion_by_pressure, free
     )

@@ -8,7 +8,7 @@ from drumlin.base.arrays import Floats
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Shoe
 
-LARGEST_TURN_TO_TOUCH = 0.2
+LARGEST_SHOE_TURN_BEFORE_CONTACT = 0.2
 """Largest rotation [rad] by which a shoe may have to turn before it touches the drum.
 
 The model assumes small displacements: at this angle the sine differs from the angle by 0.7 %. A
@@ -35,7 +35,7 @@ def require_small_turn_of_hinged_shoe(shoe: Shoe, xy: Floats, gap: Floats, momen
     a, r = shoe.pin.radius, np.hypot(*xy)
     # The contact nodes lie on the drum's radius. The unloaded lining stands back from them by its
     # gap.
-    lining = xy * ((r - shoe.sign_of_internal_shoe * gap) / r)
+    lining = xy * ((r - shoe.sign_internal_plus_external_minus * gap) / r)
     from_pin = lining - np.array([[a], [0.0]])
     d = np.hypot(*from_pin)
     psi = np.arctan2(from_pin[1], from_pin[0])
@@ -80,10 +80,10 @@ def require_small_shoe_turns_in_contact_solution(
 
 
 def _require_small_turn_of_shoe(shoe: Shoe, turn: float) -> None:
-    """Raise NoAnswer for a turn [rad] beyond LARGEST_TURN_TO_TOUCH."""
-    if turn > LARGEST_TURN_TO_TOUCH:
+    """Raise NoAnswer for a turn [rad] beyond LARGEST_SHOE_TURN_BEFORE_CONTACT."""
+    if turn > LARGEST_SHOE_TURN_BEFORE_CONTACT:
         raise NoAnswer(
             f"shoe {shoe.name!r}: it would have to turn by {math.degrees(turn):.3g} deg "
             f"to touch the {shoe.surface.name}; small displacements hold up to "
-            f"{math.degrees(LARGEST_TURN_TO_TOUCH):.3g} deg"
+            f"{math.degrees(LARGEST_SHOE_TURN_BEFORE_CONTACT):.3g} deg"
         )

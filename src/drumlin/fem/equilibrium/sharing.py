@@ -21,18 +21,18 @@ import numpy as np
 from drumlin.base.arrays import Floats, Ints
 from drumlin.contact.equations import ContactProblem
 
-LARGEST_FORCE_THAT_DOES_NOT_PUSH = 1e-9
+LARGEST_STRUT_OR_CAM_FORCE_COUNTED_AS_ZERO = 1e-9
 """Force of a strut or a cam, relative to the largest force of the group, that counts as zero.
 
 A smaller force is the round-off of a force that has fallen to zero, and a negative force would
 pull. In both cases the solution is refused. The value is far above round-off and far below the
 force of any strut or cam that pushes.
 """
-WOULD_PULL_TEXT = "no equilibrium, what pushes it would have to pull"
+ERROR_TEXT_ON_CAM_OR_STRUT_THAT_WOULD_PULL = "no equilibrium, what pushes it would have to pull"
 """Text of the refusal of a shoe whose cam or strut would have to pull it."""
 
 
-class ForceEffects(NamedTuple):
+class EffectsOfActuationForceOnShoe(NamedTuple):
     """The effects of a shoe's actuation force, and the causes of its tip travel and foot force.
 
     The tip is the point of the shoe where the force acts. The foot is the end of the shoe that
@@ -71,7 +71,7 @@ class ForceEffects(NamedTuple):
 
 
 @dataclass(frozen=True)
-class ForceSharing:
+class ContactProblemWithStrutAndCamForces:
     """The contact problem of m shoes under strut and cam forces, which follow from its solution.
 
     Attributes
@@ -106,7 +106,7 @@ class ForceSharing:
         return by_unknowns + self.coordinates_of_loads
 
 
-class _LinearForces(NamedTuple):
+class _ActuationForcesLinearInPressures(NamedTuple):
     """The actuation forces (m,) of a group as a linear function of the pressures p (n,).
 
     The forces are without_pressure + by_pressure p, with `without_pressure` (m,) and `by_pressure`
@@ -119,12 +119,12 @@ class _LinearForces(NamedTuple):
 
 def make_contact_problem_with_strut_and_cam_forces(
     problem: ContactProblem,
-    effects: list[ForceEffects],
+    effects: list[EffectsOfActuationForceOnShoe],
     own_forces: Floats,
     struts: list[tuple[int, int]],
     cam_shoes: list[int],
     cam_force_sum: float,
-) -> ForceSharing:
+) -> ContactProblemWithStrutAndCamForces:
     """Make the contact problem of shoes under strut and cam forces.
 
     The problem stays a linear function of the friction coefficient.
@@ -142,7 +142,9 @@ def make_contact_problem_with_strut_and_cam_forces(
     with_forces = _replace_actuation_forces_in_contact_problem(problem, effects, own_forces, forces)
     n, k = problem.B.shape
     if not cam_shoes:
-        return ForceSharing(with_forces, *forces, np.eye(k), np.zeros((k, n)), np.zeros(k))
+        return ContactProblemWithStrutAndCamForces(
+            with_forces, *forces, np.eye(k), np.zeros((k, n)), np.zeros(k)
+        )
     return _contact_problem_with_cam_travel_as_unknown(
         problem, with_forces, effects, forces, cam_shoes, cam_force_sum
     )
@@ -150,11 +152,11 @@ def make_contact_problem_with_strut_and_cam_forces(
 
 def _actuation_forces_linear_in_pressures(
     problem: ContactProblem,
-    effects: list[ForceEffects],
+    effects: list[EffectsOfActuationForceOnShoe],
     own_forces: Floats,
     struts: list[tuple[int, int]],
     cam_shoes: list[int],
-) -> _LinearForces:
+) -> _ActuationForcesLinearInPressures:
     """The actuation force of each shoe as a linear function of the pressures.
 
     The forces of a cam and of struts depend on the pressures; other shoes keep their own forces.
@@ -178,11 +180,14 @@ def _actuation_forces_linear_in_pressures(
         by_pressure[to] += pushing.foot_force_by_force * by_pressure[source]
         fixed[to] = pushing.foot_force_by_force * fixed[source]
         fixed[to] += pushing.foot_force_by_further_loads
-    return _LinearForces(fixed, by_pressure)
+    return _ActuationForcesLinearInPressures(fixed, by_pressure)
 
 
 def _replace_actuation_forces_in_contact_problem(
-    problem: ContactProblem, effects: list[ForceEffects], own_forces: Floats, forces: _LinearForces
+    problem: ContactProblem,
+    effects: list[EffectsOfActuationForceOnShoe],
+    own_forces: Floats,
+    forces: _ActuationForcesLinearInPressures,
 ) -> ContactProblem:
     """Return a contact problem with strut and cam forces in place of the shoes' own forces (m,).
 
@@ -202,11 +207,11 @@ def _replace_actuation_forces_in_contact_problem(
 def _contact_problem_with_cam_travel_as_unknown(
     blocks: ContactProblem,
     with_forces: ContactProblem,
-    effects: list[ForceEffects],
-    forces: _LinearForces,
+    effects: list[EffectsOfActuationForceOnShoe],
+    forces: _ActuationForcesLinearInPressures,
     cam_shoes: list[int],
     cam_force_sum: float,
-) -> ForceSharing:
+) -> ContactProblemWithStrutAndCamForces:
     """Return the contact problem under a cam, with the travel of the cam as an unknown.
 
     The cam moves the points of actuation of its two shoes by the same travel. The travel replaces
@@ -259,11 +264,13 @@ def _contact_problem_with_cam_travel_as_unknown(
         C=np.vstack([sum_of_forces, C[kept]]),
         h=np.append(forces.without_pressure[cam_shoes].sum() - cam_force_sum, h[kept]),
     )
-    return ForceSharing(problem, *forces, of_coordinates, by_pressure, of_loads)
+    return ContactProblemWithStrutAndCamForces(
+        problem, *forces, of_coordinates, by_pressure, of_loads
+    )
 
 
 def _elastic_actuation_point_travel_per_pressure(
-    shoe: ForceEffects, force_by_pressure: Floats
+    shoe: EffectsOfActuationForceOnShoe, force_by_pressure: Floats
 ) -> Floats:
     """The elastic travel (n,) of a shoe's point of actuation per pressure on each contact node.
 
@@ -277,7 +284,7 @@ def _elastic_actuation_point_travel_per_pressure(
 
 def contact_matrix_with_forces_as_unknowns(
     problem: ContactProblem,
-    effects: list[ForceEffects],
+    effects: list[EffectsOfActuationForceOnShoe],
     struts: list[tuple[int, int]],
     cam_shoes: list[int],
 ) -> Floats:
@@ -326,7 +333,9 @@ def contact_matrix_with_forces_as_unknowns(
     return matrix
 
 
-def _index_of_mode_replaced_by_cam_travel(blocks: ContactProblem, shoe: ForceEffects) -> int:
+def _index_of_mode_replaced_by_cam_travel(
+    blocks: ContactProblem, shoe: EffectsOfActuationForceOnShoe
+) -> int:
     """The number, within a shoe, of the rigid-body mode that the travel of a cam replaces.
 
     On this main mode the force does most work, relative to the squared effect of the mode on the

@@ -18,17 +18,17 @@ from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.further_loads import ForceAtPoint, brake_with_loads_assigned_to_shoes
 from drumlin.fem.preparation.bodies import ShoeSubstructure, unit_load_factors_of_force_at_point
 
-TOLERANCE_OF_SPRING_PULLS = 1e-12
+RELATIVE_TOLERANCE_OF_SPRING_PULLS = 1e-12
 """Largest error of a spring's pull, relative to the largest force, at which the iteration ends.
 
 It is far below the relative error of 1e-9 that is allowed in the balance of forces, and above the
 round-off error of a motion times the spring rate. A spring that is stiffer than the brake has a
 larger round-off and is refused. The value is a judgement.
 """
-MOST_SPRING_STEPS = 40
+MAX_CONTACT_SOLVES_FOR_SPRING_PULLS = 40
 """Contact solves after which the iteration for the spring pulls fails. Usual brakes take four."""
 
-SolverAnswer = TypeVar("SolverAnswer")
+SolverAnswerTypeVariable = TypeVar("SolverAnswerTypeVariable")
 
 
 @dataclass(frozen=True)
@@ -135,8 +135,8 @@ def _signs_of_modes_in_shoe_frame(shoe: Shoe, names: tuple[str, ...]) -> Floats:
 
 
 def find_spring_pulls_that_fit_shoe_motions(
-    brake: Brake, solve: Callable[[Brake], tuple[SolverAnswer, Floats]]
-) -> tuple[SolverAnswer, tuple[float, ...]]:
+    brake: Brake, solve: Callable[[Brake], tuple[SolverAnswerTypeVariable, Floats]]
+) -> tuple[SolverAnswerTypeVariable, tuple[float, ...]]:
     """Find the pulls of all springs that agree with the motions of the springs' points.
 
     Parameters
@@ -159,10 +159,10 @@ def find_spring_pulls_that_fit_shoe_motions(
     largest = max(*np.abs(preloads), *(shoe.largest_force_of_any_load for shoe in brake.shoes))
     pulls, inverse = preloads.copy(), -np.eye(len(preloads))
     step = excess = np.zeros(len(preloads))
-    for count in range(MOST_SPRING_STEPS):
+    for count in range(MAX_CONTACT_SOLVES_FOR_SPRING_PULLS):
         answer, approach = solve(brake_with_loads_assigned_to_shoes(brake, pulls.tolist()))
         before, excess = excess, preloads - rates * approach - pulls
-        if np.abs(excess).max() <= TOLERANCE_OF_SPRING_PULLS * largest:
+        if np.abs(excess).max() <= RELATIVE_TOLERANCE_OF_SPRING_PULLS * largest:
             _check_springs_are_not_slack(preloads, pulls)
             return answer, tuple(pulls.tolist())
         if count > 0:

@@ -17,11 +17,11 @@ from drumlin.brake import clearance
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.fem.error_control.estimate import (
     SAFETY_FACTOR_OF_PENALTY_ERROR,
-    Errors,
+    EstimatedErrors,
     estimate_errors_from_two_mesh_levels,
 )
 from drumlin.fem.error_control.levels import (
-    ResponseFunction,
+    FunctionThatComputesResponse,
     SolvedLevel,
     solve_brake_on_finer_and_finer_mesh_levels,
 )
@@ -32,8 +32,8 @@ from drumlin.fem.hp.corner import (
     remaining_pressure_error_at_pointed_gap_kinks,
     response_with_power_laws_at_corners,
 )
-from drumlin.fem.hp.division import SMALLEST_COLUMN
-from drumlin.fem.preparation.cache import Cache
+from drumlin.fem.hp.division import SMALLEST_ELEMENT_SIZE_OVER_LINING_THICKNESS
+from drumlin.fem.preparation.cache import CacheOfCondensedBodies
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.response.response import (
     Response,
@@ -45,7 +45,7 @@ from drumlin.response.resultants import (
     length_of_edge_zone_left_out_of_pressure_errors,
 )
 
-LARGEST_PEAK_FRACTION_AT_LINING_END = 0.5
+LARGEST_PRESSURE_AT_LINING_END_OVER_PEAK = 0.5
 """Fraction of the peak pressure that p may reach in the hp element at a lining's end.
 
 If the largest p in this element exceeds this fraction of the peak, the peak pressure is stated as
@@ -54,7 +54,7 @@ pressure would lie there. The value is a judgement.
 """
 
 
-class Tolerance(NamedTuple):
+class TolerancesOfPressureAndTorque(NamedTuple):
     """The relative errors of pressure and torque below which a solve ends.
 
     `pressure` is the error of the pressure p on the worst shoe, in the L2 norm outside the zones at
@@ -65,14 +65,14 @@ class Tolerance(NamedTuple):
     torque: float
 
 
-DEFAULT_TOLERANCE = Tolerance(5e-3, 1e-4)
-"""Tolerance of a solve without the option `--tolerance`: 0.5 % of p and 0.01 % of the torque.
+DEFAULT_TOLERANCES_OF_PRESSURE_AND_TORQUE = TolerancesOfPressureAndTorque(5e-3, 1e-4)
+"""Tolerances of a solve without the option `--tolerance`: 0.5 % of p and 0.01 % of the torque.
 
 No brake is manufactured so precisely that smaller errors would matter.
 """
 
 
-class _Progress(NamedTuple):
+class _LevelsSolvedSoFar(NamedTuple):
     """The levels on which a brake has been solved so far.
 
     Attributes
@@ -87,18 +87,18 @@ class _Progress(NamedTuple):
 
     prepared_model: PreparedModel
     responses: list[Response]
-    error: Errors
+    error: EstimatedErrors
     unknowns: int
     text_on_missed_tolerance: str
 
 
 def solve_brake_to_tolerance(
     brake: Brake,
-    tolerance: Tolerance,
-    respond: ResponseFunction,
+    tolerance: TolerancesOfPressureAndTorque,
+    respond: FunctionThatComputesResponse,
     *,
     must: bool = True,
-    cache: Cache | None = None,
+    cache: CacheOfCondensedBodies | None = None,
     levels: Iterable[SolvedLevel] | None = None,
 ) -> SolvedLevel:
     """Solve a brake on finer and finer levels until its estimated errors meet a tolerance.
@@ -140,8 +140,8 @@ def solve_brake_to_tolerance(
 
 
 def _refine_mesh_levels_until_tolerance(
-    brake: Brake, tolerance: Tolerance, levels: Iterable[SolvedLevel]
-) -> _Progress:
+    brake: Brake, tolerance: TolerancesOfPressureAndTorque, levels: Iterable[SolvedLevel]
+) -> _LevelsSolvedSoFar:
     """Solve a brake up to the first level that meets the tolerance, or to the last level.
 
     The solve also ends if a finer level has no solution, or if a contact is too short to know its
@@ -149,7 +149,7 @@ def _refine_mesh_levels_until_tolerance(
     unknown.
     """
     responses: list[Response] = []
-    error = Errors({}, ())
+    error = EstimatedErrors({}, ())
     unknowns = 0
     missed = f"tolerance {tolerance.pressure:g} not reached"
     try:
@@ -166,7 +166,9 @@ def _refine_mesh_levels_until_tolerance(
                 of_levels, brake, last
             )
             if is_tolerance_met(error, tolerance):
-                return _Progress(scene, responses, error, unknowns, text_on_missed_tolerance="")
+                return _LevelsSolvedSoFar(
+                    scene, responses, error, unknowns, text_on_missed_tolerance=""
+                )
             if unknown:
                 missed += f": {unknown}"
                 break
@@ -176,10 +178,10 @@ def _refine_mesh_levels_until_tolerance(
         if not error.brake:
             raise
         missed += f", the next level: {refusal}"
-    return _Progress(scene, responses, error, unknowns, missed)
+    return _LevelsSolvedSoFar(scene, responses, error, unknowns, missed)
 
 
-def is_tolerance_met(error: Errors, tolerance: Tolerance) -> bool:
+def is_tolerance_met(error: EstimatedErrors, tolerance: TolerancesOfPressureAndTorque) -> bool:
     """Whether the estimated errors of a brake meet a tolerance."""
     pressure, torque = error.brake["pressure"], error.brake["torque"]
     return pressure <= tolerance.pressure and torque <= tolerance.torque
@@ -202,7 +204,9 @@ def _shoes_with_unbounded_pressure_as_text(brake: Brake, response: Response) -> 
     return f"; p is unbounded at an end of the lining or a tip of the gap of {', '.join(unbounded)}"
 
 
-def _reached_errors_as_text(progress: _Progress, tolerance: Tolerance) -> str:
+def _reached_errors_as_text(
+    progress: _LevelsSolvedSoFar, tolerance: TolerancesOfPressureAndTorque
+) -> str:
     """The text that states the errors which were reached.
 
     If the finite contact stiffness (penalty) causes more than half of the allowed error of p, the
@@ -224,7 +228,7 @@ def _reached_errors_as_text(progress: _Progress, tolerance: Tolerance) -> str:
     return text
 
 
-def _last_response_with_estimated_errors(progress: _Progress) -> Response:
+def _last_response_with_estimated_errors(progress: _LevelsSolvedSoFar) -> Response:
     """The last level's response with its errors, the time of all levels and a note on them.
 
     If the errors miss the tolerance, the notes end with a warning.
@@ -239,7 +243,7 @@ def _last_response_with_estimated_errors(progress: _Progress) -> Response:
 
 
 def response_with_estimated_errors(
-    responses: Sequence[Response], error: Errors, notes: Sequence[str]
+    responses: Sequence[Response], error: EstimatedErrors, notes: Sequence[str]
 ) -> Response:
     """The last of several responses, with its errors, the time of all responses, and further notes.
 
@@ -272,8 +276,8 @@ def response_with_estimated_errors(
 
 
 def errors_with_singular_points_and_text_on_short_contacts(
-    error: Errors, brake: Brake, response: Response
-) -> tuple[Errors, str]:
+    error: EstimatedErrors, brake: Brake, response: Response
+) -> tuple[EstimatedErrors, str]:
     """The estimated errors with the errors at singular points added, and a text on short contacts.
 
     Near corners of the lining, and under kinks of the gap that point to the drum (tips), the
@@ -309,7 +313,9 @@ def errors_with_singular_points_and_text_on_short_contacts(
             text = f"{reason}; torque and forces do not need it"
             errors = _errors_of_shoe_with_unknown_pressure(errors)
         shoes.append(errors)
-    return Errors.brake_errors_from_torque_and_shoe_errors(error.brake["torque"], shoes), text
+    return EstimatedErrors.brake_errors_from_torque_and_shoe_errors(
+        error.brake["torque"], shoes
+    ), text
 
 
 def _errors_of_shoe_with_unknown_pressure(errors: Mapping[str, float]) -> dict[str, float]:
@@ -341,8 +347,8 @@ def _is_peak_pressure_at_lining_end(answer: ShoeResponse, zone: float) -> bool:
 
     `zone` is the length of the zone at each end of the lining in which the peak is usually not
     sought. If the peak was sought there nevertheless, the result is also true if the pressure in an
-    end element exceeds LARGEST_PEAK_FRACTION_AT_LINING_END times the peak: on finer elements the
-    largest pressure would lie there.
+    end element exceeds LARGEST_PRESSURE_AT_LINING_END_OVER_PEAK times the peak: on finer elements
+    the largest pressure would lie there.
     """
     theta, p, order = answer.theta, answer.pressure, answer.order
     # `heights` are the largest pressures in the elements at pressed ends of linings, relative to
@@ -354,7 +360,7 @@ def _is_peak_pressure_at_lining_end(answer: ShoeResponse, zone: float) -> bool:
             heights.append(height / answer.peak_pressure)
     if any(math.isclose(height, 1.0) for height in heights):
         return True
-    is_high = max(heights, default=0.0) > LARGEST_PEAK_FRACTION_AT_LINING_END
+    is_high = max(heights, default=0.0) > LARGEST_PRESSURE_AT_LINING_END_OVER_PEAK
     return (
         is_high
         and length_of_edge_zone_left_out_of_pressure_errors(theta, p, order, zone, answer.slots)
@@ -383,7 +389,8 @@ def _missing_fraction_of_peak_at_pointed_gap_kinks(
     A tip is a kink of the gap that points to the drum: the slope of the gap jumps there. The exact
     pressure p is unbounded at a tip. A wedge whose slope changes by s has the pressure E s/(2 pi)
     ln(1/x) on a half-plane of modulus E, at the distance x (Johnson, Contact Mechanics, ch. 5). The
-    computed p at the tip is extrapolated by this law to elements as small as SMALLEST_COLUMN.
+    computed p at the tip is extrapolated by this law to elements as small as
+    SMALLEST_ELEMENT_SIZE_OVER_LINING_THICKNESS.
 
     If the extrapolated pressure exceeds the computed peak, the peak is too small. If two elements
     meet at the tip, the peak counts as unknown, and the fraction is 1. No elements meet at a tip
@@ -415,7 +422,9 @@ def _missing_fraction_of_peak_at_pointed_gap_kinks(
         nearest = int(np.abs(theta[::order] - tip).argmin()) * order
         around = slice(max(nearest - order, 0), nearest + order + 1)
         width = length_per_surface_coordinate * float(theta[around][-1] - theta[around][0])
-        size_ratio = max(width / (SMALLEST_COLUMN * shoe.lining.thickness), 1.0)
+        size_ratio = max(
+            width / (SMALLEST_ELEMENT_SIZE_OVER_LINING_THICKNESS * shoe.lining.thickness), 1.0
+        )
         growth = (
             modulus * slope / length_per_surface_coordinate * math.log(size_ratio) / (2 * math.pi)
         )

@@ -7,9 +7,10 @@ e_(k-1) - e_k >= (r - 1) e_k, so that
 
     e_k <= c d_k,   c = 1/(r - 1).
 
-The factor c of each quantity is fitted on random brakes of every kind, see `SAFETY_FACTORS`. The
-difference of a single number may be small by accident although its error is large. The errors of
-forces and of peak pressures are therefore estimated by more than their own difference:
+The factor c of each quantity is fitted on random brakes of every kind, see
+`SAFETY_FACTORS_OF_ERROR_ESTIMATE`. The difference of a single number may be small by accident
+although its error is large. The errors of forces and of peak pressures are therefore estimated by
+more than their own difference:
 
 - A force (torque, reaction) is an integral of the pressure p, and the differences of p in several
   columns of hp elements may cancel in it. Therefore a fraction, `cancelled`, of another change is
@@ -52,7 +53,7 @@ and the support reaction.
 """
 
 
-class SafetyFactors(NamedTuple):
+class SafetyFactorsOfErrorEstimate(NamedTuple):
     """The factors that turn differences between two levels into error estimates.
 
     Attributes
@@ -71,7 +72,7 @@ class SafetyFactors(NamedTuple):
     peak: float
 
     def safety_factors_of_level_differences(self, shoes: int) -> Floats:
-        """The factors (1 + 4 shoes,) that turn `LevelDifferences.differences` into errors."""
+        """The factors (1 + 4 shoes,) that turn differences of two levels into errors."""
         own = (self.pressure, self.force, self.peak, self.force)
         return np.array([self.force, *own * shoes])
 
@@ -85,7 +86,9 @@ def read_safety_factors(path: Path) -> dict[str, float]:
     return {name: each["value"] for name, each in data.items() if name not in origin}
 
 
-SAFETY_FACTORS = SafetyFactors(**read_safety_factors(Path(__file__).with_name("factors.json")))
+SAFETY_FACTORS_OF_ERROR_ESTIMATE = SafetyFactorsOfErrorEstimate(
+    **read_safety_factors(Path(__file__).with_name("factors.json"))
+)
 """The factors of the error estimate, which `make calibrate` fits.
 
 The file factors.json says on which brakes they are fitted, and what each factor does.
@@ -100,7 +103,7 @@ is compressed.
 """
 
 
-class Errors(NamedTuple):
+class EstimatedErrors(NamedTuple):
     """Estimated relative errors of a brake and of its shoes, by QUANTITIES_WITH_STATED_ERROR.
 
     `brake` holds the error of the brake's torque and, for the other quantities, the error of the
@@ -113,7 +116,7 @@ class Errors(NamedTuple):
     @classmethod
     def brake_errors_from_torque_and_shoe_errors(
         cls, torque: float, shoes: Sequence[Mapping[str, float]]
-    ) -> "Errors":
+    ) -> "EstimatedErrors":
         """Make the errors of a brake from the error of its torque and the errors of its shoes.
 
         For each other quantity the error of the brake is the largest error of a shoe.
@@ -122,7 +125,7 @@ class Errors(NamedTuple):
         return cls(most | {"torque": torque}, tuple(shoes))
 
 
-class LevelDifferences(NamedTuple):
+class ResponseDifferencesOfTwoLevels(NamedTuple):
     """Relative differences of the responses on two levels.
 
     Both arrays (1 + 4 shoes,) begin with the torque of the brake, for which the absolute
@@ -140,8 +143,11 @@ class LevelDifferences(NamedTuple):
 
 
 def estimate_errors_from_two_mesh_levels(
-    brake: Brake, before: Response, last: Response, factors: SafetyFactors = SAFETY_FACTORS
-) -> Errors:
+    brake: Brake,
+    before: Response,
+    last: Response,
+    factors: SafetyFactorsOfErrorEstimate = SAFETY_FACTORS_OF_ERROR_ESTIMATE,
+) -> EstimatedErrors:
     """Estimate the relative errors of the response `last` on the finer of two levels.
 
     The errors follow from the difference to the response `before` on the coarser level, and are
@@ -152,8 +158,11 @@ def estimate_errors_from_two_mesh_levels(
 
 
 def estimate_errors_from_response_differences(
-    moved: LevelDifferences, last: Response, factors: SafetyFactors, further: Floats | float = 0.0
-) -> Errors:
+    moved: ResponseDifferencesOfTwoLevels,
+    last: Response,
+    factors: SafetyFactorsOfErrorEstimate,
+    further: Floats | float = 0.0,
+) -> EstimatedErrors:
     """The estimated relative errors of a response, from its differences to a coarser response.
 
     Parameters
@@ -161,7 +170,7 @@ def estimate_errors_from_response_differences(
     moved : differences of the response to the response on the coarser level
     last : the response
     factors : factors of the estimate
-    further : (1 + 4 shoes,) errors that are added, in the order of `LevelDifferences`
+    further : (1 + 4 shoes,) errors that are added, in the order of `ResponseDifferencesOfTwoLevels`
     """
     found = (
         factors.safety_factors_of_level_differences(len(last.shoes)) * moved.differences
@@ -173,7 +182,9 @@ def estimate_errors_from_response_differences(
     found = np.where(found > 0, found + sum_of_penalty_and_round_off_errors(last.shoes), found)
     rows = np.reshape(found[1:], (-1, len(QUANTITIES_WITH_STATED_ERROR))).tolist()
     errors_of_shoes = [dict(zip(QUANTITIES_WITH_STATED_ERROR, row, strict=True)) for row in rows]
-    return Errors.brake_errors_from_torque_and_shoe_errors(float(found[0]), errors_of_shoes)
+    return EstimatedErrors.brake_errors_from_torque_and_shoe_errors(
+        float(found[0]), errors_of_shoes
+    )
 
 
 def sum_of_penalty_and_round_off_errors(shoes: Sequence[ShoeResponse]) -> Floats:
@@ -188,7 +199,7 @@ def sum_of_penalty_and_round_off_errors(shoes: Sequence[ShoeResponse]) -> Floats
 
 
 def _relative_changes_of_shoes_due_to_cause(shoes: Sequence[ShoeResponse], name: str) -> Floats:
-    """The relative changes (1 + 4 shoes,) by one cause, in the order of `LevelDifferences`.
+    """The relative changes (1 + 4 shoes,) by one cause, in the order of the differences.
 
     `name` is the attribute of `ShoeResponse` that holds the changes by this cause, "softness" for
     the penalty or "lost" for round-off.
@@ -204,7 +215,7 @@ def _relative_changes_of_shoes_due_to_cause(shoes: Sequence[ShoeResponse], name:
 
 def relative_differences_of_responses_on_two_levels(
     brake: Brake, a: Response, b: Response
-) -> LevelDifferences:
+) -> ResponseDifferencesOfTwoLevels:
     """The relative differences of two responses of one brake, `a` and, on finer elements, `b`.
 
     The result also holds the changes that forces would have if the columns of hp elements
@@ -230,7 +241,7 @@ def relative_differences_of_responses_on_two_levels(
         torque_of_brake = float(values[:, 1] @ shares)
         both.append(np.array([torque_of_brake, *values.ravel()]))
     steps, chance = both
-    return LevelDifferences(steps, chance)
+    return ResponseDifferencesOfTwoLevels(steps, chance)
 
 
 def _relative_shoe_response_differences_of_levels(

@@ -41,7 +41,7 @@ from drumlin.fem.hp.element import (
 from drumlin.fem.substructure.elasticity import isotropic_and_orthotropic_elastic_constants
 
 
-class NodalFunctions(NamedTuple):
+class NodalFunctionsAtGaussPoints(NamedTuple):
     """The q Gauss points and p + 1 nodal functions of degree p along an element column.
 
     A column is symmetric about its middle, so that the displacements of each pair of mirrored nodes
@@ -78,7 +78,7 @@ class NodalFunctions(NamedTuple):
 
 
 @cache
-def nodal_functions_along_element_column(p: int) -> NodalFunctions:
+def nodal_functions_along_element_column(p: int) -> NodalFunctionsAtGaussPoints:
     """The nodal functions of degree p along an element column, and their symmetric unknowns.
 
     They follow from the shape functions of scikit-fem's quadrilateral: summed over all nodes across
@@ -105,7 +105,7 @@ def nodal_functions_along_element_column(p: int) -> NodalFunctions:
     fold = np.zeros((2, n, 2 * n))
     fold[:, place, np.arange(2 * n)] = sign.reshape(2, -1)
     fold /= np.abs(fold).sum(axis=2, keepdims=True)
-    return NodalFunctions(
+    return NodalFunctionsAtGaussPoints(
         x,
         weights,
         values,
@@ -122,7 +122,7 @@ def _index_arrays_of_element_stiffness_blocks(p: int) -> tuple[Ints, Ints, Ints]
 
     The blocks are boundary by boundary, inner by boundary and inner by inner unknowns: the
     attributes `boundary_block_indices`, `inner_by_boundary_block_indices` and `inner_block_indices`
-    of `NodalFunctions`.
+    of `NodalFunctionsAtGaussPoints`.
     """
     # Each unknown of an element has a number along the column and a number across it. They are
     # ordered: first the unknowns on the element's two sides, then on its first and its last edge,
@@ -363,7 +363,7 @@ def condensed_arc_column_stiffness(
         parts.reshape(len(parts), -1, 4 * p, 4 * p), half, folded
     )
     symmetric, antisymmetric = K.reshape(2, -1, *K.shape[1:])
-    blocks = _ColumnBlocks(
+    blocks = _OrderOfElementColumnUnknowns(
         K.shape[-1] - half.number_of_kept_unknowns,
         half.number_of_side_unknowns,
         2 * (p + 1) * contact,
@@ -375,7 +375,7 @@ def condensed_arc_column_stiffness(
     return whole
 
 
-class _ColumnBlocks(NamedTuple):
+class _OrderOfElementColumnUnknowns(NamedTuple):
     """The order [loads | left side | contact | right side] of the unknowns of an element column.
 
     The stiffness on symmetric or on antisymmetric unknowns has the order [loads | left side | half
@@ -447,7 +447,7 @@ class _ColumnBlocks(NamedTuple):
 
 
 def _write_stiffness_of_column_sides(
-    whole: Floats, symmetric: Floats, antisymmetric: Floats, blocks: _ColumnBlocks
+    whole: Floats, symmetric: Floats, antisymmetric: Floats, blocks: _OrderOfElementColumnUnknowns
 ) -> None:
     """Write the stiffness on the unknowns of loads and of both column sides into `whole`.
 
@@ -478,7 +478,11 @@ def _write_stiffness_of_column_sides(
 
 
 def _write_stiffness_of_column_contact_nodes(
-    whole: Floats, symmetric: Floats, antisymmetric: Floats, blocks: _ColumnBlocks, p: int
+    whole: Floats,
+    symmetric: Floats,
+    antisymmetric: Floats,
+    blocks: _OrderOfElementColumnUnknowns,
+    p: int,
 ) -> None:
     """Write the stiffness of the contact nodes, and their coupling with both sides, into `whole`.
 

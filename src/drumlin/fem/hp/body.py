@@ -13,10 +13,10 @@ from drumlin.base.arrays import Floats, Ints
 from drumlin.base.errors import NoAnswer
 from drumlin.base.lapack import dpotrf, dtrtrs, solve_lower_triangular_system
 from drumlin.brake.brake import Shoe
-from drumlin.fem.hp.division import ShoeDivision
+from drumlin.fem.hp.division import ShoeElementDivision
 from drumlin.fem.hp.grid import (
     ElementBoundaryGrid,
-    EliminatedGridUnknowns,
+    EliminatedUnknownsOfHpElementBody,
     HpElementGrid,
     RectangularElementBlock,
 )
@@ -29,9 +29,9 @@ from drumlin.fem.hp.shoe import (
     unit_actuation_loads_on_end_face,
 )
 from drumlin.fem.substructure.body import (
-    NUMBER_OF_FRAME_DISPLACEMENTS,
+    DEGREES_OF_FREEDOM_OF_BODY_FRAME,
     CondensedBody,
-    EliminatedUnknowns,
+    EliminatedUnknownsOfAnyBody,
     UncondensedBodySystem,
     multi_point_constraints_of_body,
 )
@@ -41,7 +41,9 @@ from drumlin.fem.substructure.interface import ContactLine
 from drumlin.response.response import angle_of_edge_zone_left_out_of_peak_search
 
 
-def element_grid_of_whole_shoe(shoe: Shoe, radius: float, div: ShoeDivision) -> HpElementGrid:
+def element_grid_of_whole_shoe(
+    shoe: Shoe, radius: float, div: ShoeElementDivision
+) -> HpElementGrid:
     """The grid of all nodes and hp elements of a shoe.
 
     Its node set "hinge" is the face that the hinge holds. An elastic shoe also has the node set
@@ -88,7 +90,7 @@ def element_grid_of_whole_shoe(shoe: Shoe, radius: float, div: ShoeDivision) -> 
     )
 
 
-def _number_of_node_rows_outside_body(div: ShoeDivision) -> int:
+def _number_of_node_rows_outside_body(div: ShoeElementDivision) -> int:
     """The number of rows of nodes, counted from the contact, before the shoe's body begins.
 
     A row holds the nodes at one depth. For a rigid shoe, whose body has no elements, it is the
@@ -99,7 +101,7 @@ def _number_of_node_rows_outside_body(div: ShoeDivision) -> int:
 
 
 def _element_blocks_under_linings_and_in_slots(
-    div: ShoeDivision, depth: Floats, along: Floats, under: Ints
+    div: ShoeElementDivision, depth: Floats, along: Floats, under: Ints
 ) -> list[RectangularElementBlock]:
     """The blocks of elements: one under each lining, and one in each slot between two linings.
 
@@ -127,7 +129,7 @@ def _element_blocks_under_linings_and_in_slots(
 def _node_sets_of_hinge_and_actuation(
     shoe: Shoe,
     radius: float,
-    div: ShoeDivision,
+    div: ShoeElementDivision,
     along: Floats,
     back: Ints,
     faces: list[Ints],
@@ -156,7 +158,7 @@ def _node_sets_of_hinge_and_actuation(
 
 def condensed_shoe_body(
     shoe: Shoe,
-    div: ShoeDivision,
+    div: ShoeElementDivision,
     found: CondensedShoe,
     grid: HpElementGrid,
 ) -> CondensedBody:
@@ -179,14 +181,14 @@ def condensed_shoe_body(
     system = partial(_equations_of_shoe_before_condensation, shoe, div, grid)
     return condensed_body_with_cholesky_factor(
         found,
-        EliminatedGridUnknowns.unknowns_without_further_unit_loads(
+        EliminatedUnknownsOfHpElementBody.eliminated_unknowns_with_system_loads_only(
             grid, elastic_layers_of_shoe(shoe), system
         ),
     )
 
 
 def condensed_body_with_cholesky_factor(
-    found: CondensedShoe, inner: EliminatedUnknowns
+    found: CondensedShoe, inner: EliminatedUnknownsOfAnyBody
 ) -> CondensedBody:
     """The condensed body of a shoe, with the Cholesky factor of its contact stiffness.
 
@@ -202,7 +204,9 @@ def condensed_body_with_cholesky_factor(
         for a singular stiffness
     """
     S, loads = found.S, found.loads
-    L, info = dpotrf(S[NUMBER_OF_FRAME_DISPLACEMENTS:, NUMBER_OF_FRAME_DISPLACEMENTS:], lower=1)
+    L, info = dpotrf(
+        S[DEGREES_OF_FREEDOM_OF_BODY_FRAME:, DEGREES_OF_FREEDOM_OF_BODY_FRAME:], lower=1
+    )
     if info:
         raise NoAnswer(SINGULAR_BODY_MESSAGE)
     # Without round-off, rigid-body motions would cause no forces on the contact nodes. The
@@ -211,10 +215,10 @@ def condensed_body_with_cholesky_factor(
     return CondensedBody(
         L,
         L_fc=solve_lower_triangular_system(
-            L, S[NUMBER_OF_FRAME_DISPLACEMENTS:, :NUMBER_OF_FRAME_DISPLACEMENTS]
+            L, S[DEGREES_OF_FREEDOM_OF_BODY_FRAME:, :DEGREES_OF_FREEDOM_OF_BODY_FRAME]
         ).T,
-        load_on_contact=loads[NUMBER_OF_FRAME_DISPLACEMENTS:],
-        load_on_frame=loads[:NUMBER_OF_FRAME_DISPLACEMENTS],
+        load_on_contact=loads[DEGREES_OF_FREEDOM_OF_BODY_FRAME:],
+        load_on_frame=loads[:DEGREES_OF_FREEDOM_OF_BODY_FRAME],
         load_work=found.work,
         inner=inner,
         columns=found.columns,
@@ -225,7 +229,7 @@ def condensed_body_with_cholesky_factor(
 
 def _equations_of_shoe_before_condensation(
     shoe: Shoe,
-    div: ShoeDivision,
+    div: ShoeElementDivision,
     grid: HpElementGrid,
     basis: HpElementGrid | ElementBoundaryGrid,
 ) -> UncondensedBodySystem:
@@ -253,15 +257,15 @@ def _equations_of_shoe_before_condensation(
     else:
         # The back of the shoe is fixed to a rigid grip or a rigid body, the frame. The three unit
         # loads are a force along x, a force along y and a couple on the frame.
-        loads = np.zeros((constraints.matrix.shape[1], NUMBER_OF_FRAME_DISPLACEMENTS))
-        loads[-NUMBER_OF_FRAME_DISPLACEMENTS:] = np.eye(NUMBER_OF_FRAME_DISPLACEMENTS)
+        loads = np.zeros((constraints.matrix.shape[1], DEGREES_OF_FREEDOM_OF_BODY_FRAME))
+        loads[-DEGREES_OF_FREEDOM_OF_BODY_FRAME:] = np.eye(DEGREES_OF_FREEDOM_OF_BODY_FRAME)
     return UncondensedBodySystem.body_system_from_stiffness_of_all_nodes(
         basis.stiffness(elastic_layers_of_shoe(shoe)), constraints, loads
     )
 
 
 def nodal_forces_of_unit_actuations_and_their_centre(
-    div: ShoeDivision, grid: HpElementGrid
+    div: ShoeElementDivision, grid: HpElementGrid
 ) -> tuple[Floats, Floats]:
     """The nodal forces of unit actuations on a shoe's loaded end face, and the face's centre.
 
@@ -273,7 +277,7 @@ def nodal_forces_of_unit_actuations_and_their_centre(
 
 
 def _unit_loads_on_loaded_end_face(
-    div: ShoeDivision, grid: HpElementGrid
+    div: ShoeElementDivision, grid: HpElementGrid
 ) -> UnitLoadsOnLoadedEndFace:
     """The unit loads on the end face of a shoe that the actuation force acts on."""
     depths = node_positions_of_element_row(div.depths[div.index_of_first_body_layer :], div.degree)
@@ -292,7 +296,9 @@ def _nodal_forces_on_all_nodes_from_end_face_forces(grid: HpElementGrid, forces:
     return full.reshape(-1, count)
 
 
-def contact_line_of_lining_face_nodes(shoe: Shoe, radius: float, div: ShoeDivision) -> ContactLine:
+def contact_line_of_lining_face_nodes(
+    shoe: Shoe, radius: float, div: ShoeElementDivision
+) -> ContactLine:
     """The contact line of a shoe: the nodes on the lining's face, which come first in the grid.
 
     Parameters

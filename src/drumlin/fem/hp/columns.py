@@ -27,12 +27,12 @@ from drumlin.fem.hp.element import (
     replace_matrix_by_schur_complement,
 )
 
-ElementAndColumnSlices = tuple[slice, slice]
+SlicesOfUnknownsInElementAndColumn = tuple[slice, slice]
 """Two slices for the same unknowns: in an element's stiffness, and in its column's stiffness.
 """
 
 
-class ColumnUnknowns(NamedTuple):
+class NumberingOfElementColumnUnknowns(NamedTuple):
     """The order of the unknowns of an element column, and where each element's unknowns stand.
 
     A column is a stack of elements, one in each layer, counted from the contact. Its condensation
@@ -48,8 +48,8 @@ class ColumnUnknowns(NamedTuple):
     number_of_side_unknowns : number of unknowns of the nodes on one side of the column (a line)
     """
 
-    kept: tuple[tuple[ElementAndColumnSlices, ...], ...]
-    inside: tuple[ElementAndColumnSlices, ...]
+    kept: tuple[tuple[SlicesOfUnknownsInElementAndColumn, ...], ...]
+    inside: tuple[SlicesOfUnknownsInElementAndColumn, ...]
     number_of_kept_unknowns: int
     number_of_eliminated_unknowns: int
     number_of_side_unknowns: int
@@ -58,7 +58,7 @@ class ColumnUnknowns(NamedTuple):
 @cache
 def numbering_of_element_column_unknowns(
     p: int, layers: int, *, contact: bool, held: bool, sides: int = 2
-) -> ColumnUnknowns:
+) -> NumberingOfElementColumnUnknowns:
     """The order of the unknowns of an element column, and where each element's unknowns stand.
 
     Parameters
@@ -98,7 +98,7 @@ def numbering_of_element_column_unknowns(
         in_element = slice(own + first_edge, own + last_edge)
         in_column = slice(above + first_edge, above + last_edge)
         inside.append((in_element, in_column))
-    return ColumnUnknowns(
+    return NumberingOfElementColumnUnknowns(
         kept=tuple(kept),
         inside=tuple(inside),
         number_of_kept_unknowns=far + (sides - 1) * line,
@@ -109,7 +109,7 @@ def numbering_of_element_column_unknowns(
 
 def _contact_unknowns_of_element_column(
     p: int, line: int, far: int, sides: int
-) -> list[ElementAndColumnSlices]:
+) -> list[SlicesOfUnknownsInElementAndColumn]:
     """The unknowns of a column's contact nodes: in its first element, and in the whole column.
 
     All contact nodes, with the two at the column's sides, are numbered after the left line and
@@ -133,7 +133,7 @@ def _contact_unknowns_of_element_column(
 
 
 def condensed_element_column_stiffness(
-    elements: Floats, unknowns: ColumnUnknowns, loads: Floats | None = None
+    elements: Floats, unknowns: NumberingOfElementColumnUnknowns, loads: Floats | None = None
 ) -> Floats:
     """The condensed stiffness (c, n, n) of c element columns with the same layers.
 
@@ -175,8 +175,8 @@ def condensed_element_column_stiffness(
 
 def _add_element_stiffness_to_columns(
     part: Floats,
-    rows: Sequence[ElementAndColumnSlices],
-    columns: Sequence[ElementAndColumnSlices],
+    rows: Sequence[SlicesOfUnknownsInElementAndColumn],
+    columns: Sequence[SlicesOfUnknownsInElementAndColumn],
     target: Floats,
 ) -> None:
     """Add blocks of element stiffness to the stiffness of their element columns, in place.

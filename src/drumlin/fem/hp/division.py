@@ -19,11 +19,11 @@ import numpy as np
 from drumlin.base.arrays import Floats
 from drumlin.brake.beam_axis import make_beam_axis
 from drumlin.brake.brake import Shoe
-from drumlin.brake.components import Beam
+from drumlin.brake.components import BeamBody
 from drumlin.fem.hp.corner import element_column_size_for_error_at_pointed_gap_kink
-from drumlin.response.response import UNCOMPARED_EDGE_ZONE
+from drumlin.response.response import UNCOMPARED_EDGE_ZONE_IN_RADIANS
 
-SMALLEST_COLUMN = 1e-7
+SMALLEST_ELEMENT_SIZE_OVER_LINING_THICKNESS = 1e-7
 """Smallest size of a column or layer of elements, relative to the lining's thickness.
 
 The limit is set by round-off. In a column of width w in a lining of thickness t, round-off changes
@@ -33,7 +33,7 @@ be right. Columns a hundred times larger would leave an error of 1e-3 of p in L2
 gap that points to the drum, where the error falls as the root of w. After this limit is applied,
 sizes are rounded down to a power of two, so that some columns are up to half as wide.
 """
-UNRESOLVED_LENGTH = 0.02
+UNRESOLVED_LENGTH_OVER_CONTACT_LENGTH = 0.02
 """Length of details of the contact that are not resolved, relative to the contact's length.
 
 If an end of the contact moves by less than this from one solution to the next, it counts as found.
@@ -42,7 +42,7 @@ elements would miss the end of the contact, and the pressure would have the erro
 With a smaller value the brake is divided and solved again although the end of the contact is known
 well enough.
 """
-CORNER_COLUMN = 1e-4
+ELEMENT_SIZE_AT_UNBOUNDED_CORNER = 1e-4
 """Size of element columns and layers at a corner of the lining with unbounded pressure.
 
 The size is relative to the length of the contact at the corner. Nearer to the corner the pressure p
@@ -58,16 +58,18 @@ The pressure is assumed to go as x^(-1/2) at the distance x from the corner, and
 a square root at the other end. The fraction is then the median of the beta distribution with the
 parameters 1/2 and 3/2. No square-integrable pressure is more concentrated at the corner.
 """
-LONGEST_CONTACT_WITH_CORNER_COLUMNS = UNCOMPARED_EDGE_ZONE / HALF_FORCE_FRACTION_OF_CONTACT
+LONGEST_CONTACT_WITH_CORNER_COLUMNS = (
+    UNCOMPARED_EDGE_ZONE_IN_RADIANS / HALF_FORCE_FRACTION_OF_CONTACT
+)
 """Length of a contact [rad] up to which element columns shrink towards the corner that it reaches.
 
 The corner of the lining has an unbounded pressure p. In a longer contact more than half of the
-force acts farther than UNCOMPARED_EDGE_ZONE from the corner. The error of p is then stated for
-these distances alone, so that no small columns are needed at the corner.
+force acts farther than UNCOMPARED_EDGE_ZONE_IN_RADIANS from the corner. The error of p is then
+stated for these distances alone, so that no small columns are needed at the corner.
 """
 
 
-class Singularity(IntEnum):
+class KindOfSingularPoint(IntEnum):
     """The kind of a singular point along the lining: which function is not smooth there.
 
     Attributes
@@ -101,10 +103,10 @@ class SingularPoint(NamedTuple):
 
     position: float
     length: float
-    kind: Singularity
+    kind: KindOfSingularPoint
 
 
-class GradingPoint(NamedTuple):
+class ElementGradingPoint(NamedTuple):
     """A position along the lining at which two element columns meet, with small columns around it.
 
     The sizes of the columns grow geometrically away from the point in both directions.
@@ -123,7 +125,7 @@ class GradingPoint(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Level:
+class RefinementLevel:
     """A level of refinement: the degree of hp elements, and sizes of their columns and layers.
 
     A column is a stack of elements through the thickness of a body. Sizes grow geometrically away
@@ -133,9 +135,10 @@ class Level:
     ----------
     degree : degree of the hp elements
     face_layer_size : size of the layer of elements at the lining's face, relative to
-        UNCOMPARED_EDGE_ZONE, or to the lining's thickness or the contact's length if these are
-        less. Columns at a lining's end that the contact reaches are no wider than `face_layer_size`
-        times UNCOMPARED_EDGE_ZONE, even if `lining_end_column_size` gives a larger size.
+        UNCOMPARED_EDGE_ZONE_IN_RADIANS, or to the lining's thickness or the contact's length if
+        these are less. Columns at a lining's end that the contact reaches are no wider than
+        `face_layer_size` times UNCOMPARED_EDGE_ZONE_IN_RADIANS, even if `lining_end_column_size`
+        gives a larger size.
     lining_end_column_size : size of the columns at the lining's ends, relative to the lining's
         thickness or to half its length, whichever is less. At an end that a contact reaches, the
         size is relative to half the contact's length.
@@ -171,7 +174,7 @@ class Level:
     def pressure_error_due_to_column_size_ratio(self) -> float:
         """The relative error in L2 of the pressure due to the ratio of neighbouring column sizes.
 
-        `levels.LevelRule` derives the formula.
+        `levels.RuleOfDegreeAndGradingByLevel` derives the formula.
         """
         root = math.sqrt(self.column_size_ratio)
         return ((1 - root) / (1 + root)) ** self.degree
@@ -186,7 +189,7 @@ class ShoeLayer:
 
 
 @dataclass(frozen=True)
-class ShoeDivision:
+class ShoeElementDivision:
     """The division of a shoe into m columns and l layers of hp elements.
 
     Attributes
@@ -199,9 +202,9 @@ class ShoeDivision:
     depths : (l + 1,) distances of the faces of the layers from the lining's face [m]. For a
         straight beam the depth grows by 1 through each layer of the shoe.
     part : (l,) name of the part of the shoe that each layer of elements belongs to
-    singular_layer_size : size [m] of the layer of elements at the lining's face, if this layer is
-        thin because the pressure is unbounded (at a corner of the lining, or at a gap kink that
-        points to the drum); inf otherwise
+    face_layer_size_at_unbounded_pressure : size [m] of the layer of elements at the lining's face,
+        if this layer is thin because the pressure is unbounded (at a corner of the lining, or at a
+        gap kink that points to the drum); inf otherwise
     slots : for each slot between two linings, the number of its first column, and of the first
         column behind the slot
     """
@@ -212,7 +215,7 @@ class ShoeDivision:
     column_ends_behind_lining: Floats
     depths: Floats
     part: tuple[str, ...]
-    singular_layer_size: float = math.inf
+    face_layer_size_at_unbounded_pressure: float = math.inf
     slots: tuple[tuple[int, int], ...] = ()
 
     @property
@@ -338,7 +341,7 @@ def shoe_layers_with_their_thickness(shoe: Shoe, radius: float) -> list[ShoeLaye
     `radius` is the radius of the drum [m].
     """
     layers = [ShoeLayer("lining", shoe.lining.thickness)]
-    if isinstance(shoe.body, Beam):
+    if isinstance(shoe.body, BeamBody):
         # `reason_against_finite_element_model` refuses beams without section or block, so that the
         # assertion holds.
         assert shoe.body.section is not None and shoe.backing is not None
@@ -359,12 +362,12 @@ def shoe_layers_with_their_thickness(shoe: Shoe, radius: float) -> list[ShoeLaye
 def divide_shoe_into_hp_elements(
     shoe: Shoe,
     radius: float,
-    level: Level,
+    level: RefinementLevel,
     points: Sequence[SingularPoint] = (),
     *,
     grades_loaded_end: bool = False,
     exponents: tuple[float, float] = (0.0, 0.0),
-) -> ShoeDivision:
+) -> ShoeElementDivision:
     """The division of a shoe into columns and layers of hp elements.
 
     If the contact does not reach an end of the lining, the elements at this end get the size of
@@ -395,59 +398,66 @@ def divide_shoe_into_hp_elements(
         radius,
         level,
         layers,
-        (found[0].end_sizes[0], found[-1].end_sizes[1]),
+        (found[0].column_sizes_at_lining_ends[0], found[-1].column_sizes_at_lining_ends[1]),
         grades_loaded_end=grades_loaded_end,
     )
-    face_size = min(lining.face_size for lining in found)
-    singular_size = min(lining.singular_size for lining in found)
+    first_layer_size_at_lining_face = min(
+        lining.first_layer_size_at_lining_face for lining in found
+    )
+    smallest_column_size_at_singularity = min(
+        lining.smallest_column_size_at_singularity for lining in found
+    )
     depths, part = _depths_and_parts_of_element_layers(
         layers,
         level,
-        radius * min(face_size, singular_size),
+        radius * min(first_layer_size_at_lining_face, smallest_column_size_at_singularity),
         radius * max(lining.contact.longest for lining in found),
         coarsens=all(lining.contact.may_coarsen_far_from_contact for lining in found),
-        straight=isinstance(shoe.body, Beam),
+        straight=isinstance(shoe.body, BeamBody),
     )
-    return ShoeDivision(
+    return ShoeElementDivision(
         degree=level.degree,
         angles=angles,
         column_ends_before_lining=before,
         column_ends_behind_lining=after,
         depths=depths,
         part=part,
-        singular_layer_size=radius * singular_size if singular_size < face_size else math.inf,
+        face_layer_size_at_unbounded_pressure=radius * smallest_column_size_at_singularity
+        if smallest_column_size_at_singularity < first_layer_size_at_lining_face
+        else math.inf,
         slots=slots,
     )
 
 
-class _LiningDivision(NamedTuple):
+class _LiningElementDivision(NamedTuple):
     """The division of one of a shoe's linings into element columns; all sizes are in rad.
 
     Attributes
     ----------
     contact : extent of the lining's contacts
     angles : (m + 1,) ends of the element columns under the lining
-    end_sizes : sizes of the columns at the lining's start and end
-    face_size : size of the layer of elements at the lining's face if the pressure is bounded
-    singular_size : size of the smallest column at a point with unbounded pressure; inf if the
-        pressure is bounded everywhere
+    column_sizes_at_lining_ends : sizes of the columns at the lining's start and end
+    first_layer_size_at_lining_face : size of the layer of elements at the lining's face if the
+        pressure is bounded
+    smallest_column_size_at_singularity : size of the smallest column at a point with unbounded
+        pressure; inf if the pressure is bounded everywhere
     """
 
     contact: "_ContactExtent"
     angles: Floats
-    end_sizes: tuple[float, float]
-    face_size: float
-    singular_size: float
+    column_sizes_at_lining_ends: tuple[float, float]
+    first_layer_size_at_lining_face: float
+    smallest_column_size_at_singularity: float
 
 
 def _divide_one_lining_into_element_columns(
     shoe: Shoe,
     radius: float,
-    level: Level,
+    level: RefinementLevel,
     points: Sequence[SingularPoint],
     exponents: tuple[float, float],
     arc: tuple[float, float],
-) -> _LiningDivision:
+) -> _LiningElementDivision:
     """The division into element columns of the lining that covers `arc` (phi_1, phi_2) [rad].
 
     Parameters
@@ -466,18 +476,20 @@ def _divide_one_lining_into_element_columns(
     ]
     contact = _extent_of_lining_contacts(shoe, radius, level, own, arc)
     corner_sizes = _element_column_sizes_at_corners(contact, exponents)
-    end_sizes = _element_column_sizes_at_lining_ends(level, contact, corner_sizes)
-    grading_points = _grading_points_along_lining(shoe, radius, level, own, contact, end_sizes)
+    column_sizes_at_lining_ends = _element_column_sizes_at_lining_ends(level, contact, corner_sizes)
+    grading_points = _grading_points_along_lining(
+        shoe, radius, level, own, contact, column_sizes_at_lining_ends
+    )
     # At points with unbounded pressure the columns are as narrow as `tip_sizes` and `corner_sizes`
     # say. The layer of elements at the lining's face is then as thick as the narrowest column is
     # wide.
     tip_sizes = _element_column_sizes_at_pointed_gap_kinks(level, contact, own)
-    return _LiningDivision(
+    return _LiningElementDivision(
         contact=contact,
         angles=_element_column_ends_between_grading_points(grading_points, level),
-        end_sizes=end_sizes,
-        face_size=_size_of_first_element_layer_at_lining_face(level, contact),
-        singular_size=min(*tip_sizes, *corner_sizes),
+        column_sizes_at_lining_ends=column_sizes_at_lining_ends,
+        first_layer_size_at_lining_face=_size_of_first_element_layer_at_lining_face(level, contact),
+        smallest_column_size_at_singularity=min(*tip_sizes, *corner_sizes),
     )
 
 
@@ -491,7 +503,7 @@ def _is_lining_on_arc_nearest_to_position(shoe: Shoe, arc: tuple[float, float], 
 
 
 def _element_column_ends_under_linings_and_slots(
-    shoe: Shoe, radius: float, level: Level, linings: Sequence[_LiningDivision]
+    shoe: Shoe, radius: float, level: RefinementLevel, linings: Sequence[_LiningElementDivision]
 ) -> tuple[Floats, tuple[tuple[int, int], ...]]:
     """The ends (m + 1,) [rad] of the m columns under linings and in slots, and each slot's columns.
 
@@ -509,14 +521,18 @@ def _element_column_ends_under_linings_and_slots(
     columns = len(linings[0].angles) - 1
     grip_size = _element_column_size_at_ends_of_grip(shoe, radius, level)
     for before, lining in pairwise(linings):
-        first = GradingPoint(float(before.angles[-1]), before.end_sizes[1], level.column_size_ratio)
-        last = GradingPoint(float(lining.angles[0]), lining.end_sizes[0], level.column_size_ratio)
+        first = ElementGradingPoint(
+            float(before.angles[-1]), before.column_sizes_at_lining_ends[1], level.column_size_ratio
+        )
+        last = ElementGradingPoint(
+            float(lining.angles[0]), lining.column_sizes_at_lining_ends[0], level.column_size_ratio
+        )
         in_slot = [
             at
             for at in shoe.interval_of_body_back_held_by_support(radius) or ()
             if first.position < at < last.position
         ]
-        grip_ends = [GradingPoint(at, grip_size, level.column_size_ratio) for at in in_slot]
+        grip_ends = [ElementGradingPoint(at, grip_size, level.column_size_ratio) for at in in_slot]
         ends = _element_column_ends_between_grading_points([first, *grip_ends, last], level)
         angles += [ends[1:], lining.angles[1:]]
         slots.append((columns, columns + len(ends) - 1))
@@ -525,20 +541,22 @@ def _element_column_ends_under_linings_and_slots(
 
 
 def _element_column_sizes_at_pointed_gap_kinks(
-    level: Level, contact: "_ContactExtent", points: Sequence[SingularPoint]
+    level: RefinementLevel, contact: "_ContactExtent", points: Sequence[SingularPoint]
 ) -> list[float]:
     """The sizes [rad] of the element columns at all kinks of the gap that point to the drum.
 
     Among the singular `points` these kinks have the kind TIP.
     """
-    tips = [point for point in points if point.kind == Singularity.TIP]
+    tips = [point for point in points if point.kind == KindOfSingularPoint.TIP]
     return [
         _element_column_size_at_pointed_gap_kink(level, contact.thickness, tip.length)
         for tip in tips
     ]
 
 
-def _element_column_ends_between_grading_points(points: list[GradingPoint], level: Level) -> Floats:
+def _element_column_ends_between_grading_points(
+    points: list[ElementGradingPoint], level: RefinementLevel
+) -> Floats:
     """The ends (m + 1,) [rad] of the element columns from the first grading point to the last."""
     ends = []
     for a, b in pairwise(points):
@@ -554,7 +572,9 @@ def _element_column_ends_between_grading_points(points: list[GradingPoint], leve
     return np.append(np.concatenate(ends), points[-1].position)
 
 
-def _size_of_first_element_layer_at_lining_face(level: Level, contact: "_ContactExtent") -> float:
+def _size_of_first_element_layer_at_lining_face(
+    level: RefinementLevel, contact: "_ContactExtent"
+) -> float:
     """The size [rad] of the layer of elements at the lining's face if the pressure is bounded.
 
     Under a short contact the layer is as thick as the columns at the contact's ends are wide.
@@ -568,7 +588,7 @@ def _size_of_first_element_layer_at_lining_face(level: Level, contact: "_Contact
     size = min(
         level.face_layer_size
         * min(
-            UNCOMPARED_EDGE_ZONE,
+            UNCOMPARED_EDGE_ZONE_IN_RADIANS,
             contact.thickness,
             end - start,
             *contact.lengths_of_contacts_at_lining_ends,
@@ -612,7 +632,7 @@ class _ContactExtent(NamedTuple):
 def _extent_of_lining_contacts(
     shoe: Shoe,
     radius: float,
-    level: Level,
+    level: RefinementLevel,
     points: Sequence[SingularPoint],
     arc: tuple[float, float],
 ) -> _ContactExtent:
@@ -631,10 +651,10 @@ def _extent_of_lining_contacts(
     layers = shoe_layers_with_their_thickness(shoe, radius)
     start, end = arc
     t = layers[0].thickness / radius
-    contact_ends = [point for point in points if point.kind == Singularity.END]
+    contact_ends = [point for point in points if point.kind == KindOfSingularPoint.END]
     positions = [point.position for point in contact_ends] or [start, end]
     lengths = [point.length for point in contact_ends]
-    smallest_column = SMALLEST_COLUMN * t
+    smallest_column = SMALLEST_ELEMENT_SIZE_OVER_LINING_THICKNESS * t
     longest = max(*lengths, smallest_column) if lengths else end - start
     # In a shoe whose thickness is more than half its length, the contact force still stresses the
     # corners at the shoe's back.
@@ -669,13 +689,13 @@ def _element_column_sizes_at_corners(
     sizes = []
     for length, exponent in zip(contact.lengths_of_contacts_at_lining_ends, exponents, strict=True):
         graded = exponent < 0 and length <= LONGEST_CONTACT_WITH_CORNER_COLUMNS
-        size = CORNER_COLUMN * length if graded else math.inf
+        size = ELEMENT_SIZE_AT_UNBOUNDED_CORNER * length if graded else math.inf
         sizes.append(max(size, contact.smallest_column))
     return sizes[0], sizes[1]
 
 
 def _element_column_sizes_at_lining_ends(
-    level: Level, contact: _ContactExtent, corner_sizes: tuple[float, float]
+    level: RefinementLevel, contact: _ContactExtent, corner_sizes: tuple[float, float]
 ) -> tuple[float, float]:
     """The sizes of the element columns at the lining's start and end [rad].
 
@@ -689,7 +709,7 @@ def _element_column_sizes_at_lining_ends(
     t, smallest = contact.thickness, contact.smallest_column
     pressed_size = min(
         level.lining_end_column_size * min(t, 0.5 * (end - start)),
-        level.face_layer_size * UNCOMPARED_EDGE_ZONE,
+        level.face_layer_size * UNCOMPARED_EDGE_ZONE_IN_RADIANS,
     )
     sizes = []
     both_ends = zip(
@@ -717,11 +737,11 @@ def _element_column_sizes_at_lining_ends(
 def _grading_points_along_lining(
     shoe: Shoe,
     radius: float,
-    level: Level,
+    level: RefinementLevel,
     points: Sequence[SingularPoint],
     contact: _ContactExtent,
-    end_sizes: tuple[float, float],
-) -> list[GradingPoint]:
+    column_sizes_at_lining_ends: tuple[float, float],
+) -> list[ElementGradingPoint]:
     """The grading points along the lining, in the order of their positions.
 
     Element columns become smaller towards these points: the lining's ends, the singular points, and
@@ -734,11 +754,11 @@ def _grading_points_along_lining(
     level : degree of the elements, and sizes of columns and layers
     points : singular points along the lining, in the order of their positions
     contact : extent of the contact
-    end_sizes : sizes of the columns at the lining's start and end [rad]
+    column_sizes_at_lining_ends : sizes of the columns at the lining's start and end [rad]
     """
     start, end = contact.arc
-    first = GradingPoint(start, end_sizes[0], level.column_size_ratio)
-    last = GradingPoint(end, end_sizes[1], level.column_size_ratio)
+    first = ElementGradingPoint(start, column_sizes_at_lining_ends[0], level.column_size_ratio)
+    last = ElementGradingPoint(end, column_sizes_at_lining_ends[1], level.column_size_ratio)
     inner = []
     for point in points:
         distance = min(point.position - start, end - point.position)
@@ -757,12 +777,15 @@ def _grading_points_along_lining(
             kept.append(candidate)
     on_lining = [end_of_grip for end_of_grip in grip if start < end_of_grip < end]
     grip_ends = [
-        GradingPoint(end_of_grip, grip_size, level.column_size_ratio) for end_of_grip in on_lining
+        ElementGradingPoint(end_of_grip, grip_size, level.column_size_ratio)
+        for end_of_grip in on_lining
     ]
     return [grading_points[0], *sorted([*kept, *grip_ends]), grading_points[-1]]
 
 
-def _element_column_size_at_ends_of_grip(shoe: Shoe, radius: float, level: Level) -> float:
+def _element_column_size_at_ends_of_grip(
+    shoe: Shoe, radius: float, level: RefinementLevel
+) -> float:
     """The size [rad] of the element columns at the ends of a grip that holds the shoe's back."""
     return (
         level.hinge_column_size
@@ -774,9 +797,9 @@ def _element_column_size_at_ends_of_grip(shoe: Shoe, radius: float, level: Level
 def _element_column_ends_before_and_behind_lining(
     shoe: Shoe,
     radius: float,
-    level: Level,
+    level: RefinementLevel,
     layers: list[ShoeLayer],
-    end_sizes: tuple[float, float],
+    column_sizes_at_lining_ends: tuple[float, float],
     *,
     grades_loaded_end: bool,
 ) -> tuple[Floats, Floats]:
@@ -793,14 +816,14 @@ def _element_column_ends_before_and_behind_lining(
     grades_loaded_end : whether columns become smaller towards the end of the body on which the
         actuation force acts
     layers : layers of the shoe
-    end_sizes : sizes of the columns at the lining's start and end [rad]
+    column_sizes_at_lining_ends : sizes of the columns at the lining's start and end [rad]
     """
     start, end = shoe.arc
     near, far = _positions_of_shoe_body_ends(shoe, radius)
     before, after = np.array([start]), np.array([end])
     if layers[-1].part != "shoe":
         return before, after
-    left, right = end_sizes
+    left, right = column_sizes_at_lining_ends
     body = layers[-1].thickness / radius
     size_at_hinge = level.hinge_column_size * body
     largest = max(body, level.largest_column)
@@ -820,8 +843,8 @@ def _element_column_ends_before_and_behind_lining(
 
 
 def grading_point_at_singular_point(
-    point: SingularPoint, level: Level, thickness: float, distance: float
-) -> GradingPoint:
+    point: SingularPoint, level: RefinementLevel, thickness: float, distance: float
+) -> ElementGradingPoint:
     """The grading point at a singular point: its position, and the size of the columns beside it.
 
     The position of an end of the contact is rounded to half an element column, so that brakes with
@@ -843,32 +866,36 @@ def grading_point_at_singular_point(
     distance : distance of the point from the nearer end of the lining [rad]; at least two columns
         fit into it
     """
-    if point.kind == Singularity.OPEN_STEP:
-        return GradingPoint(point.position, 0.5 * point.length, level.column_size_ratio)
-    if point.kind == Singularity.STEP:
-        return GradingPoint(
+    if point.kind == KindOfSingularPoint.OPEN_STEP:
+        return ElementGradingPoint(point.position, 0.5 * point.length, level.column_size_ratio)
+    if point.kind == KindOfSingularPoint.STEP:
+        return ElementGradingPoint(
             point.position,
             point.length * math.sqrt(level.contact_end_column_size),
             level.column_size_ratio,
         )
-    if point.kind == Singularity.TIP:
+    if point.kind == KindOfSingularPoint.TIP:
         size = _element_column_size_at_pointed_gap_kink(level, thickness, point.length)
-        return GradingPoint(point.position, size, level.column_size_ratio)
+        return ElementGradingPoint(point.position, size, level.column_size_ratio)
     # The size at an end of the contact or at a kink is rounded to a power of two, so that similar
     # brakes have equal meshes.
     size = _element_column_size_at_contact_end(level, thickness, point.length)
     if distance > size:
         size = min(size, 0.5 * distance)
-    size = 2.0 ** math.floor(math.log2(max(size, SMALLEST_COLUMN * thickness)))
-    if point.kind == Singularity.KINK:
-        return GradingPoint(point.position, size, level.column_size_ratio)
+    size = 2.0 ** math.floor(
+        math.log2(max(size, SMALLEST_ELEMENT_SIZE_OVER_LINING_THICKNESS * thickness))
+    )
+    if point.kind == KindOfSingularPoint.KINK:
+        return ElementGradingPoint(point.position, size, level.column_size_ratio)
     ratio = (
         level.size_ratio_at_short_contacts if point.length <= thickness else level.column_size_ratio
     )
-    return GradingPoint(round(2 * point.position / size) * size / 2, size, ratio)
+    return ElementGradingPoint(round(2 * point.position / size) * size / 2, size, ratio)
 
 
-def _element_column_size_at_contact_end(level: Level, thickness: float, length: float) -> float:
+def _element_column_size_at_contact_end(
+    level: RefinementLevel, thickness: float, length: float
+) -> float:
     """The size of the element columns at an end of a contact [rad].
 
     An open gap beside the contact that is shorter than this size is not resolved by the mesh.
@@ -878,7 +905,7 @@ def _element_column_size_at_contact_end(level: Level, thickness: float, length: 
 
 
 def _element_column_size_at_pointed_gap_kink(
-    level: Level, thickness: float, length: float
+    level: RefinementLevel, thickness: float, length: float
 ) -> float:
     """The size [rad] of element columns at a kink of the gap that points to the drum.
 
@@ -894,11 +921,16 @@ def _element_column_size_at_pointed_gap_kink(
     size = element_column_size_for_error_at_pointed_gap_kink(
         length, level.degree, level.contact_end_column_size
     )
-    return 2.0 ** math.floor(math.log2(max(size, SMALLEST_COLUMN * thickness)))
+    return 2.0 ** math.floor(
+        math.log2(max(size, SMALLEST_ELEMENT_SIZE_OVER_LINING_THICKNESS * thickness))
+    )
 
 
 def _shortest_contact_lengths_at_lining_ends(
-    arc: tuple[float, float], thickness: float, level: Level, contact_ends: Sequence[SingularPoint]
+    arc: tuple[float, float],
+    thickness: float,
+    level: RefinementLevel,
+    contact_ends: Sequence[SingularPoint],
 ) -> tuple[float, float]:
     """The lengths of the shortest contacts that reach the lining's start and end [rad].
 
@@ -924,8 +956,8 @@ def _shortest_contact_lengths_at_lining_ends(
 
 
 def _grading_points_without_close_ones(
-    start: GradingPoint, end: GradingPoint, inner: Sequence[GradingPoint]
-) -> list[GradingPoint]:
+    start: ElementGradingPoint, end: ElementGradingPoint, inner: Sequence[ElementGradingPoint]
+) -> list[ElementGradingPoint]:
     """The grading points from `start` to `end`, without inner points that are too near to another.
 
     Element columns become smaller towards the grading points. A point is dropped if it lies in the
@@ -943,7 +975,7 @@ def _grading_points_without_close_ones(
         if point.position - last.position > smallest_distance:
             kept.append(point)
         elif len(kept) > 1 and point.column_size < last.column_size:
-            kept[-1] = GradingPoint(
+            kept[-1] = ElementGradingPoint(
                 last.position,
                 point.column_size,
                 max(last.size_ratio_of_columns, point.size_ratio_of_columns),
@@ -958,7 +990,7 @@ def _positions_of_shoe_body_ends(shoe: Shoe, radius: float) -> tuple[float, floa
     distance along the beam divided by the radius of the lining's back.
     """
     start, end = shoe.arc
-    if isinstance(shoe.body, Beam):
+    if isinstance(shoe.body, BeamBody):
         axis, back = (
             make_beam_axis(shoe.pin.xy, shoe.actuation.point.xy),
             radius + shoe.lining.thickness,
@@ -976,8 +1008,8 @@ def _positions_of_shoe_body_ends(shoe: Shoe, radius: float) -> tuple[float, floa
 
 def _depths_and_parts_of_element_layers(
     layers: list[ShoeLayer],
-    level: Level,
-    face_size: float,
+    level: RefinementLevel,
+    first_layer_size_at_lining_face: float,
     contact_length: float,
     *,
     coarsens: bool,
@@ -992,7 +1024,7 @@ def _depths_and_parts_of_element_layers(
     ----------
     layers : layers of the shoe
     level : degree of the elements, and sizes of columns and layers
-    face_size : size of the layer of elements at the contact [m]
+    first_layer_size_at_lining_face : size of the layer of elements at the contact [m]
     contact_length : length of the contact [m]
     coarsens : whether elements far from the contact are larger
     straight : whether the depth grows by 1 through each layer of the shoe, as for a straight beam;
@@ -1004,7 +1036,7 @@ def _depths_and_parts_of_element_layers(
         # `outer` and `inner` are the sizes of the elements nearest to the contact and farthest from
         # it in this layer of the shoe.
         t = layer.thickness
-        outer = face_size
+        outer = first_layer_size_at_lining_face
         if k > 0:
             thinner = min(t, layers[k - 1].thickness)
             size = relative_element_size_far_from_contact(

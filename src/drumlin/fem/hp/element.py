@@ -350,7 +350,7 @@ def replace_matrices_by_schur_complements(K: Floats, C: Floats, inner: Floats) -
     return K
 
 
-class _StiffnessBlocks(NamedTuple):
+class _BoundaryAndInnerStiffnessOfElements(NamedTuple):
     """The stiffness of a batch of e elements in three blocks.
 
     Each element has k unknowns on its boundary and m unknowns inside.
@@ -371,7 +371,7 @@ class _StiffnessBlocks(NamedTuple):
 
 def _stiffness_blocks_of_element_batches(
     xy: Floats, elasticity: Floats, p: int, along: Floats | None
-) -> Iterator[_StiffnessBlocks]:
+) -> Iterator[_BoundaryAndInnerStiffnessOfElements]:
     """Yield the stiffness of elements in three blocks, one batch of elements after the other.
 
     A batch fits into the processor's cache. The elements have the nodes `xy` [m] and the degree p.
@@ -387,7 +387,7 @@ def _stiffness_blocks_of_element_batches(
         part = slice(k, k + step)
         directions = None if along is None else along[part]
         integrals = _integrals_for_element_stiffness(xy[part], elasticity[part], p, directions)
-        yield _StiffnessBlocks(
+        yield _BoundaryAndInnerStiffnessOfElements(
             part,
             integrals.stiffness(on, on).reshape(-1, outer_count, outer_count),
             integrals.stiffness(inside, on).reshape(-1, inner_count, outer_count),
@@ -424,7 +424,7 @@ def condensed_element_stiffness(
     return condensed.reshape(*shape, 8 * p, 8 * p)
 
 
-class CondensedForces(NamedTuple):
+class ForcesCondensedToElementBoundary(NamedTuple):
     """Forces on the inner nodes of e elements of degree p, condensed to their boundary nodes.
 
     `forces` (e, 8 p, k) are the equivalent forces on the boundary nodes for k load cases. `work`
@@ -438,7 +438,7 @@ class CondensedForces(NamedTuple):
 
 def condense_inner_forces_to_element_boundary(
     xy: Floats, elasticity: Floats, p: int, along: Floats | None, inner_forces: Floats
-) -> CondensedForces:
+) -> ForcesCondensedToElementBoundary:
     """The forces on the boundary nodes of elements that are equivalent to forces on inner nodes.
 
     Parameters
@@ -459,7 +459,7 @@ def condense_inner_forces_to_element_boundary(
         displacements = np.linalg.solve(inner, own)
         forces[part] = -(coupling.transpose(0, 2, 1) @ displacements)
         work += (own.transpose(0, 2, 1) @ displacements).sum(axis=0)
-    return CondensedForces(forces, work)
+    return ForcesCondensedToElementBoundary(forces, work)
 
 
 def nodal_forces_of_element_stresses(xy: Floats, stresses: Floats, p: int) -> Floats:

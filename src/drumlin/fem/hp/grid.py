@@ -411,7 +411,7 @@ class ElementBoundaryGrid:
         return everywhere.reshape(2 * grid.N, -1)
 
 
-BodySystemAssembler = Callable[[HpElementGrid | ElementBoundaryGrid], UncondensedBodySystem]
+BodySystemAssemblyFunction = Callable[[HpElementGrid | ElementBoundaryGrid], UncondensedBodySystem]
 """A function that assembles a body's system of equations: stiffness, constraints and loads.
 
 Its argument gives the nodes whose displacements are unknowns: all nodes of a grid, or only the
@@ -420,13 +420,13 @@ nodes on the boundaries of elements (its skeleton).
 
 
 @dataclass(frozen=True)
-class EliminatedGridUnknowns:
+class EliminatedUnknownsOfHpElementBody:
     """The displacements of a body in hp elements that its condensation has eliminated.
 
     They are computed again from the contact forces, the unit loads and the motion of the frame (the
     rigid face that the hinge holds): first on the skeleton (the nodes on the boundaries of
     elements), then inside the elements one by one. The class is a
-    `substructure.body.EliminatedUnknownsAndEquations`.
+    `substructure.body.EliminatedUnknownsAndEquationsOfAnyBody`.
 
     Attributes
     ----------
@@ -440,16 +440,16 @@ class EliminatedGridUnknowns:
 
     grid: HpElementGrid
     layers: Mapping[str, ElasticLayer]
-    whole_system: BodySystemAssembler
+    whole_system: BodySystemAssemblyFunction
     further: Floats
 
     @classmethod
-    def unknowns_without_further_unit_loads(
+    def eliminated_unknowns_with_system_loads_only(
         cls,
         grid: HpElementGrid,
         layers: Mapping[str, ElasticLayer],
-        whole_system: BodySystemAssembler,
-    ) -> "EliminatedGridUnknowns":
+        whole_system: BodySystemAssemblyFunction,
+    ) -> "EliminatedUnknownsOfHpElementBody":
         """The unknowns of a body without unit loads besides those of `whole_system`."""
         return cls(grid, layers, whole_system, np.zeros((2 * grid.N, 0)))
 
@@ -457,7 +457,7 @@ class EliminatedGridUnknowns:
         """The body's system of equations before condensation, on all nodes of its grid."""
         return self._system_with_further_unit_loads(self.whole_system(self.grid), self.further)
 
-    def copy_with_further_unit_loads(self, forces: Floats) -> "EliminatedGridUnknowns":
+    def copy_with_further_unit_loads(self, forces: Floats) -> "EliminatedUnknownsOfHpElementBody":
         """A copy with k further unit loads, given as nodal forces (2 grid nodes, k)."""
         return replace(self, further=np.hstack([self.further, forces]))
 

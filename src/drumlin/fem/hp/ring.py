@@ -15,9 +15,9 @@ from drumlin.base.arrays import Bools, Floats, Ints
 from drumlin.base.errors import NoAnswer
 from drumlin.base.lapack import dpotrf
 from drumlin.brake.brake import Brake
-from drumlin.brake.components import Ring, Section
+from drumlin.brake.components import DrumRing, RectangularCrossSection
 from drumlin.brake.elasticity import which_elasticity_matrices_are_orthotropic
-from drumlin.contact.equations import MOST_CONTACT_NODES
+from drumlin.contact.equations import MAX_NODES_OF_CONTACT_PROBLEM
 from drumlin.fem.hp.arc import (
     angular_factors_of_column_stiffness,
     condensed_arc_column_stiffness,
@@ -32,13 +32,13 @@ from drumlin.fem.hp.columns import (
     rotate_node_axes_of_vectors,
 )
 from drumlin.fem.hp.division import (
-    Level,
+    RefinementLevel,
     element_sizes_growing_from_both_ends,
     interval_ends_from_interval_sizes,
 )
 from drumlin.fem.hp.grid import (
     ElementBoundaryGrid,
-    EliminatedGridUnknowns,
+    EliminatedUnknownsOfHpElementBody,
     HpElementGrid,
     RectangularElementBlock,
 )
@@ -49,7 +49,7 @@ from drumlin.fem.hp.shoe import (
     node_positions_of_element_row,
 )
 from drumlin.fem.substructure.body import (
-    NUMBER_OF_FRAME_DISPLACEMENTS,
+    DEGREES_OF_FREEDOM_OF_BODY_FRAME,
     CondensedBody,
     UncondensedBodySystem,
     multi_point_constraints_of_body,
@@ -65,7 +65,7 @@ from drumlin.fem.substructure.ring import (
     RIM_LOAD_NAME,
     FreeRingForceBalance,
     RingSubstructure,
-    couple_ring_with_linings,
+    condensed_ring_coupled_with_linings,
     fixed_nodes_of_ring,
     indices_of_displacements_that_hold_free_ring,
     stiffness_of_drum_ring_without_supports,
@@ -88,7 +88,7 @@ the ring more columns, and the solve takes more time.
 """
 FULL_TURN_IN_RADIANS = 2 * math.pi
 """The angle of a whole turn [rad]."""
-SAME_ANGLE = 1e-9
+SAME_ANGLE_TOLERANCE = 1e-9
 """Difference of two angles [rad] below which they are the same end of an element column.
 
 A smaller difference is round-off.
@@ -144,11 +144,11 @@ class RingDivision(NamedTuple):
 
 
 def divide_ring_into_hp_elements(
-    section: Section,
+    section: RectangularCrossSection,
     radius: float,
     linings: list[Floats],
-    level: Level,
-    singular_layer_size: float = math.inf,
+    level: RefinementLevel,
+    face_layer_size_at_unbounded_pressure: float = math.inf,
     widening: float = 1.0,
 ) -> RingDivision:
     """The division of the drum's ring into columns and layers of hp elements.
@@ -164,7 +164,8 @@ def divide_ring_into_hp_elements(
     linings : for each lining the angles of the ends of its columns [rad], growing, in the brake's
         frame
     level : degree of the elements, and sizes of columns and layers
-    singular_layer_size : upper limit of the size of the thinnest layer of elements [m]
+    face_layer_size_at_unbounded_pressure : upper limit of the size of the thinnest layer of
+        elements [m]
     widening : width of the ring's narrowest columns over that of the lining's, see
         `largest_ratio_of_ring_to_lining_column_widths`
     """
@@ -177,8 +178,10 @@ def divide_ring_into_hp_elements(
     ]
     parts = [ends - ends[0] + (float(ends[0]) - origin) % FULL_TURN_IN_RADIANS for ends in wider]
     places = np.sort(np.concatenate([part % FULL_TURN_IN_RADIANS for part in parts]))
-    places = places[np.append(True, np.diff(places) > SAME_ANGLE)]
-    places = np.append(places[places < FULL_TURN_IN_RADIANS - SAME_ANGLE], FULL_TURN_IN_RADIANS)
+    places = places[np.append(True, np.diff(places) > SAME_ANGLE_TOLERANCE)]
+    places = np.append(
+        places[places < FULL_TURN_IN_RADIANS - SAME_ANGLE_TOLERANCE], FULL_TURN_IN_RADIANS
+    )
 
     # Between two linings columns are added, which grow from the size of both neighbours to the
     # middle.
@@ -198,7 +201,11 @@ def divide_ring_into_hp_elements(
     # The layers grow from the friction surface through the thickness.
     t = section.thickness
     layers = element_sizes_growing_from_both_ends(
-        t, min(level.interface_layer_size * t, singular_layer_size), t, level.layer_size_ratio, t
+        t,
+        min(level.interface_layer_size * t, face_layer_size_at_unbounded_pressure),
+        t,
+        level.layer_size_ratio,
+        t,
     )
     ends = origin + np.concatenate(angles)
     return RingDivision(
@@ -206,7 +213,9 @@ def divide_ring_into_hp_elements(
     )
 
 
-def largest_ratio_of_ring_to_lining_column_widths(brake: Brake, section: Section) -> float:
+def largest_ratio_of_ring_to_lining_column_widths(
+    brake: Brake, section: RectangularCrossSection
+) -> float:
     """How many times wider the ring's columns may be than the lining's columns, at least 1.
 
     The stiffest lining decides, see RING_ERROR_OVER_LINING_ERROR. `section` is the section of the
@@ -222,7 +231,7 @@ def largest_ratio_of_ring_to_lining_column_widths(brake: Brake, section: Section
 
 
 def _ends_of_ring_columns_under_lining(
-    ends: Floats, level: Level, widening: float, thickness: float
+    ends: Floats, level: RefinementLevel, widening: float, thickness: float
 ) -> Floats:
     """The ends of the ring's columns under a lining [rad], wider than the lining's columns.
 
@@ -272,10 +281,10 @@ def _which_angles_are_under_linings(angles: Floats, parts: list[Floats]) -> Bool
 
 def condensed_ring_in_hp_elements(
     brake: Brake,
-    level: Level,
+    level: RefinementLevel,
     linings: tuple[ContactLine, ...],
     *,
-    singular_layer_size: float = math.inf,
+    face_layer_size_at_unbounded_pressure: float = math.inf,
 ) -> RingSubstructure:
     """The elastic ring of a brake in hp elements, condensed to its nodes under the linings.
 
@@ -284,16 +293,17 @@ def condensed_ring_in_hp_elements(
     brake : the brake, which has a ring with a section
     level : degree of the elements, and sizes of columns and layers
     linings : contact line of each lining, in its shoe's frame
-    singular_layer_size : upper limit of the size of the thinnest layer of elements [m]
+    face_layer_size_at_unbounded_pressure : upper limit of the size of the thinnest layer of
+        elements [m]
 
     Raises
     ------
     NoAnswer
-        if more than MOST_CONTACT_NODES of the ring's nodes lie under linings
+        if more than MAX_NODES_OF_CONTACT_PROBLEM of the ring's nodes lie under linings
     """
     # `reason_against_finite_element_model` refuses brakes without a section before, so that the
     # assertion holds.
-    ring, radius, sign = brake.ring, brake.size, brake.shoes[0].sign_of_internal_shoe
+    ring, radius, sign = brake.ring, brake.size, brake.shoes[0].sign_internal_plus_external_minus
     assert ring is not None and ring.section is not None
     ends = []
     for shoe, line in zip(brake.shoes, linings, strict=True):
@@ -302,12 +312,13 @@ def condensed_ring_in_hp_elements(
             ends.append(np.sort(shoe.frame.surface_coordinates_of_phi(at_ends)))
     widening = largest_ratio_of_ring_to_lining_column_widths(brake, ring.section)
     div = divide_ring_into_hp_elements(
-        ring.section, radius, ends, level, singular_layer_size, widening
+        ring.section, radius, ends, level, face_layer_size_at_unbounded_pressure, widening
     )
-    if len(div.contact_nodes) > MOST_CONTACT_NODES:
+    if len(div.contact_nodes) > MAX_NODES_OF_CONTACT_PROBLEM:
         raise NoAnswer(
             f"the ring has {len(div.contact_nodes)} nodes under the linings, more than the "
-            f"{MOST_CONTACT_NODES} that are allowed: the contact nodes of a mesh file are too many"
+            f"{MAX_NODES_OF_CONTACT_PROBLEM} that are allowed: the contact nodes of a mesh "
+            f"file are too many"
         )
     # A free ring has no support. Loads spread over its rim balance the forces of the linings.
     free = ring.support == "free"
@@ -324,7 +335,9 @@ def condensed_ring_in_hp_elements(
         else None
     )
     held = fixed_nodes_of_ring(ring, grid.sets["support"])
-    return couple_ring_with_linings(brake, linings, grid, grid, contact, condensed, held, balance)
+    return condensed_ring_coupled_with_linings(
+        brake, linings, grid, grid, contact, condensed, held, balance
+    )
 
 
 def _contact_line_of_ring(div: RingDivision, grid: HpElementGrid) -> ContactLine:
@@ -339,7 +352,7 @@ def _contact_line_of_ring(div: RingDivision, grid: HpElementGrid) -> ContactLine
 
 
 def _condense_ring_to_contact_nodes(
-    ring: Ring, radius: float, sign: int, div: RingDivision, grid: HpElementGrid, rim: Floats
+    ring: DrumRing, radius: float, sign: int, div: RingDivision, grid: HpElementGrid, rim: Floats
 ) -> CondensedBody:
     """The drum's ring, condensed to its contact nodes, with the unit loads on its rim.
 
@@ -382,11 +395,11 @@ def _condense_ring_to_contact_nodes(
     system = partial(_equations_of_ring_before_condensation, ring, grid, rim)
     return CondensedBody(
         L,
-        L_fc=np.zeros((NUMBER_OF_FRAME_DISPLACEMENTS, n)),
+        L_fc=np.zeros((DEGREES_OF_FREEDOM_OF_BODY_FRAME, n)),
         load_on_contact=-rotate_node_axes_of_vectors(A[:extra, extra:], back).T,
-        load_on_frame=np.zeros((NUMBER_OF_FRAME_DISPLACEMENTS, extra)),
+        load_on_frame=np.zeros((DEGREES_OF_FREEDOM_OF_BODY_FRAME, extra)),
         load_work=-A[:extra, :extra],
-        inner=EliminatedGridUnknowns.unknowns_without_further_unit_loads(
+        inner=EliminatedUnknownsOfHpElementBody.eliminated_unknowns_with_system_loads_only(
             grid, elastic_layers_of_ring(section), system
         ),
         columns=ColumnsOfUnitLoads(((RIM_LOAD_NAME, extra),)),
@@ -394,7 +407,7 @@ def _condense_ring_to_contact_nodes(
 
 
 def _ring_stiffness_under_and_between_linings(
-    section: Section, radius: float, sign: int, div: RingDivision, *, free: bool
+    section: RectangularCrossSection, radius: float, sign: int, div: RingDivision, *, free: bool
 ) -> list[Floats]:
     """The condensed stiffness (n, n) of each run of element columns of the drum's ring.
 
@@ -489,7 +502,7 @@ def _condensed_stiffness_of_column_run(
     kinds_made = [ColumnSubstructure(each, line, line) for each in made]
     row = [kinds_made[k] for k in kind_of]
     return assemble_and_condense_row_of_element_columns(
-        row, 2 * contact, 0 if held else NUMBER_OF_FRAME_DISPLACEMENTS
+        row, 2 * contact, 0 if held else DEGREES_OF_FREEDOM_OF_BODY_FRAME
     ).K
 
 
@@ -529,7 +542,7 @@ def _unit_rim_loads_on_element_columns(radius: float, along: Floats, p: int) -> 
     one, zero = np.ones_like(ds), np.zeros_like(ds)
     modes = np.array([[one, zero], [zero, one], [-x[1], x[0]]])  # (3, 2, c, q)
     found = np.einsum("aq,kicq,cq->caik", psi, modes, ds)
-    return found.reshape(len(along), -1, NUMBER_OF_FRAME_DISPLACEMENTS)
+    return found.reshape(len(along), -1, DEGREES_OF_FREEDOM_OF_BODY_FRAME)
 
 
 def _column_stiffness_with_unit_loads_in_brake_frame(K: Floats, angle: Floats) -> Floats:
@@ -538,14 +551,14 @@ def _column_stiffness_with_unit_loads_in_brake_frame(K: Floats, angle: Floats) -
     The first three unknowns of each column are the factors of the unit loads on the rim. They are
     given in the frame of the column. `angle` (c,) [rad] are the angles of the columns' middles.
     """
-    T = np.zeros((len(angle), NUMBER_OF_FRAME_DISPLACEMENTS, NUMBER_OF_FRAME_DISPLACEMENTS))
+    T = np.zeros((len(angle), DEGREES_OF_FREEDOM_OF_BODY_FRAME, DEGREES_OF_FREEDOM_OF_BODY_FRAME))
     T[:, 0, 0] = T[:, 1, 1] = np.cos(angle)
     T[:, 0, 1], T[:, 1, 0], T[:, 2, 2] = np.sin(angle), -np.sin(angle), 1.0
     K = K.copy()
-    K[:, :NUMBER_OF_FRAME_DISPLACEMENTS] = (
-        T.transpose(0, 2, 1) @ K[:, :NUMBER_OF_FRAME_DISPLACEMENTS]
+    K[:, :DEGREES_OF_FREEDOM_OF_BODY_FRAME] = (
+        T.transpose(0, 2, 1) @ K[:, :DEGREES_OF_FREEDOM_OF_BODY_FRAME]
     )
-    K[:, :, :NUMBER_OF_FRAME_DISPLACEMENTS] = K[:, :, :NUMBER_OF_FRAME_DISPLACEMENTS] @ T
+    K[:, :, :DEGREES_OF_FREEDOM_OF_BODY_FRAME] = K[:, :, :DEGREES_OF_FREEDOM_OF_BODY_FRAME] @ T
     return K
 
 
@@ -666,7 +679,7 @@ def nodal_forces_of_unit_rim_loads(radius: float, div: RingDivision, grid: HpEle
     grid : all nodes and elements of the ring
     """
     p, count = div.degree, len(div.contact)
-    forces = np.zeros((grid.N, 2, NUMBER_OF_FRAME_DISPLACEMENTS))
+    forces = np.zeros((grid.N, 2, DEGREES_OF_FREEDOM_OF_BODY_FRAME))
     pieces = _unit_rim_loads_on_element_columns(
         radius, node_positions_in_each_element_of_row(div.angles, p), p
     )
@@ -674,13 +687,13 @@ def nodal_forces_of_unit_rim_loads(radius: float, div: RingDivision, grid: HpEle
     np.add.at(
         forces,
         grid.sets["support"][edges],
-        pieces.reshape(count, p + 1, 2, NUMBER_OF_FRAME_DISPLACEMENTS),
+        pieces.reshape(count, p + 1, 2, DEGREES_OF_FREEDOM_OF_BODY_FRAME),
     )
-    return forces.reshape(-1, NUMBER_OF_FRAME_DISPLACEMENTS)
+    return forces.reshape(-1, DEGREES_OF_FREEDOM_OF_BODY_FRAME)
 
 
 def _equations_of_ring_before_condensation(
-    ring: Ring, grid: HpElementGrid, rim: Floats, basis: HpElementGrid | ElementBoundaryGrid
+    ring: DrumRing, grid: HpElementGrid, rim: Floats, basis: HpElementGrid | ElementBoundaryGrid
 ) -> UncondensedBodySystem:
     """The stiffness, constraints and loads of the drum's ring before condensation.
 

@@ -15,7 +15,7 @@ import numpy as np
 from drumlin.base.arrays import Floats, Ints
 from drumlin.brake.beam_axis import make_beam_axis
 from drumlin.brake.brake import Shoe
-from drumlin.brake.components import Beam
+from drumlin.brake.components import BeamBody
 from drumlin.brake.elasticity import ElasticLayer, which_elasticity_matrices_are_orthotropic
 from drumlin.fem.hp.arc import (
     angular_factors_of_column_stiffness,
@@ -31,14 +31,14 @@ from drumlin.fem.hp.columns import (
     rotate_node_axes_of_matrix,
     rotate_node_axes_of_vectors,
 )
-from drumlin.fem.hp.division import ShoeDivision
+from drumlin.fem.hp.division import ShoeElementDivision
 from drumlin.fem.hp.element import (
     condensed_element_stiffness,
     gauss_points_of_elements,
     reference_element_of_degree,
 )
 from drumlin.fem.substructure.body import (
-    NUMBER_OF_FRAME_DISPLACEMENTS,
+    DEGREES_OF_FREEDOM_OF_BODY_FRAME,
     rigid_body_displacements_of_nodes,
 )
 from drumlin.fem.substructure.elasticity import elasticity_times_width_of_layers
@@ -109,15 +109,15 @@ def unit_actuation_loads_on_end_face(
     linear = np.bincount(at.ravel(), ((weights * where) @ psi.T).ravel()) * 12
     end = xy[:, -1] - xy[:, 0]
     centre = 0.5 * (xy[:, -1] + xy[:, 0])
-    load = np.zeros((xy.shape[1], 2, NUMBER_OF_FRAME_DISPLACEMENTS))
+    load = np.zeros((xy.shape[1], 2, DEGREES_OF_FREEDOM_OF_BODY_FRAME))
     load[:, 0, 0] = load[:, 1, 1] = even
     load[:, :, 2] = linear[:, None] * np.array([-end[1], end[0]]) / (end @ end)
-    columns = ColumnsOfUnitLoads(((ACTUATION_LOAD_NAME, NUMBER_OF_FRAME_DISPLACEMENTS),))
+    columns = ColumnsOfUnitLoads(((ACTUATION_LOAD_NAME, DEGREES_OF_FREEDOM_OF_BODY_FRAME),))
     return UnitLoadsOnLoadedEndFace(
-        load.reshape(-1, NUMBER_OF_FRAME_DISPLACEMENTS),
+        load.reshape(-1, DEGREES_OF_FREEDOM_OF_BODY_FRAME),
         columns,
         centre,
-        np.eye(NUMBER_OF_FRAME_DISPLACEMENTS),
+        np.eye(DEGREES_OF_FREEDOM_OF_BODY_FRAME),
     )
 
 
@@ -160,7 +160,7 @@ def function_from_depth_and_angle_to_point(
     """
     return (
         _function_from_depth_and_angle_to_beam_shoe_point(shoe, radius)
-        if isinstance(shoe.body, Beam)
+        if isinstance(shoe.body, BeamBody)
         else partial(shoe.points_at_depth_and_coordinate_phi, size=radius)
     )
 
@@ -175,7 +175,7 @@ def _function_from_depth_and_angle_to_beam_shoe_point(
     """
     # `reason_against_finite_element_model` refuses shoes without a section before, so that the
     # assertion holds.
-    assert isinstance(shoe.body, Beam) and shoe.body.section is not None
+    assert isinstance(shoe.body, BeamBody) and shoe.body.section is not None
     axis = make_beam_axis(shoe.pin.xy, shoe.actuation.point.xy)
     thickness = shoe.lining.thickness
     back, beam = radius + thickness, shoe.body.section.thickness
@@ -276,7 +276,7 @@ def _unit_vectors_along_shoe_layers(
     return np.moveaxis(np.array(vectors), 1, 2)
 
 
-class _CondensedShoeColumns(NamedTuple):
+class _CondensedElementColumnsOfShoe(NamedTuple):
     """The condensed element columns of a shoe, in the order of their positions.
 
     Columns of equal shape and material are the same Python object.
@@ -313,7 +313,7 @@ class _ElementColumnKinds(NamedTuple):
 
 
 def group_equal_element_columns_of_shoe(
-    shoe: Shoe, div: ShoeDivision, *, directed: bool
+    shoe: Shoe, div: ShoeElementDivision, *, directed: bool
 ) -> _ElementColumnKinds:
     """The kinds of element columns of a shoe; the stiffness is computed once for each kind.
 
@@ -329,7 +329,7 @@ def group_equal_element_columns_of_shoe(
     rows = [div.angles]
     if div.index_of_first_body_layer < div.number_of_element_layers:
         rows += [div.column_ends_before_lining[::-1], div.column_ends_behind_lining]
-    if isinstance(shoe.body, Beam):
+    if isinstance(shoe.body, BeamBody):
         along = np.concatenate([node_positions_in_each_element_of_row(ends, p) for ends in rows])
         return _ElementColumnKinds(along, None, np.arange(len(along)))
     sizes, which = distinct_sizes_and_index_of_each_size(
@@ -356,7 +356,7 @@ class _ShoeDividedIntoHpElements(NamedTuple):
 
     shoe: Shoe
     radius: float
-    div: ShoeDivision
+    div: ShoeElementDivision
     layers: dict[str, ElasticLayer]
     elasticity: Floats
     directed: bool
@@ -364,8 +364,8 @@ class _ShoeDividedIntoHpElements(NamedTuple):
 
 
 def _condensed_hp_columns_of_shoe(
-    shoe: Shoe, radius: float, div: ShoeDivision, layers: dict[str, ElasticLayer]
-) -> _CondensedShoeColumns:
+    shoe: Shoe, radius: float, div: ShoeElementDivision, layers: dict[str, ElasticLayer]
+) -> _CondensedElementColumnsOfShoe:
     """The element columns of a shoe, each condensed to its two sides and its contact nodes.
 
     `div` divides the shoe into columns and layers of elements. `layers` has the elasticity of the
@@ -398,7 +398,7 @@ def _condensed_hp_columns_of_shoe(
         columns |= dict(zip(where.tolist(), made, strict=False))
     rest = _condensed_hp_columns_of_row(whole, which[under:], body, contact=False, held=False)
     row = [columns[k] for k in sorted(columns)]
-    return _CondensedShoeColumns(row, rest[:before], rest[before:], (a, b))
+    return _CondensedElementColumnsOfShoe(row, rest[:before], rest[before:], (a, b))
 
 
 def _condensed_hp_columns_of_row(
@@ -426,7 +426,7 @@ def _condensed_hp_columns_of_row(
         parts = _condensed_elements_of_straight_beam_shoe(whole, whole.kinds.along[kinds], layer)
         stiffness = condensed_element_column_stiffness(parts, unknowns)
     else:
-        radii = whole.radius - whole.shoe.sign_of_internal_shoe * div.depths[layer:]
+        radii = whole.radius - whole.shoe.sign_internal_plus_external_minus * div.depths[layer:]
         parts = condensed_arc_element_stiffness(
             radii,
             whole.kinds.angular[:, kinds],
@@ -482,12 +482,12 @@ def displacement_axis_angles_of_shoe_at_positions(shoe: Shoe, phi: Floats) -> Fl
     The first axis is the radius on an arc and the plane's normal on a pad. A shoe with a straight
     beam has the axes of the shoe's frame, with the angle 0.
     """
-    if isinstance(shoe.body, Beam):
+    if isinstance(shoe.body, BeamBody):
         return np.zeros_like(phi)
     return np.full_like(phi, -0.5 * np.pi) if shoe.is_on_plane else phi
 
 
-def rotation_angles_of_contact_nodes_to_shoe_frame(shoe: Shoe, div: ShoeDivision) -> Floats:
+def rotation_angles_of_contact_nodes_to_shoe_frame(shoe: Shoe, div: ShoeElementDivision) -> Floats:
     """The angles (n,) [rad] that rotate the contact nodes' displacements to the shoe's frame.
 
     In the element columns the displacements are measured along the radius and around the drum.
@@ -499,7 +499,7 @@ def rotation_angles_of_contact_nodes_to_shoe_frame(shoe: Shoe, div: ShoeDivision
     return -displacement_axis_angles_of_shoe_at_positions(shoe, np.concatenate(angles))
 
 
-def angles_of_contact_nodes_on_each_lining(div: ShoeDivision) -> list[Floats]:
+def angles_of_contact_nodes_on_each_lining(div: ShoeElementDivision) -> list[Floats]:
     """The positions phi (n_k,) [rad] of the contact nodes on each lining."""
     return [
         node_positions_of_element_row(ends, div.degree)
@@ -510,7 +510,7 @@ def angles_of_contact_nodes_on_each_lining(div: ShoeDivision) -> list[Floats]:
 def condense_shoe_to_contact_nodes(
     shoe: Shoe,
     radius: float,
-    div: ShoeDivision,
+    div: ShoeElementDivision,
     layers: dict[str, ElasticLayer],
 ) -> CondensedShoe:
     """The shoe condensed to the rigid face at its hinge, and to its contact nodes by angle.
@@ -554,23 +554,23 @@ def condensed_shoe_with_gripped_or_bonded_back(shoe: Shoe, S: Floats, R: Floats)
     2n) is the stiffness of the contact nodes while the frame is fixed, and `R` (2n, 3) are the
     rigid-body modes of the contact nodes.
     """
-    zeros = np.zeros((len(R), NUMBER_OF_FRAME_DISPLACEMENTS))
+    zeros = np.zeros((len(R), DEGREES_OF_FREEDOM_OF_BODY_FRAME))
     return CondensedShoe(
         S=stiffness_of_hinge_face_and_contact_nodes(S, R),
-        loads=np.vstack([np.eye(NUMBER_OF_FRAME_DISPLACEMENTS), zeros]),
-        work=np.zeros((NUMBER_OF_FRAME_DISPLACEMENTS, NUMBER_OF_FRAME_DISPLACEMENTS)),
+        loads=np.vstack([np.eye(DEGREES_OF_FREEDOM_OF_BODY_FRAME), zeros]),
+        work=np.zeros((DEGREES_OF_FREEDOM_OF_BODY_FRAME, DEGREES_OF_FREEDOM_OF_BODY_FRAME)),
         centre=shoe.pin_position_in_shoe_frame,
         rigid_mode_forces=zeros,
         force_imbalance=0.0,
-        columns=ColumnsOfUnitLoads(((ACTUATION_LOAD_NAME, NUMBER_OF_FRAME_DISPLACEMENTS),)),
+        columns=ColumnsOfUnitLoads(((ACTUATION_LOAD_NAME, DEGREES_OF_FREEDOM_OF_BODY_FRAME),)),
     )
 
 
 def _condense_shoe_that_hinge_holds(
     shoe: Shoe,
     radius: float,
-    div: ShoeDivision,
-    row: _CondensedShoeColumns,
+    div: ShoeElementDivision,
+    row: _CondensedElementColumnsOfShoe,
     R: Floats,
 ) -> CondensedShoe:
     """The condensed elastic shoe that is held by the hinge at one end and loaded at the other end.
@@ -632,7 +632,7 @@ class _EndFaceModesAndUnitLoads(NamedTuple):
 
 
 def _hinge_face_modes_and_end_face_loads(
-    shoe: Shoe, radius: float, div: ShoeDivision
+    shoe: Shoe, radius: float, div: ShoeElementDivision
 ) -> _EndFaceModesAndUnitLoads:
     """The rigid-body modes of the face at the hinge, and the unit loads on the loaded end face.
 
@@ -682,8 +682,8 @@ def condensed_shoe_corrected_for_round_off(
     """
     extra = end.columns.number_of_load_columns
     frame, contact, loads = (
-        slice(NUMBER_OF_FRAME_DISPLACEMENTS),
-        slice(NUMBER_OF_FRAME_DISPLACEMENTS, -extra),
+        slice(DEGREES_OF_FREEDOM_OF_BODY_FRAME),
+        slice(DEGREES_OF_FREEDOM_OF_BODY_FRAME, -extra),
         slice(-extra, None),
     )
     S = stiffness_in_frame(A[contact, contact])
@@ -711,7 +711,7 @@ def condensed_shoe_corrected_for_round_off(
 
 def _contact_stiffness_of_lining_with_back_in_grip(
     row: list[ColumnSubstructure],
-    div: ShoeDivision,
+    div: ShoeElementDivision,
     left: Floats | None = None,
     right: Floats | None = None,
 ) -> Floats:
@@ -733,7 +733,7 @@ def _contact_stiffness_of_lining_with_back_in_grip(
 
 
 def _contact_stiffness_of_linings_on_rigid_body(
-    row: list[ColumnSubstructure], div: ShoeDivision
+    row: list[ColumnSubstructure], div: ShoeElementDivision
 ) -> Floats:
     """The stiffness of the contact nodes of one or several linings on a rigid body.
 
@@ -757,7 +757,7 @@ def _contact_stiffness_of_linings_on_rigid_body(
 
 
 def _assemble_columns_of_linings_and_slots(
-    columns: list[ColumnSubstructure], div: ShoeDivision
+    columns: list[ColumnSubstructure], div: ShoeElementDivision
 ) -> Floats:
     """The stiffness of all contact nodes, assembled from the columns under linings and in slots.
 
@@ -787,7 +787,7 @@ def _assemble_columns_of_linings_and_slots(
 
 
 def _contact_stiffness_of_shoe_with_back_in_grip(
-    columns: _CondensedShoeColumns, div: ShoeDivision
+    columns: _CondensedElementColumnsOfShoe, div: ShoeElementDivision
 ) -> Floats:
     """The stiffness of the contact nodes of a shoe whose body is held by a grip on its back.
 
@@ -872,11 +872,11 @@ def _constrain_element_column_side_to_hinge(
     | frame | other unknowns].
     """
     left = piece.left - len(held)
-    at, frame = slice(left, piece.left), slice(left, left + NUMBER_OF_FRAME_DISPLACEMENTS)
+    at, frame = slice(left, piece.left), slice(left, left + DEGREES_OF_FREEDOM_OF_BODY_FRAME)
     rest = np.arange(len(piece.K) - len(held))
-    others, n = rest.copy(), len(rest) + NUMBER_OF_FRAME_DISPLACEMENTS
+    others, n = rest.copy(), len(rest) + DEGREES_OF_FREEDOM_OF_BODY_FRAME
     rest[left:] += len(held)
-    others[left:] += NUMBER_OF_FRAME_DISPLACEMENTS
+    others[left:] += DEGREES_OF_FREEDOM_OF_BODY_FRAME
     K = np.empty((n, n))
     K[others[:, None], others] = piece.K[rest[:, None], rest]
     K[frame, frame] = held.T @ piece.K[at, at] @ held
@@ -885,7 +885,7 @@ def _constrain_element_column_side_to_hinge(
     return ColumnSubstructure(K, left, piece.right)
 
 
-class _CorrectedStiffness(NamedTuple):
+class _ContactStiffnessCorrectedForRoundOff(NamedTuple):
     """The stiffness `S` (2n, 2n) of the n contact nodes, corrected for round-off.
 
     `round_off_forces` (2n, 3) estimate the forces on the contact nodes that the three rigid-body
@@ -898,7 +898,7 @@ class _CorrectedStiffness(NamedTuple):
 
 def contact_stiffness_without_strain_in_rigid_motion(
     S: Floats, R: Floats, held: Floats
-) -> _CorrectedStiffness:
+) -> _ContactStiffnessCorrectedForRoundOff:
     """The stiffness of the contact nodes, corrected so that rigid-body modes cause no strain.
 
     The frame is the rigid face that the hinge holds. If the frame makes a unit motion while the
@@ -928,7 +928,7 @@ def contact_stiffness_without_strain_in_rigid_motion(
     change, moment = back @ after.T, R.T @ after
     symmetric_moment = 0.5 * (moment + moment.T)
     corrected = S - change - change.T + back @ symmetric_moment @ back.T
-    return _CorrectedStiffness(corrected, before)
+    return _ContactStiffnessCorrectedForRoundOff(corrected, before)
 
 
 def stiffness_of_hinge_face_and_contact_nodes(S: Floats, R: Floats) -> Floats:
@@ -940,12 +940,12 @@ def stiffness_of_hinge_face_and_contact_nodes(S: Floats, R: Floats) -> Floats:
     """
     SR = S @ R
     whole = np.empty(
-        (NUMBER_OF_FRAME_DISPLACEMENTS + len(S), NUMBER_OF_FRAME_DISPLACEMENTS + len(S))
+        (DEGREES_OF_FREEDOM_OF_BODY_FRAME + len(S), DEGREES_OF_FREEDOM_OF_BODY_FRAME + len(S))
     )
-    whole[:NUMBER_OF_FRAME_DISPLACEMENTS, :NUMBER_OF_FRAME_DISPLACEMENTS] = R.T @ SR
-    whole[:NUMBER_OF_FRAME_DISPLACEMENTS, NUMBER_OF_FRAME_DISPLACEMENTS:] = -SR.T
-    whole[NUMBER_OF_FRAME_DISPLACEMENTS:, :NUMBER_OF_FRAME_DISPLACEMENTS] = -SR
-    whole[NUMBER_OF_FRAME_DISPLACEMENTS:, NUMBER_OF_FRAME_DISPLACEMENTS:] = S
+    whole[:DEGREES_OF_FREEDOM_OF_BODY_FRAME, :DEGREES_OF_FREEDOM_OF_BODY_FRAME] = R.T @ SR
+    whole[:DEGREES_OF_FREEDOM_OF_BODY_FRAME, DEGREES_OF_FREEDOM_OF_BODY_FRAME:] = -SR.T
+    whole[DEGREES_OF_FREEDOM_OF_BODY_FRAME:, :DEGREES_OF_FREEDOM_OF_BODY_FRAME] = -SR
+    whole[DEGREES_OF_FREEDOM_OF_BODY_FRAME:, DEGREES_OF_FREEDOM_OF_BODY_FRAME:] = S
     return whole
 
 

@@ -35,7 +35,7 @@ ABAQUS_TYPE_OF_MESHIO_CELL = {
     "quad8": "CPS8",
 }
 """Abaqus's plane-stress element type for each of meshio's cell names, as written to .inp files."""
-NODES_PER_CELL = {
+NODES_PER_MESHIO_CELL = {
     "line": 2,
     "line3": 3,
     "triangle": 3,

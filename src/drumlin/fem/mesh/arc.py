@@ -12,11 +12,11 @@ import numpy as np
 from drumlin.base.arrays import Floats, Ints
 from drumlin.base.errors import BadInput
 from drumlin.brake.brake import Shoe
-from drumlin.brake.components import Beam, ShoeBodyOfConstantSection
+from drumlin.brake.components import BeamBody, ShoeBodyOfConstantSection
 from drumlin.fem.mesh.beam import mesh_of_straight_beam_shoe
 from drumlin.fem.mesh.grading import (
-    MOST_LINEAR_LAYERS,
-    MOST_QUADRATIC_LAYERS,
+    MOST_LINEAR_LAYERS_BEHIND_LINING,
+    MOST_QUADRATIC_LAYERS_BEHIND_LINING,
     LiningDivision,
     divide_lining_into_elements,
     element_ends_beyond_lining,
@@ -64,7 +64,7 @@ DEFAULT_MESH_KIND = "quad2"
 """The kind of mesh that is made if the user names none: quadratic quadrilaterals."""
 
 
-def element_kind_of_mesh(mesh: Any) -> MeshKind:
+def mesh_kind_of_scikit_fem_mesh(mesh: Any) -> MeshKind:
     """The kind of a scikit-fem mesh: quadrilaterals or triangles, of degree 1 or 2."""
     return next(kind for kind in MESH_KINDS.values() if kind.mesh is type(mesh))
 
@@ -145,7 +145,7 @@ def parametric_mesh_of_shoe(
         if isinstance(elements, LiningDivision)
         else divide_lining_into_elements(shoe, radius, elements)
     )
-    if isinstance(shoe.body, Beam):
+    if isinstance(shoe.body, BeamBody):
         reason = shoe.reason_if_several_linings_are_not_allowed("the mesh of a straight beam")
         if reason is not None:
             raise BadInput(f"--kind = {kind!r}: shoe {shoe.name!r}: {reason}")
@@ -194,7 +194,11 @@ def _depths_and_angles_of_arc_mesh(
         angles = np.concatenate([before, angles, after])
 
     # Linear elements bend well only in thin layers, so that they may have more layers.
-    most = MOST_QUADRATIC_LAYERS if kind.endswith("2") else MOST_LINEAR_LAYERS
+    most = (
+        MOST_QUADRATIC_LAYERS_BEHIND_LINING
+        if kind.endswith("2")
+        else MOST_LINEAR_LAYERS_BEHIND_LINING
+    )
     depths = [division.depths]
     for _, thickness in layers[1:]:
         parts = relative_layer_depths_behind_lining(

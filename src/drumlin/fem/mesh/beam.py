@@ -12,11 +12,11 @@ import numpy as np
 from drumlin.base.arrays import Floats
 from drumlin.brake.beam_axis import BeamAxis, make_beam_axis
 from drumlin.brake.brake import Shoe
-from drumlin.brake.components import Beam, Section
-from drumlin.brake.units import text_in_mm
+from drumlin.brake.components import BeamBody, RectangularCrossSection
+from drumlin.brake.units import length_as_text_in_mm
 from drumlin.fem.mesh.grading import (
-    MOST_LINEAR_LAYERS,
-    MOST_QUADRATIC_LAYERS,
+    MOST_LINEAR_LAYERS_BEHIND_LINING,
+    MOST_QUADRATIC_LAYERS_BEHIND_LINING,
     LiningDivision,
     element_ends_beyond_lining,
     relative_layer_depths_behind_lining,
@@ -41,7 +41,7 @@ def reason_why_beam_shoe_cannot_be_meshed(shoe: Shoe, radius: float) -> str | No
     None is returned if the shoe can be meshed, or if its body is no straight beam. `radius` is the
     drum's radius [m].
     """
-    if not isinstance(shoe.body, Beam) or shoe.mesh is not None:
+    if not isinstance(shoe.body, BeamBody) or shoe.mesh is not None:
         return None
     section = shoe.body.section
     if section is None:
@@ -59,7 +59,7 @@ def reason_why_beam_shoe_cannot_be_meshed(shoe: Shoe, radius: float) -> str | No
 
 
 def _reason_why_no_block_fits_behind_lining(
-    shoe: Shoe, axis: BeamAxis, section: Section, radius: float
+    shoe: Shoe, axis: BeamAxis, section: RectangularCrossSection, radius: float
 ) -> str | None:
     """The reason why no block fits between lining and beam, as a text; None if a block fits."""
     back = radius + shoe.lining.thickness
@@ -71,7 +71,8 @@ def _reason_why_no_block_fits_behind_lining(
     room = axis.distance_from_drum_centre - section.thickness / 2 - nearest
     if room <= 0:
         return (
-            f"its beam reaches {text_in_mm(-room)} into the lining; there is no room for the block"
+            f"its beam reaches {length_as_text_in_mm(-room)} into the lining; there is no "
+            f"room for the block"
         )
     if x.min() < 0 or x.max() > axis.length:
         return "its block reaches beyond the beam's ends"
@@ -92,7 +93,7 @@ def relative_depth_in_block_of_beam_shoe(shoe: Shoe, radius: float, points: Floa
     points : (2, ...) points of the block in the frame of the shoe [m]
     """
     # `reason_why_beam_shoe_cannot_be_meshed` has refused beams without a section before this call.
-    assert isinstance(shoe.body, Beam) and shoe.body.section is not None
+    assert isinstance(shoe.body, BeamBody) and shoe.body.section is not None
     axis = make_beam_axis(shoe.pin.xy, shoe.actuation.point.xy)
     at = (
         shoe.frame.convert_vectors_from_shoe_to_brake_frame(np.moveaxis(points, 0, -1)) - axis.hinge
@@ -106,7 +107,7 @@ def relative_depth_in_block_of_beam_shoe(shoe: Shoe, radius: float, points: Floa
     return np.asarray((lining_back - y) / (lining_back - beam_face))
 
 
-class _BeamShape(NamedTuple):
+class _StraightBeamShoeGeometry(NamedTuple):
     """The geometry of a straight-beam shoe.
 
     Attributes
@@ -186,7 +187,7 @@ def mesh_of_straight_beam_shoe(
     import skfem  # noqa: PLC0415
 
     # `reason_why_beam_shoe_cannot_be_meshed` has refused beams without a section before this call.
-    assert isinstance(shoe.body, Beam) and shoe.body.section is not None
+    assert isinstance(shoe.body, BeamBody) and shoe.body.section is not None
     axis = make_beam_axis(shoe.pin.xy, shoe.actuation.point.xy)
     angles = np.sort(axis.angle(shoe.frame.surface_coordinates_of_phi(division.angles)))
     form = _geometry_of_straight_beam_shoe(shoe, shoe.body.section, axis, radius, angles)
@@ -223,8 +224,8 @@ def mesh_of_straight_beam_shoe(
 
 
 def _geometry_of_straight_beam_shoe(
-    shoe: Shoe, section: Section, axis: BeamAxis, radius: float, angles: Floats
-) -> _BeamShape:
+    shoe: Shoe, section: RectangularCrossSection, axis: BeamAxis, radius: float, angles: Floats
+) -> _StraightBeamShoeGeometry:
     """The geometry of a straight-beam shoe.
 
     Parameters
@@ -242,7 +243,7 @@ def _geometry_of_straight_beam_shoe(
     foot = axis.x_of_perpendicular_foot + back * np.sin(np.array([start, end]))
     position_of_beam_start = start - foot[0] / back
     position_of_beam_end = end + (axis.length - foot[1]) / back
-    return _BeamShape(
+    return _StraightBeamShoeGeometry(
         axis,
         radius,
         thickness,
@@ -256,7 +257,7 @@ def _geometry_of_straight_beam_shoe(
 
 
 def _element_grid_of_beam_shoe(
-    form: _BeamShape, division: LiningDivision, angles: Floats, *, linear: bool
+    form: _StraightBeamShoeGeometry, division: LiningDivision, angles: Floats, *, linear: bool
 ) -> Any:
     """The grid of depths and positions s, without lining and block beyond the lining's ends.
 
@@ -277,7 +278,7 @@ def _element_grid_of_beam_shoe(
     s = np.concatenate([before, angles, after])
     # Linear elements bend well only in thin layers, so that they may have more layers. The number
     # of layers through the block follows from its largest thickness.
-    most = MOST_LINEAR_LAYERS if linear else MOST_QUADRATIC_LAYERS
+    most = MOST_LINEAR_LAYERS_BEHIND_LINING if linear else MOST_QUADRATIC_LAYERS_BEHIND_LINING
     deepest = form.distance_of_beam_face_from_centre - back * min(math.cos(start), math.cos(end))
     size = division.step * form.radius
     block = relative_layer_depths_behind_lining(deepest, division, size, most)

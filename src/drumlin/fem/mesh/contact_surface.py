@@ -17,7 +17,7 @@ from drumlin.base.arrays import Bools, Floats, Ints
 from drumlin.brake.brake import Shoe
 from drumlin.fem.mesh.from_file import MeshWithMovedContactNodes
 
-STRAIGHT_EDGE_TOLERANCE = 0.1
+LARGEST_STRAIGHT_EDGE_OFFSET_OVER_ARC_HEIGHT = 0.1
 """Largest distance of an edge's middle node from its chord at which the edge counts as straight.
 
 The edge lies on the lining's face. The distance is relative to the height of the drum's arc over
@@ -195,7 +195,7 @@ def _unit_normals_away_from_drum(xy: Floats, shoe: Shoe) -> Floats:
     """The unit vectors (2, n) at points (2, n) that point away from the drum or the plane."""
     if shoe.is_on_plane:
         return np.array([np.zeros(xy.shape[1]), np.ones(xy.shape[1])])
-    return -shoe.sign_of_internal_shoe * xy / np.hypot(*xy)
+    return -shoe.sign_internal_plus_external_minus * xy / np.hypot(*xy)
 
 
 def _which_nodes_are_middles_of_straight_edges(
@@ -212,13 +212,15 @@ def _which_nodes_are_middles_of_straight_edges(
     if shoe.is_on_plane or not len(at) or at[0] == 0 or at[-1] == len(found) - 1:
         return found
     xy = mesh.doflocs[:, line.nodes]
-    height = _heights_of_arcs_over_edges(mesh, line, at, radius)
+    height = _heights_of_drum_arc_over_chords(mesh, line, at, radius)
     beside = np.hypot(*(xy[:, at] - (xy[:, at - 1] + xy[:, at + 1]) / 2))
     # If the arc over an edge is lower than the rounding, a straight edge cannot be told from a
     # curved one.
     seen = height > 2 * line.offset_bound_by_rounding[at] + NODE_ON_DRUM_TOLERANCE * radius
     straight = seen & (
-        beside <= STRAIGHT_EDGE_TOLERANCE * height + 2 * line.offset_bound_by_rounding[at]
+        beside
+        <= LARGEST_STRAIGHT_EDGE_OFFSET_OVER_ARC_HEIGHT * height
+        + 2 * line.offset_bound_by_rounding[at]
     )
     counted = max(int(np.count_nonzero(seen)), 1)
     if np.count_nonzero(straight) >= LEAST_STRAIGHT_EDGE_FRACTION * counted:
@@ -226,7 +228,9 @@ def _which_nodes_are_middles_of_straight_edges(
     return found
 
 
-def _heights_of_arcs_over_edges(mesh: Any, line: _ContactNodes, at: Ints, radius: float) -> Floats:
+def _heights_of_drum_arc_over_chords(
+    mesh: Any, line: _ContactNodes, at: Ints, radius: float
+) -> Floats:
     """The heights (k,) [m] of the drum's arc over the chords of the edges with middle nodes `at`.
 
     `at` (k,) are the positions of these middle nodes in `line.nodes`.
@@ -248,7 +252,7 @@ def _largest_middle_node_offsets_of_straight_edges(
     at = np.flatnonzero(line.middle)
     if shoe.is_on_plane or not len(at) or at[0] == 0 or at[-1] == len(line.nodes) - 1:
         return largest
-    height = _heights_of_arcs_over_edges(mesh, line, at, radius)
+    height = _heights_of_drum_arc_over_chords(mesh, line, at, radius)
     unseen = (height <= 2 * line.offset_bound_by_rounding[at]) & (
         line.offset_bound_by_rounding[at] > NODE_ON_DRUM_TOLERANCE * radius
     )

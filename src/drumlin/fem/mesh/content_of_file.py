@@ -7,7 +7,7 @@ import numpy as np
 
 from drumlin.base.arrays import Floats, Ints
 
-CellGroups = Mapping[str, Mapping[str, Ints]]
+CellNumbersByGroupAndType = Mapping[str, Mapping[str, Ints]]
 """The cells in each group: group name -> meshio's cell type -> numbers (m,) of the cells.
 
 The number of a cell is its position among all cells of its type.
@@ -36,7 +36,7 @@ class MeshFileContent:
 
     points: Floats
     cells: Mapping[str, Ints]
-    cell_groups: CellGroups = field(default_factory=dict)
+    cell_groups: CellNumbersByGroupAndType = field(default_factory=dict)
     node_groups: Mapping[str, Ints] = field(default_factory=dict)
     edge_groups: Mapping[str, Ints] = field(default_factory=dict)
     outline_edge_groups: Mapping[str, Ints] = field(default_factory=dict)
@@ -52,13 +52,13 @@ class MeshFileContent:
         return list(dict.fromkeys(name for kind in groups for name in kind))
 
 
-DIGITS_OF_EXACT_COORDINATE = 12
+FEWEST_DIGITS_OF_EXACT_COORDINATE = 12
 """Number of digits from which on a coordinate in a mesh file counts as exact.
 
 The digits are decimals or significant digits. Double precision has 16 digits. Rounding to 12 digits
 moves a node by some billionths of the lining's compression.
 """
-ROUND_DECIMAL_TOLERANCE = 1e-3
+ROUND_DECIMAL_COORDINATE_TOLERANCE = 1e-3
 """Largest distance from a round decimal number at which a coordinate counts as this number.
 
 The distance is relative to the step between round numbers, such as 0.01 for two decimals. The
@@ -91,11 +91,11 @@ def _place_values_of_last_decimal(points: Floats) -> Floats | None:
     """The value of the last decimal of coordinates that all have the same number of decimals.
 
     For two decimals the value is 0.01. It is repeated for each coordinate (n, k). None is returned
-    if the coordinates have more than about DIGITS_OF_EXACT_COORDINATE digits.
+    if the coordinates have more than about FEWEST_DIGITS_OF_EXACT_COORDINATE digits.
     """
     # More and more decimals are tried, beginning with the leading digit of the largest coordinate.
     largest = int(np.floor(np.log10(max(float(np.abs(points).max(initial=0.0)), 1e-300))))
-    for decimals in range(-largest, DIGITS_OF_EXACT_COORDINATE - largest):
+    for decimals in range(-largest, FEWEST_DIGITS_OF_EXACT_COORDINATE - largest):
         step = 10.0**-decimals
         if _is_each_coordinate_multiple_of_step(points, step):
             return np.full(points.shape, step)
@@ -106,10 +106,10 @@ def _place_values_of_last_significant_digit(points: Floats, exponents: Floats) -
     """The value (n, k) of the last digit of coordinates with the same number of significant digits.
 
     For 12.34 with four digits the value is 0.01. None is returned if the coordinates have
-    DIGITS_OF_EXACT_COORDINATE digits or more. `exponents` (n, k) are the numbers of digits before
-    the point.
+    FEWEST_DIGITS_OF_EXACT_COORDINATE digits or more. `exponents` (n, k) are the numbers of digits
+    before the point.
     """
-    for digits in range(1, DIGITS_OF_EXACT_COORDINATE):
+    for digits in range(1, FEWEST_DIGITS_OF_EXACT_COORDINATE):
         steps = 10.0 ** (exponents - digits)
         if _is_each_coordinate_multiple_of_step(points, steps):
             return np.where(points == 0, 0.0, steps)
@@ -119,4 +119,6 @@ def _place_values_of_last_significant_digit(points: Floats, exponents: Floats) -
 def _is_each_coordinate_multiple_of_step(points: Floats, step: Floats | float) -> bool:
     """Whether all coordinates are whole multiples of the step, up to round-off."""
     multiples = points / step
-    return bool(np.all(np.abs(multiples - np.round(multiples)) <= ROUND_DECIMAL_TOLERANCE))
+    return bool(
+        np.all(np.abs(multiples - np.round(multiples)) <= ROUND_DECIMAL_COORDINATE_TOLERANCE)
+    )

@@ -25,7 +25,7 @@ from drumlin.base.errors import BadInput, system_message_of_error
 from drumlin.base.files import temporary_file_replacing_output
 from drumlin.brake.brake import Shoe
 from drumlin.fem.mesh.abaqus import write_mesh_as_inp_file
-from drumlin.fem.mesh.arc import MESH_KINDS, element_kind_of_mesh
+from drumlin.fem.mesh.arc import MESH_KINDS, mesh_kind_of_scikit_fem_mesh
 from drumlin.fem.mesh.check import (
     check_cells_share_nodes_consistently,
     check_mesh_and_drop_unneeded_groups,
@@ -49,7 +49,7 @@ from drumlin.fem.mesh.plane_cells import (
     CELL_TYPES_BESIDES_PLANE_CELLS,
     CUBIC_EDGE_MIDDLE_WEIGHTS,
     SECOND_ORDER_CELL_OF_THIRD_ORDER_CELL,
-    PlaneCells,
+    PlaneCellsOfOneKind,
     convert_plane_cells_to_one_kind,
 )
 from drumlin.fem.mesh.vtu import check_decompressed_vtu_size_fits_memory
@@ -58,14 +58,14 @@ MESH_FILE_SUFFIXES = (".msh", ".inp", ".vtu")
 """The suffixes of mesh files that drumlin reads and writes."""
 MESH_GROUP_NAMES = ("lining", "backing", "table", "shoe", "contact", "hinge", "actuation")
 """The names of the groups of a mesh that a shoe may need; groups with other names are ignored."""
-MOST_FILE_NODES = 1_000_000
+MOST_NODES_IN_MESH_FILE = 1_000_000
 """Largest number of nodes of a mesh in a file; a file with more nodes is refused to save memory."""
 LARGEST_NODE_NUMBER_IN_FILE = 10_000_000
 """Largest number that an .msh file may give to a node; a file with a larger one is refused.
 
 meshio's reader makes an array as long as the largest number, which could fill the memory.
 """
-METRES_PER_UNIT = {"m": 1.0, "mm": 1e-3, "in": 0.0254}
+METRES_PER_MESH_FILE_UNIT = {"m": 1.0, "mm": 1e-3, "in": 0.0254}
 """Metres in each unit of length that the coordinates of a mesh file may have."""
 LONGEST_REPEATED_MESHIO_MESSAGE = 160
 """Largest number of characters of meshio's own error message that drumlin's message repeats."""
@@ -91,15 +91,15 @@ def write_shoe_mesh_to_file(path: Path, mesh: Any, shoe: Shoe) -> None:
         if path.suffix == ".inp":
             nodes = {name: np.unique(along) for name, along in edges.items()}
             write_mesh_as_inp_file(
-                partial, xy, element_kind_of_mesh(mesh).cell, cells, mesh.subdomains, nodes
+                partial, xy, mesh_kind_of_scikit_fem_mesh(mesh).cell, cells, mesh.subdomains, nodes
             )
         elif path.suffix == ".vtu":
             _write_mesh_as_vtu_file(
-                partial, xy, element_kind_of_mesh(mesh).cell, cells, mesh.subdomains, edges
+                partial, xy, mesh_kind_of_scikit_fem_mesh(mesh).cell, cells, mesh.subdomains, edges
             )
         else:
             _write_mesh_as_gmsh_file(
-                partial, xy, element_kind_of_mesh(mesh), cells, mesh.subdomains, edges
+                partial, xy, mesh_kind_of_scikit_fem_mesh(mesh), cells, mesh.subdomains, edges
             )
 
 
@@ -177,13 +177,13 @@ def read_shoe_mesh_with_notes(
     """
     fault = f"{key} = '{path}'"
     content = _read_content_of_mesh_file(path, shoe, fault)
-    if len(content.points) > MOST_FILE_NODES:
+    if len(content.points) > MOST_NODES_IN_MESH_FILE:
         raise BadInput(
-            f"{fault}: has {len(content.points)} nodes; must have at most {MOST_FILE_NODES}"
+            f"{fault}: has {len(content.points)} nodes; must have at most {MOST_NODES_IN_MESH_FILE}"
         )
     # The coordinates are converted to the shoe's frame [m]. The array `rounding` has their largest
     # rounding errors in the file's unit.
-    unit = METRES_PER_UNIT[shoe.mesh_unit]
+    unit = METRES_PER_MESH_FILE_UNIT[shoe.mesh_unit]
     points = _xy_coordinates_of_plane_mesh(content, fault)
     rounding = content.rounding
     if rounding is None:
@@ -361,7 +361,7 @@ def _xy_coordinates_of_plane_mesh(content: MeshFileContent, fault: str) -> Float
 
 
 def _mesh_of_cells_and_vertex_number_of_each_node(
-    plane: PlaneCells, values: Floats
+    plane: PlaneCellsOfOneKind, values: Floats
 ) -> tuple[Any, Ints]:
     """scikit-fem's mesh of the cells in a file, and the vertex number of each node of the file.
 
@@ -386,7 +386,12 @@ def _mesh_of_cells_and_vertex_number_of_each_node(
 
 
 def _mesh_with_named_groups_of_file(
-    content: MeshFileContent, shoe: Shoe, plane: PlaneCells, mesh: Any, vertex: Ints, fault: str
+    content: MeshFileContent,
+    shoe: Shoe,
+    plane: PlaneCellsOfOneKind,
+    mesh: Any,
+    vertex: Ints,
+    fault: str,
 ) -> Any:
     """The mesh with the groups of the file as its subdomains and boundaries.
 
@@ -436,7 +441,7 @@ def _check_given_groups_are_in_file(content: MeshFileContent, shoe: Shoe, fault:
 
 
 def _find_elements_in_named_groups(
-    content: MeshFileContent, plane: PlaneCells, names: list[str]
+    content: MeshFileContent, plane: PlaneCellsOfOneKind, names: list[str]
 ) -> Ints:
     """The numbers of the elements in the groups of the given names, each number once."""
     found = [np.zeros(0, dtype=np.int64)]
@@ -449,7 +454,7 @@ def _find_elements_in_named_groups(
 
 def _find_element_edges_in_named_groups(
     content: MeshFileContent,
-    plane: PlaneCells,
+    plane: PlaneCellsOfOneKind,
     mesh: Any,
     vertex: Ints,
     names: list[str],
@@ -493,7 +498,7 @@ def _find_element_edges_in_named_groups(
 
 
 def _element_edges_with_all_nodes_in_set(
-    plane: PlaneCells, mesh: Any, vertex: Ints, inside: Bools, fault: str
+    plane: PlaneCellsOfOneKind, mesh: Any, vertex: Ints, inside: Bools, fault: str
 ) -> Ints:
     """The numbers of the mesh's edges whose nodes all belong to a set of nodes.
 

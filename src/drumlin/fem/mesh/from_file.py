@@ -11,13 +11,13 @@ from drumlin.base.errors import BadInput
 from drumlin.brake.brake import Shoe
 from drumlin.response.response import ShoeResponse
 
-SMALLEST_REPORTED_MOVE = 1e-3
+SMALLEST_REPORTED_MOVE_OVER_LINING_COMPRESSION = 1e-3
 """Distance above which a note reports that contact nodes were moved, or lie off the surface.
 
 The distance is relative to the lining's mean compression p t/E. The pressure changes by about the
 same fraction.
 """
-WAVE_HEIGHT_THAT_COUNTS_AS_ZIGZAG = 0.2
+ZIGZAG_WAVE_HEIGHT_OVER_LINING_COMPRESSION = 0.2
 """Height of a wave in a lining's meshed face above which its top and bottom count as turns.
 
 The height is relative to the lining's mean compression p t/E. A zigzag of this height makes the
@@ -124,7 +124,7 @@ def notes_on_mesh_file(
         ),
     )
     for count, by, nodes, cause in moves:
-        if by > SMALLEST_REPORTED_MOVE * compression:
+        if by > SMALLEST_REPORTED_MOVE_OVER_LINING_COMPRESSION * compression:
             yield (
                 f"{lead}: {count} {nodes} of the contact line were put on the {surface}, "
                 f"by up to {_text_of_distance_and_ratio_to_compression(by, compression)}: {cause}"
@@ -132,7 +132,7 @@ def notes_on_mesh_file(
     # Offsets that remain count as a gap, unless they are a zigzag.
     _check_contact_is_no_zigzag(made.off, compression, lead, surface)
     most = float(np.abs(made.off).max())
-    if most > SMALLEST_REPORTED_MOVE * compression:
+    if most > SMALLEST_REPORTED_MOVE_OVER_LINING_COMPRESSION * compression:
         distance = _text_of_distance_and_ratio_to_compression(most, compression)
         yield (
             f"{lead}: the contact line lies up to {distance} off the {surface}; "
@@ -169,7 +169,9 @@ def _check_contact_is_no_zigzag(off: Floats, compression: float, lead: str, surf
     surface : word for the surface in the message: drum or plane
     """
     turns, high = (
-        count_changes_between_rise_and_fall(off, WAVE_HEIGHT_THAT_COUNTS_AS_ZIGZAG * compression),
+        count_changes_between_rise_and_fall(
+            off, ZIGZAG_WAVE_HEIGHT_OVER_LINING_COMPRESSION * compression
+        ),
         count_changes_between_rise_and_fall(off, compression / 2),
     )
     unresolved = (

@@ -12,7 +12,7 @@ from typing import NamedTuple, TypeVar
 import numpy as np
 
 from drumlin.base.arrays import Floats, Ints
-from drumlin.fem.mesh.abaqus import MESHIO_CELL_OF_ABAQUS_TYPE, NODES_PER_CELL
+from drumlin.fem.mesh.abaqus import MESHIO_CELL_OF_ABAQUS_TYPE, NODES_PER_MESHIO_CELL
 from drumlin.fem.mesh.content_of_file import MeshFileContent, largest_rounding_errors_of_coordinates
 from drumlin.fem.mesh.inp_deck import AbaqusDeck
 from drumlin.fem.mesh.inp_parts import DeckInstance
@@ -26,7 +26,7 @@ IGNORED_ABAQUS_ELEMENT_PREFIXES = (
 They are springs, masses, connectors, gaps and rigid bodies. The reader ignores them.
 """
 
-ParsedMember = TypeVar("ParsedMember")
+ParsedMemberTypeVariable = TypeVar("ParsedMemberTypeVariable")
 NodeOrElementKey = tuple[str, int]
 """The key of a node or an element of an Abaqus deck: name of its instance, and its label there."""
 
@@ -153,10 +153,10 @@ class _AssembledDeckMesh:
             if cell is None:
                 self.place[body.name, label] = None
                 continue
-            if len(nodes) != NODES_PER_CELL[cell]:
+            if len(nodes) != NODES_PER_MESHIO_CELL[cell]:
                 raise ValueError(
                     f"*ELEMENT, TYPE={kind} needs a label "
-                    f"and {NODES_PER_CELL[cell]} nodes on each line"
+                    f"and {NODES_PER_MESHIO_CELL[cell]} nodes on each line"
                 )
             self.place[body.name, label] = CellTypeAndRowOfElement(cell, len(rows))
             found = [
@@ -188,7 +188,7 @@ class _AssembledDeckMesh:
         return MeshFileContent(
             points=self.points,
             cells={
-                cell: _integer_array_of_rows(rows, NODES_PER_CELL[cell])
+                cell: _integer_array_of_rows(rows, NODES_PER_MESHIO_CELL[cell])
                 for cell, rows in self.cells.items()
             },
             cell_groups={
@@ -266,8 +266,8 @@ class _AssembledDeckMesh:
     def _collect_members_by_group_name(
         self,
         named: Callable[[DeckInstance], Collection[str]],
-        found: Callable[[DeckInstance, str], list[ParsedMember]],
-    ) -> dict[str, list[ParsedMember]]:
+        found: Callable[[DeckInstance, str], list[ParsedMemberTypeVariable]],
+    ) -> dict[str, list[ParsedMemberTypeVariable]]:
         """The members of each named group of the deck, by the group's name.
 
         A group of the assembly replaces groups of the same name in other bodies. Otherwise the
@@ -280,7 +280,7 @@ class _AssembledDeckMesh:
         found : function that returns the members of a group of a body
         """
         # The assembly is first, so that its groups are known before the groups of parts.
-        groups: dict[str, list[ParsedMember]] = {}
+        groups: dict[str, list[ParsedMemberTypeVariable]] = {}
         assembly = self.deck.bodies[-1]
         bodies = [body for body in self.bodies if body.part is not assembly.part]
         for body in [assembly, *bodies]:
@@ -308,9 +308,9 @@ class _AssembledDeckMesh:
                 rows[place.cell].append(place.row)
         return {cell: np.array(found, dtype=np.int64) for cell, found in rows.items()}
 
-    def _edges_and_nodes_of_surfaces(self) -> "_DeckSurfaces":
+    def _edges_and_nodes_of_surfaces(self) -> "_EdgesAndNodesOfDeckSurfaces":
         """The edges and nodes of all *SURFACE sections of the deck."""
-        found = _DeckSurfaces({}, {}, {})
+        found = _EdgesAndNodesOfDeckSurfaces({}, {}, {})
 
         def add_edges_and_nodes_of_one_surface(body: DeckInstance, name: str) -> list[None]:
             """Add the edges or nodes of the surface `name` of a body to `found`; return no members.
@@ -404,7 +404,7 @@ class _AssembledDeckMesh:
         return edges
 
 
-class _DeckSurfaces(NamedTuple):
+class _EdgesAndNodesOfDeckSurfaces(NamedTuple):
     """The edges and nodes of the surfaces of a deck, by the name of the surface.
 
     Attributes

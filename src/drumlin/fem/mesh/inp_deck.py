@@ -20,22 +20,22 @@ from drumlin.fem.mesh.inp_parts import (
     placement_of_instance_in_assembly,
     placement_of_nodes_after_system_section,
 )
-from drumlin.fem.mesh.inp_text import InputSection, split_input_file_into_sections
+from drumlin.fem.mesh.inp_text import KeywordSectionOfDeck, split_input_file_into_sections
 
-MOST_SET_MEMBERS = 2_000_000
+MOST_MEMBERS_OF_ALL_DECK_SETS = 2_000_000
 """Largest number of members of all sets of an Abaqus deck together; a deck with more is refused.
 
 A set may consist of other sets and of ranges of labels, so that it can have far more members than
 its text has words.
 """
-DATA_IN_OTHER_FILE_REASON = (
+REASON_TO_REFUSE_DATA_IN_OTHER_FILE = (
     "reads its data lines from another file; use *INCLUDE, or put them into the deck"
 )
 """Reason for refusing a keyword of an Abaqus deck whose data lines are in another file."""
 REFUSED_KEYWORD_OPTIONS = {
-    "NODE": {"INPUT": DATA_IN_OTHER_FILE_REASON},
+    "NODE": {"INPUT": REASON_TO_REFUSE_DATA_IN_OTHER_FILE},
     "ELEMENT": {
-        "INPUT": DATA_IN_OTHER_FILE_REASON,
+        "INPUT": REASON_TO_REFUSE_DATA_IN_OTHER_FILE,
         "OFFSET": "renumbers elements; write out their labels",
     },
     "INSTANCE": {
@@ -51,7 +51,7 @@ REFUSED_SET_OPTIONS = {
     "ELSET": "names the nodes of an element set; write out their labels",
     "COMBINE": "combines other surfaces; write out their elements",
     "CROP": "keeps a part of a surface; write out its elements",
-    "INPUT": DATA_IN_OTHER_FILE_REASON,
+    "INPUT": REASON_TO_REFUSE_DATA_IN_OTHER_FILE,
 }
 """Options that change the members of an Abaqus set or surface and are not read, with the reason.
 
@@ -69,7 +69,7 @@ class AbaqusDeck:
         self.unknown: dict[str, None] = {}
         self._scope, self._outer = self.root, self.root
         self._system = IDENTITY_PLACEMENT
-        self._room = MOST_SET_MEMBERS
+        self._room = MOST_MEMBERS_OF_ALL_DECK_SETS
         for section in split_input_file_into_sections(text, folder):
             self._add_section_to_its_part(section)
 
@@ -84,7 +84,7 @@ class AbaqusDeck:
         ]
         return [DeckInstance("", self.root), *placed, DeckInstance("", self.assembly)]
 
-    def _add_section_to_its_part(self, section: InputSection) -> None:
+    def _add_section_to_its_part(self, section: KeywordSectionOfDeck) -> None:
         """Add the nodes, elements, sets or surfaces of one section of the deck to its part.
 
         A section that begins or ends a part, an instance or the assembly changes the part that
@@ -108,13 +108,13 @@ class AbaqusDeck:
             self._add_surface_of_section(section)
         elif keyword == "SYSTEM":
             self._system = placement_of_nodes_after_system_section(section.rows)
-        elif keyword in SCOPE_KEYWORD_METHODS:
+        elif keyword in METHODS_OF_BEGIN_AND_END_KEYWORDS:
             self._system = IDENTITY_PLACEMENT
-            SCOPE_KEYWORD_METHODS[keyword](self, section)
+            METHODS_OF_BEGIN_AND_END_KEYWORDS[keyword](self, section)
         elif keyword:
             refuse_or_note_ignored_section(section, self.unknown)
 
-    def _add_nodes_of_section(self, section: InputSection) -> None:
+    def _add_nodes_of_section(self, section: KeywordSectionOfDeck) -> None:
         """Add the nodes of a *NODE section; a *SYSTEM section before it may move or turn them."""
         kind, scope = section.value_of_option_in_keyword_line("SYSTEM") or "R", self._scope
         if kind not in ("R", "C"):
@@ -132,10 +132,10 @@ class AbaqusDeck:
                 xyz = self._system(np.array(xyz)).tolist()
             scope.add_labelled_node_to_part(label, xyz, [*written, 0.0, 0.0][:2])
         # The option NSET of a *NODE section makes a set of these nodes.
-        labels = InputSection("NSET", {}, [[row[0]] for row in section.rows])
+        labels = KeywordSectionOfDeck("NSET", {}, [[row[0]] for row in section.rows])
         self._add_members_to_named_set(scope.node_sets, labels, section.options.get("NSET"))
 
-    def _add_elements_of_section(self, section: InputSection) -> None:
+    def _add_elements_of_section(self, section: KeywordSectionOfDeck) -> None:
         """Add the elements of an *ELEMENT section with the labels of their nodes.
 
         The number of nodes of each element is checked later.
@@ -148,13 +148,13 @@ class AbaqusDeck:
             found[label] = nodes
         self._scope.add_labelled_elements_to_part(kind, found)
         # The option ELSET of an *ELEMENT section makes a set of these elements.
-        labels = InputSection("ELSET", {}, [[str(label)] for label in found])
+        labels = KeywordSectionOfDeck("ELSET", {}, [[str(label)] for label in found])
         self._add_members_to_named_set(
             self._scope.element_sets, labels, section.options.get("ELSET")
         )
 
     def _add_members_to_named_set(
-        self, sets: dict[str, list[DeckSetMember]], section: InputSection, name: str | None
+        self, sets: dict[str, list[DeckSetMember]], section: KeywordSectionOfDeck, name: str | None
     ) -> None:
         """Add the data lines of a section to the set `name`; nothing is added without a name.
 
@@ -179,7 +179,7 @@ class AbaqusDeck:
             else:
                 found += [DeckSetMember(owner, word.lower()) for word in row]
 
-    def _add_surface_of_section(self, section: InputSection) -> None:
+    def _add_surface_of_section(self, section: KeywordSectionOfDeck) -> None:
         """Keep the type and the data lines of a *SURFACE section under the surface's name."""
         name = section.options.get("NAME", "").lower()
         for option, reason in REFUSED_SET_OPTIONS.items():
@@ -190,18 +190,18 @@ class AbaqusDeck:
             section.rows,
         )
 
-    def _begin_part_of_input_deck(self, section: InputSection) -> None:
+    def _begin_part_of_input_deck(self, section: KeywordSectionOfDeck) -> None:
         """Begin a new part; the sections up to *END PART belong to it."""
         name = section.options.get("NAME", "").lower()
         if name in self.parts:
             raise ValueError(f"*PART, NAME={name}: there are two parts of this name")
         self._scope = self.parts[name] = DeckPart(name)
 
-    def _begin_assembly_of_input_deck(self, section: InputSection) -> None:
+    def _begin_assembly_of_input_deck(self, section: KeywordSectionOfDeck) -> None:
         """Begin the assembly; sections between its instances belong to it."""
         self._scope = self._outer = self.assembly
 
-    def _begin_instance_of_part_of_input_deck(self, section: InputSection) -> None:
+    def _begin_instance_of_part_of_input_deck(self, section: KeywordSectionOfDeck) -> None:
         """Begin an instance of a part, or an instance with nodes and elements of its own."""
         name, of = (section.options.get(key, "") for key in ("NAME", "PART"))
         part = self.parts.get(of.lower())
@@ -214,7 +214,7 @@ class AbaqusDeck:
         placed = DeckInstance(name.lower(), part or self._scope, placement)
         self.instances[placed.name] = placed
 
-    def _end_part_instance_or_assembly(self, section: InputSection) -> None:
+    def _end_part_instance_or_assembly(self, section: KeywordSectionOfDeck) -> None:
         """End a part, an instance or the assembly.
 
         After the end of an instance, later sections belong to the assembly. After the end of a part
@@ -273,7 +273,9 @@ class AbaqusDeck:
             # A slice that is not empty shows that there are more labels than allowed. The function
             # len would fail for a very long range.
             if labels[self._room :]:
-                raise ValueError(f"the sets have more than {MOST_SET_MEMBERS} members together")
+                raise ValueError(
+                    f"the sets have more than {MOST_MEMBERS_OF_ALL_DECK_SETS} members together"
+                )
             self._room -= len(labels)
             for label in labels:
                 yield holder, label
@@ -286,7 +288,7 @@ class AbaqusDeck:
         return found
 
 
-SCOPE_KEYWORD_METHODS = {
+METHODS_OF_BEGIN_AND_END_KEYWORDS = {
     "PART": AbaqusDeck._begin_part_of_input_deck,
     "ASSEMBLY": AbaqusDeck._begin_assembly_of_input_deck,
     "INSTANCE": AbaqusDeck._begin_instance_of_part_of_input_deck,

@@ -4,21 +4,21 @@ A keyword that moves nodes, makes nodes or elements, or changes the members of a
 read or refused. Another keyword is ignored, and a note names it unless it is known to be harmless.
 """
 
-from drumlin.fem.mesh.inp_text import InputSection
+from drumlin.fem.mesh.inp_text import KeywordSectionOfDeck
 
-GENERATES_MESH_REASON = (
+REASON_TO_REFUSE_MESH_GENERATION = (
     "makes nodes or elements that do not stand in the file; write the mesh out in full"
 )
 """Reason for refusing an Abaqus keyword that generates nodes or elements."""
 REFUSED_ABAQUS_KEYWORDS = {
-    "NGEN": GENERATES_MESH_REASON,
-    "NFILL": GENERATES_MESH_REASON,
-    "NCOPY": GENERATES_MESH_REASON,
+    "NGEN": REASON_TO_REFUSE_MESH_GENERATION,
+    "NFILL": REASON_TO_REFUSE_MESH_GENERATION,
+    "NCOPY": REASON_TO_REFUSE_MESH_GENERATION,
     "NMAP": "moves nodes; write the mesh out in full",
-    "ELGEN": GENERATES_MESH_REASON,
-    "ELCOPY": GENERATES_MESH_REASON,
+    "ELGEN": REASON_TO_REFUSE_MESH_GENERATION,
+    "ELCOPY": REASON_TO_REFUSE_MESH_GENERATION,
     "IMPERFECTION": "moves nodes; write the mesh out as it is then",
-    "SYMMETRIC MODEL GENERATION": GENERATES_MESH_REASON,
+    "SYMMETRIC MODEL GENERATION": REASON_TO_REFUSE_MESH_GENERATION,
     "PARAMETER": "puts values in place of names; write the values out",
     "MODEL CHANGE": "takes elements out of the model; write only those that are there",
     "CYCLIC SYMMETRY MODEL": "repeats the mesh; write the whole shoe",
@@ -55,7 +55,7 @@ elements nor groups. The materials, supports and loads of a brake come from the 
 """
 
 
-def refuse_or_note_ignored_section(section: InputSection, seen: dict[str, None]) -> None:
+def refuse_or_note_ignored_section(section: KeywordSectionOfDeck, seen: dict[str, None]) -> None:
     """Refuse or ignore a section of an Abaqus deck whose keyword is not read.
 
     ValueError is raised for a keyword in `REFUSED_ABAQUS_KEYWORDS`. A keyword that is ignored and

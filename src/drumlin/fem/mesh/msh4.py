@@ -31,7 +31,7 @@ CELL_NAME_AND_NODE_COUNT_OF_GMSH_TYPE = {
 A file with an element of another type is refused.
 """
 
-GmshEntity = tuple[int, int]
+DimensionAndTagOfGmshEntity = tuple[int, int]
 """The dimension (0 to 3) and the tag of a point, curve, surface or volume of Gmsh's geometry."""
 
 
@@ -98,7 +98,7 @@ def _lines_of_each_named_block(text: str) -> dict[str, list[str]]:
     return found
 
 
-def _read_names_of_physical_groups(lines: list[str]) -> dict[GmshEntity, str]:
+def _read_names_of_physical_groups(lines: list[str]) -> dict[DimensionAndTagOfGmshEntity, str]:
     """The names of the physical groups, in lower case, by their dimension and tag.
 
     `lines` are the lines of the block $PhysicalNames.
@@ -110,12 +110,14 @@ def _read_names_of_physical_groups(lines: list[str]) -> dict[GmshEntity, str]:
     return found
 
 
-def _read_physical_groups_of_entities(lines: list[str], old: bool) -> dict[GmshEntity, list[int]]:
+def _read_physical_groups_of_entities(
+    lines: list[str], old: bool
+) -> dict[DimensionAndTagOfGmshEntity, list[int]]:
     """The tags of the physical groups that each entity belongs to.
 
     `lines` are the lines of the block $Entities, and `old` tells whether the file has format 4.0.
     """
-    found: dict[GmshEntity, list[int]] = {}
+    found: dict[DimensionAndTagOfGmshEntity, list[int]] = {}
     if not lines:
         return found
     rest = iter(lines[1:])
@@ -159,7 +161,7 @@ def _read_node_numbers_and_points(
 
 def _read_elements_of_each_entity(
     lines: list[str], old: bool
-) -> Iterator[tuple[GmshEntity, int, list[list[int]]]]:
+) -> Iterator[tuple[DimensionAndTagOfGmshEntity, int, list[list[int]]]]:
     """Yield the elements of each entity: the entity, Gmsh's element type, and rows of numbers.
 
     A row has the tag of an element and the tags of its nodes. `lines` are the lines of the block

@@ -52,7 +52,7 @@ value is a judgement.
 
 
 @dataclass(frozen=True)
-class PlaneCells:
+class PlaneCellsOfOneKind:
     """The plane cells of a mesh file, converted to cells of one kind.
 
     Parameters
@@ -90,7 +90,7 @@ class PlaneCells:
 
 def convert_plane_cells_to_one_kind(
     content: MeshFileContent, points: Floats, fault: str, *, on_drum: bool
-) -> PlaneCells:
+) -> PlaneCellsOfOneKind:
     """The plane cells of a mesh file, converted to cells of one kind.
 
     Parameters
@@ -146,7 +146,7 @@ def convert_plane_cells_to_one_kind(
         cell, cells, points = _add_centre_nodes_to_cells_and_points_of_quadrilaterals(cells, points)
     whole = np.arange(len(cells)), np.ones(len(cells), dtype=np.int64)
     added = np.arange(len(points)) >= own
-    return PlaneCells(cell, cells, points, {source: whole}, added, tuple(notes))
+    return PlaneCellsOfOneKind(cell, cells, points, {source: whole}, added, tuple(notes))
 
 
 def _add_centre_nodes_to_cells_and_points_of_quadrilaterals(
@@ -217,7 +217,7 @@ def _middles_of_third_order_edges(nodes: Floats, on_drum: bool) -> Floats:
 
 
 @dataclass(frozen=True)
-class _GrowingNodes:
+class _NodesWithAddedMiddleNodes:
     """The nodes of a mesh file, to which nodes in the middle of edges and cells are added.
 
     Attributes
@@ -254,7 +254,7 @@ class _GrowingNodes:
 
 def _convert_cells_to_quadratic_triangles(
     kinds: dict[str, Ints], points: Floats, flat: Mapping[str, Ints], own: int
-) -> PlaneCells:
+) -> PlaneCellsOfOneKind:
     """All cells of a mesh file as quadratic triangles.
 
     Parameters
@@ -264,7 +264,7 @@ def _convert_cells_to_quadratic_triangles(
     flat : for each type the position (m,) of the corner of 180 degrees in each cell; -1 without one
     own : number of nodes that the file has; later ones were added
     """
-    nodes = _GrowingNodes(points, _middle_nodes_of_quadratic_cells(kinds), [])
+    nodes = _NodesWithAddedMiddleNodes(points, _middle_nodes_of_quadratic_cells(kinds), [])
     # Each triangle of the file makes one triangle, and each quadrilateral makes two.
     made: list[list[int]] = []
     parent = {}
@@ -276,7 +276,7 @@ def _convert_cells_to_quadratic_triangles(
             made += _quadratic_triangles_of_cell(nodes, cell, corners, int(flat[source][row]))
         parent[source] = (first, np.full(len(cells), 1 if corners == 3 else 2, dtype=np.int64))
     every = np.vstack([points, *nodes.added]) if nodes.added else points
-    return PlaneCells(
+    return PlaneCellsOfOneKind(
         "triangle6",
         np.array(made, dtype=np.int64),
         every,
@@ -330,7 +330,7 @@ def _middle_nodes_of_quadratic_cells(kinds: dict[str, Ints]) -> dict[tuple[int, 
 
 
 def _quadratic_triangles_of_cell(
-    nodes: _GrowingNodes, cell: list[int], corners: int, flat: int
+    nodes: _NodesWithAddedMiddleNodes, cell: list[int], corners: int, flat: int
 ) -> list[list[int]]:
     """The nodes of the quadratic triangles, one or two, that replace a cell of a mesh file.
 
@@ -360,7 +360,9 @@ def _quadratic_triangles_of_cell(
     return _cut_quadrilateral_into_triangles(nodes.points, cell[:4], sides, centre)
 
 
-def _centre_of_quadrilateral(nodes: _GrowingNodes, cell: list[int], sides: list[int]) -> Floats:
+def _centre_of_quadrilateral(
+    nodes: _NodesWithAddedMiddleNodes, cell: list[int], sides: list[int]
+) -> Floats:
     """The centre (2,) of a quadrilateral with straight or curved edges.
 
     Parameters

@@ -10,7 +10,7 @@ import numpy as np
 from drumlin.base.arrays import Floats
 from drumlin.base.lapack import dtrsm
 from drumlin.brake.brake import Shoe
-from drumlin.brake.components import Actuation, Beam
+from drumlin.brake.components import Actuation, BeamBody
 from drumlin.brake.further_loads import ForceAtPoint
 from drumlin.brake.heat import HeatedLayer, heated_layers_of_shoe
 from drumlin.fem.mesh.beam import relative_depth_in_block_of_beam_shoe
@@ -20,7 +20,7 @@ from drumlin.fem.preparation.load_places import (
     unit_load_factors_of_forces_at_points_and_mass,
     unit_loads_at_points_and_mass,
 )
-from drumlin.fem.substructure.body import NUMBER_OF_FRAME_DISPLACEMENTS, CondensedBody
+from drumlin.fem.substructure.body import DEGREES_OF_FREEDOM_OF_BODY_FRAME, CondensedBody
 from drumlin.fem.substructure.elasticity import elastic_layers_of_shoe
 from drumlin.fem.substructure.expansion import (
     FreeStrainFunctionByLayer,
@@ -48,7 +48,7 @@ class BodyWithActuationLoads(Protocol):
     """
 
     @property
-    def load_centre(self) -> Floats:
+    def application_point_of_actuation_loads(self) -> Floats:
         """The point (2,) [m] in the shoe's frame at which the unit loads of the actuation act."""
 
     @property
@@ -72,17 +72,17 @@ class ShoeSubstructure:
     line : the contact line, with the n contact nodes
     coupling : the matrices that couple the contact line with the drum or the plane
     condensed : the statically condensed body
-    load_centre : (2,) point [m] at which unit force x, unit force y and unit couple of the
-        actuation act
+    application_point_of_actuation_loads : (2,) point [m] at which unit force x, unit force y and
+        unit couple of the actuation act
     rotation_mode : (2n,) displacement of the contact nodes per radian of a rotation about the pin
         [m]
-    closure_by_pressure, closure_by_friction : (n, n) weighted gap closure N u due to unit nodal
-        pressures, and due to unit nodal friction
-    closure_by_load : (n, l) weighted gap closure N u due to the unit loads
-    load_motion_by_friction : (l, n) displacement that does work with each unit load, due to unit
-        nodal friction
-    load_motion_by_load : (l, l) displacement that does work with each unit load, due to the unit
-        loads
+    gap_closure_by_pressure, gap_closure_by_friction : (n, n) weighted gap closure N u due to unit
+        nodal pressures, and due to unit nodal friction
+    gap_closure_by_load : (n, l) weighted gap closure N u due to the unit loads
+    load_point_motion_by_friction : (l, n) displacement that does work with each unit load, due to
+        unit nodal friction
+    load_point_motion_by_load : (l, l) displacement that does work with each unit load, due to the
+        unit loads
     reaction_to_pressure, reaction_to_friction : (3, n) support reaction on the frame (force x,
         force y, moment about the pin) to unit nodal pressures, and to unit nodal friction
     reaction_to_load : (3, l) support reaction on the frame to the unit loads
@@ -95,13 +95,13 @@ class ShoeSubstructure:
     line: ContactLine
     coupling: ContactCouplingMatrices
     condensed: CondensedBody
-    load_centre: Floats
+    application_point_of_actuation_loads: Floats
     rotation_mode: Floats
-    closure_by_pressure: Floats
-    closure_by_friction: Floats | None
-    closure_by_load: Floats
-    load_motion_by_friction: Floats | None
-    load_motion_by_load: Floats
+    gap_closure_by_pressure: Floats
+    gap_closure_by_friction: Floats | None
+    gap_closure_by_load: Floats
+    load_point_motion_by_friction: Floats | None
+    load_point_motion_by_load: Floats
     reaction_to_pressure: Floats
     reaction_to_friction: Floats | None
     reaction_to_load: Floats
@@ -158,7 +158,7 @@ class ShoeBodyElements(NamedTuple):
     mesh_read_from_file: ShoeMeshReadFromFile | None = None
 
 
-class NodesAndActuationForces(NamedTuple):
+class NodePositionsAndActuationForces(NamedTuple):
     """The nodes of a body and the nodal forces of its actuation, in the shoe's frame.
 
     `xy` (2, nodes) [m] are the coordinates of the nodes. `load` (2, nodes) [1] is the force on each
@@ -170,14 +170,14 @@ class NodesAndActuationForces(NamedTuple):
     load: Floats
 
 
-def couple_shoe_with_drum_or_plane(line: ContactLine, shoe: Shoe) -> ContactCouplingMatrices:
+def contact_coupling_matrices_of_shoe(line: ContactLine, shoe: Shoe) -> ContactCouplingMatrices:
     """The coupling matrices between a shoe's contact line and the drum or the plane."""
     directions = (
         plane_normals_and_tangents
         if shoe.is_on_plane
-        else function_that_returns_drum_normals_and_tangents(shoe.sign_of_internal_shoe)
+        else function_that_returns_drum_normals_and_tangents(shoe.sign_internal_plus_external_minus)
     )
-    return line.couple_lining_with_drum_or_plane(shoe.lining.width, directions)
+    return line.coupling_matrices_with_drum_or_plane(shoe.lining.width, directions)
 
 
 def make_shoe_substructure(
@@ -202,10 +202,10 @@ def make_shoe_substructure(
     """
     line = division.line
     n = len(line.nodes)
-    coupling = couple_shoe_with_drum_or_plane(line, shoe)
+    coupling = contact_coupling_matrices_of_shoe(line, shoe)
     # The columns of Y, and of all matrices that follow from Y, stand for pressures, unit loads and
     # friction, in this order.
-    Y = _inverse_cholesky_factor_times_contact_loads(condensed, coupling, friction=friction)
+    Y = _half_flexibility_under_contact_loads(condensed, coupling, friction=friction)
     first_friction = n + condensed.columns.number_of_load_columns
     pressed, loaded, dragged = slice(n), slice(n, first_friction), slice(first_friction, None)
     closure = -Y[:, :n].T @ Y
@@ -224,13 +224,13 @@ def make_shoe_substructure(
         line=line,
         coupling=coupling,
         condensed=condensed,
-        load_centre=centre,
+        application_point_of_actuation_loads=centre,
         rotation_mode=np.array([-y, x]).T.ravel(),
-        closure_by_pressure=closure[:, pressed],
-        closure_by_load=closure[:, loaded],
-        closure_by_friction=closure[:, dragged] if friction else None,
-        load_motion_by_friction=Y[:, loaded].T @ Y[:, dragged] if friction else None,
-        load_motion_by_load=Y[:, loaded].T @ Y[:, loaded] + condensed.load_work,
+        gap_closure_by_pressure=closure[:, pressed],
+        gap_closure_by_load=closure[:, loaded],
+        gap_closure_by_friction=closure[:, dragged] if friction else None,
+        load_point_motion_by_friction=Y[:, loaded].T @ Y[:, dragged] if friction else None,
+        load_point_motion_by_load=Y[:, loaded].T @ Y[:, loaded] + condensed.load_work,
         reaction_to_pressure=reaction[:, pressed],
         reaction_to_load=reaction_to_load,
         reaction_to_friction=reaction[:, dragged] if friction else None,
@@ -238,7 +238,7 @@ def make_shoe_substructure(
     )
 
 
-def _inverse_cholesky_factor_times_contact_loads(
+def _half_flexibility_under_contact_loads(
     condensed: CondensedBody, coupling: ContactCouplingMatrices, *, friction: bool
 ) -> Floats:
     """The half flexibility Y = L^-1 G of loads G on the contact nodes, with the Cholesky factor L.
@@ -255,7 +255,7 @@ def _inverse_cholesky_factor_times_contact_loads(
     forces = [-coupling.N.T, condensed.load_on_contact]
     if friction:
         forces.append(coupling.T.T)
-    return condensed.inverse_cholesky_factor_times_nodal_forces(np.concatenate(forces, axis=1))
+    return condensed.half_flexibility_under_nodal_forces(np.concatenate(forces, axis=1))
 
 
 def substructure_with_load_of_changed_shape(
@@ -275,21 +275,23 @@ def substructure_with_load_of_changed_shape(
     own = condensed.columns.column_slice_of_each_load[CHANGED_SHAPE]
     before, work = condensed.load_on_contact[:, : own.start], condensed.load_work[:, own]
     # The displacements of the contact nodes under the load, while the frame does not move.
-    half = condensed.inverse_cholesky_factor_times_nodal_forces(condensed.load_on_contact[:, own])
+    half = condensed.half_flexibility_under_nodal_forces(condensed.load_on_contact[:, own])
     u = dtrsm(1.0, condensed.L_cc, half, lower=1, trans_a=1)
     beside = before.T @ u + work[: own.start]
-    motion = np.block([[body.load_motion_by_load, beside], [beside.T, half.T @ half + work[own]]])
-    dragged = body.load_motion_by_friction
+    motion = np.block(
+        [[body.load_point_motion_by_load, beside], [beside.T, half.T @ half + work[own]]]
+    )
+    dragged = body.load_point_motion_by_friction
     return replace(
         body,
         condensed=condensed,
-        closure_by_load=np.hstack([body.closure_by_load, body.coupling.N @ u]),
-        load_motion_by_load=motion,
-        load_motion_by_friction=(
+        gap_closure_by_load=np.hstack([body.gap_closure_by_load, body.coupling.N @ u]),
+        load_point_motion_by_load=motion,
+        load_point_motion_by_friction=(
             None if dragged is None else np.vstack([dragged, (body.coupling.T @ u).T])
         ),
         reaction_to_load=np.hstack(
-            [body.reaction_to_load, np.zeros((NUMBER_OF_FRAME_DISPLACEMENTS, 1))]
+            [body.reaction_to_load, np.zeros((DEGREES_OF_FREEDOM_OF_BODY_FRAME, 1))]
         ),
     )
 
@@ -316,7 +318,7 @@ def _free_thermal_strains_at_points(
     shoe: Shoe, radius: float, heated: HeatedLayer, points: Floats
 ) -> Floats:
     """The free thermal strains (2, ...) of a heated layer of a shoe at points (2, ...) [m]."""
-    if heated.key == "backing" and isinstance(shoe.body, Beam) and not shoe.mesh:
+    if heated.key == "backing" and isinstance(shoe.body, BeamBody) and not shoe.mesh:
         # The block between lining and beam is not as thick everywhere as its key `thickness`.
         near, far = heated.depths
         share = relative_depth_in_block_of_beam_shoe(shoe, radius, points)
@@ -427,9 +429,9 @@ def unit_load_factors_of_load_at_actuation_point(
 
     `resultant` (3,) has the force x, force y [N] and the moment about the brake's origin [N m].
     """
-    centre_x, centre_y = shoe.convert_points_to_brake_frame(body.load_centre[:, None])[
-        :, 0
-    ].tolist()
+    centre_x, centre_y = shoe.convert_points_to_brake_frame(
+        body.application_point_of_actuation_loads[:, None]
+    )[:, 0].tolist()
     fx, fy, moment = resultant.tolist()
     couple = shoe.frame.sense * (moment - (centre_x * fy - centre_y * fx))
     own = np.array([*shoe.frame.convert_vectors_to_shoe_frame(np.array([fx, fy])), couple])
@@ -452,7 +454,9 @@ def actuation_factors_and_pin_moment_per_newton(
     arm. If the actuation force of the shoe is negative, the 1 N acts in the opposite direction.
     Columns of other loads have the factor zero.
     """
-    own, moment = actuation_force_and_moments_per_newton(body.load_centre, shoe)
+    own, moment = actuation_force_and_moments_per_newton(
+        body.application_point_of_actuation_loads, shoe
+    )
     return body.load_matrix_columns_by_load_name.column_factors_of_all_loads(
         {ACTUATION_LOAD_NAME: own}
     ), moment

@@ -14,8 +14,8 @@ import numpy as np
 
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.brake.components import Beam
-from drumlin.contact.equations import MOST_CONTACT_NODES
+from drumlin.brake.components import BeamBody
+from drumlin.contact.equations import MAX_NODES_OF_CONTACT_PROBLEM
 from drumlin.fem.hp.body import (
     condensed_shoe_body,
     contact_line_of_lining_face_nodes,
@@ -25,9 +25,9 @@ from drumlin.fem.hp.body import (
 from drumlin.fem.hp.corner import pressure_exponents_at_both_lining_corners
 from drumlin.fem.hp.division import (
     LONGEST_CONTACT_WITH_CORNER_COLUMNS,
-    Level,
-    ShoeDivision,
-    Singularity,
+    KindOfSingularPoint,
+    RefinementLevel,
+    ShoeElementDivision,
     SingularPoint,
     divide_shoe_into_hp_elements,
     shoe_layers_with_their_thickness,
@@ -35,7 +35,7 @@ from drumlin.fem.hp.division import (
 from drumlin.fem.hp.ring import condensed_ring_in_hp_elements
 from drumlin.fem.hp.shoe import condense_shoe_to_contact_nodes
 from drumlin.fem.preparation.bodies import (
-    NodesAndActuationForces,
+    NodePositionsAndActuationForces,
     ShoeBodyElements,
     ShoeSubstructure,
     actuation_force_and_moments_per_newton,
@@ -43,9 +43,9 @@ from drumlin.fem.preparation.bodies import (
     nodal_forces_of_unit_loads_besides_actuation,
 )
 from drumlin.fem.preparation.cache import (
-    Cache,
+    CacheOfCondensedBodies,
     brake_without_loads_and_clearances,
-    memory_of_condensed_body,
+    memory_bytes_of_condensed_body,
     shoe_without_loads_and_clearances,
 )
 from drumlin.fem.preparation.load_places import (
@@ -62,7 +62,7 @@ from drumlin.fem.preparation.scene import (
 from drumlin.fem.substructure.elasticity import elastic_layers_of_shoe
 
 
-class _DivisionRule(NamedTuple):
+class _RuleForDividingShoesOfOneShape(NamedTuple):
     """The rule by which the shoes of one shape are divided into columns of hp elements.
 
     Attributes
@@ -78,19 +78,19 @@ class _DivisionRule(NamedTuple):
     """
 
     shoe: Shoe
-    level: Level
+    level: RefinementLevel
     points: Sequence[SingularPoint]
     has_small_elements_at_loaded_end: bool
     pressure_exponents_at_lining_ends: tuple[float, float]
-    division: ShoeDivision
+    division: ShoeElementDivision
 
 
 def make_condensed_shoes_of_hp_elements(
     brake: Brake,
-    level: Level,
+    level: RefinementLevel,
     places: SingularPointsByShoeShape | None,
     alike: Sequence[int],
-    cache: Cache,
+    cache: CacheOfCondensedBodies,
     seconds: SecondsOfEachPhase,
     of_files: Mapping[int, ShoeSubstructure] | None = None,
 ) -> CondensedBodiesOfBrake:
@@ -111,7 +111,7 @@ def make_condensed_shoes_of_hp_elements(
     Raises
     ------
     NoAnswer
-        if more than MOST_CONTACT_NODES contact nodes are coupled
+        if more than MAX_NODES_OF_CONTACT_PROBLEM contact nodes are coupled
     """
     # Each shape is divided and condensed once.
     made = dict(of_files or {})
@@ -128,12 +128,16 @@ def make_condensed_shoes_of_hp_elements(
     bodies = tuple(made[i] for i in alike)
 
     # The smallest elements of the ring are as small as the smallest hp elements of the linings.
-    singular_layer_size = min(
-        (rule.division.singular_layer_size for rule in rules.values()), default=math.inf
+    face_layer_size_at_unbounded_pressure = min(
+        (rule.division.face_layer_size_at_unbounded_pressure for rule in rules.values()),
+        default=math.inf,
     )
     ring = None
     ring_under = partial(
-        condensed_ring_in_hp_elements, brake, level, singular_layer_size=singular_layer_size
+        condensed_ring_in_hp_elements,
+        brake,
+        level,
+        face_layer_size_at_unbounded_pressure=face_layer_size_at_unbounded_pressure,
     )
     if brake.ring is not None:
         lines = tuple(body.line for body in bodies)
@@ -142,12 +146,12 @@ def make_condensed_shoes_of_hp_elements(
             (line.interpolation_degree_along_contact_line, line.phi.tobytes()) for line in lines
         ]
         loadless = brake_without_loads_and_clearances(brake)
-        key = (loadless, level, singular_layer_size, *keys)
+        key = (loadless, level, face_layer_size_at_unbounded_pressure, *keys)
         with add_elapsed_time_of_block_to_phase(seconds, "ring"):
-            ring = cache.get(key, partial(ring_under, lines), memory_of_condensed_body)
+            ring = cache.get(key, partial(ring_under, lines), memory_bytes_of_condensed_body)
 
     # Analyses of changed shoes divide a changed shoe by the same rule as the present shoe.
-    nodes_by_shape: dict[int, Callable[[Shoe], NodesAndActuationForces]] = {
+    nodes_by_shape: dict[int, Callable[[Shoe], NodePositionsAndActuationForces]] = {
         i: partial(nodes_of_changed_shoe_with_mesh_file, body)
         for i, body in (of_files or {}).items()
     }
@@ -159,7 +163,7 @@ def make_condensed_shoes_of_hp_elements(
 
 
 def _require_few_contact_nodes(brake: Brake, of_shoes: Sequence[int]) -> None:
-    """Raise NoAnswer if a contact problem has more than MOST_CONTACT_NODES contact nodes.
+    """Raise NoAnswer if a contact problem has more than MAX_NODES_OF_CONTACT_PROBLEM contact nodes.
 
     `of_shoes` has the number of contact nodes of each shoe.
     """
@@ -167,15 +171,20 @@ def _require_few_contact_nodes(brake: Brake, of_shoes: Sequence[int]) -> None:
     # problem of its own.
     together = sum if brake.ring is not None else max
     nodes = together(of_shoes)
-    if nodes > MOST_CONTACT_NODES:
+    if nodes > MAX_NODES_OF_CONTACT_PROBLEM:
         raise NoAnswer(
-            f"its {nodes} contact nodes are more than the {MOST_CONTACT_NODES} that are allowed"
+            f"its {nodes} contact nodes are more than the {MAX_NODES_OF_CONTACT_PROBLEM} that "
+            f"are allowed"
         )
 
 
 def _rule_for_dividing_shoes_of_one_shape(
-    brake: Brake, level: Level, places: SingularPointsByShoeShape, alike: Sequence[int], i: int
-) -> _DivisionRule:
+    brake: Brake,
+    level: RefinementLevel,
+    places: SingularPointsByShoeShape,
+    alike: Sequence[int],
+    i: int,
+) -> _RuleForDividingShoesOfOneShape:
     """The rule that divides the shoes of one shape, whose first shoe has the index `i`."""
     shoe = brake.shoes[i]
     points = places.get(i, ())
@@ -196,7 +205,7 @@ def _rule_for_dividing_shoes_of_one_shape(
         grades_loaded_end=has_small_elements_at_loaded_end,
         exponents=pressure_exponents_at_lining_ends,
     )
-    return _DivisionRule(
+    return _RuleForDividingShoesOfOneShape(
         shoe,
         level,
         points,
@@ -206,7 +215,9 @@ def _rule_for_dividing_shoes_of_one_shape(
     )
 
 
-def _refinement_level_for_loads_on_body(shoe: Shoe, radius: float, level: Level) -> Level:
+def _refinement_level_for_loads_on_body(
+    shoe: Shoe, radius: float, level: RefinementLevel
+) -> RefinementLevel:
     """The level, limited to columns no wider than the body is thick if forces act on the body.
 
     A force at a place of the body is spread over about the body's thickness, which wider columns
@@ -223,7 +234,10 @@ def _refinement_level_for_loads_on_body(shoe: Shoe, radius: float, level: Level)
 
 
 def _cached_or_newly_condensed_body(
-    brake: Brake, rule: _DivisionRule, cache: Cache, seconds: SecondsOfEachPhase
+    brake: Brake,
+    rule: _RuleForDividingShoesOfOneShape,
+    cache: CacheOfCondensedBodies,
+    seconds: SecondsOfEachPhase,
 ) -> ShoeSubstructure:
     """The condensed body of the shoes of one shape, from the cache or newly made."""
     shoe, division = rule.shoe, rule.division
@@ -235,11 +249,15 @@ def _cached_or_newly_condensed_body(
         division.dictionary_key_of_division,
     )
     make = partial(_condense_and_couple_hp_shoe, shoe, brake.size, division, friction, seconds)
-    return cache.get(key, make, memory_of_condensed_body)
+    return cache.get(key, make, memory_bytes_of_condensed_body)
 
 
 def _condense_and_couple_hp_shoe(
-    shoe: Shoe, radius: float, division: ShoeDivision, friction: bool, seconds: SecondsOfEachPhase
+    shoe: Shoe,
+    radius: float,
+    division: ShoeElementDivision,
+    friction: bool,
+    seconds: SecondsOfEachPhase,
 ) -> ShoeSubstructure:
     """Make the condensed body of a parametric shoe, coupled with the drum or the plane."""
     with add_elapsed_time_of_block_to_phase(seconds, "condensation"):
@@ -272,7 +290,7 @@ def _smallest_pressure_exponents_at_lining_ends(
     # of radius R by a fraction of about 1e-16 (R/w)^2: by 1e-4 at the width of columns at a corner.
     if brake.ring is not None and brake.ring.section is not None:
         return 0.0, 0.0
-    ends = [point.length for point in points if point.kind == Singularity.END]
+    ends = [point.length for point in points if point.kind == KindOfSingularPoint.END]
     if not any(length <= LONGEST_CONTACT_WITH_CORNER_COLUMNS for length in ends):
         return 0.0, 0.0
     pressure_exponents_at_lining_ends = [
@@ -286,8 +304,8 @@ def _smallest_pressure_exponents_at_lining_ends(
 
 
 def _hp_nodes_of_changed_shoe_by_division_rule(
-    rule: _DivisionRule, radius: float, other: Shoe
-) -> NodesAndActuationForces:
+    rule: _RuleForDividingShoesOfOneShape, radius: float, other: Shoe
+) -> NodePositionsAndActuationForces:
     """The nodes of a changed shoe's body, divided by the rule by which the present shoe is divided.
 
     The singular points keep their distance from the lining's start. The columns of a straight beam
@@ -305,23 +323,23 @@ def _hp_nodes_of_changed_shoe_by_division_rule(
         grades_loaded_end=rule.has_small_elements_at_loaded_end,
         exponents=rule.pressure_exponents_at_lining_ends,
     )
-    if isinstance(shoe.body, Beam):
+    if isinstance(shoe.body, BeamBody):
         division = replace(division, angles=rule.division.angles + turn)
     grid = element_grid_of_whole_shoe(other, radius, division)
     if "actuation" not in grid.sets:
-        return NodesAndActuationForces(grid.doflocs, np.zeros(grid.doflocs.shape))
+        return NodePositionsAndActuationForces(grid.doflocs, np.zeros(grid.doflocs.shape))
     unit_loads, centre = nodal_forces_of_unit_actuations_and_their_centre(division, grid)
     factors, _ = actuation_force_and_moments_per_newton(centre, other)
     load = unit_loads @ factors
-    return NodesAndActuationForces(grid.doflocs, load.reshape(-1, 2).T)
+    return NodePositionsAndActuationForces(grid.doflocs, load.reshape(-1, 2).T)
 
 
 def _nodes_of_changed_shoe_divided_as_before(
-    nodes_by_shape: Mapping[int, Callable[[Shoe], NodesAndActuationForces]],
+    nodes_by_shape: Mapping[int, Callable[[Shoe], NodePositionsAndActuationForces]],
     alike: Sequence[int],
     i: int,
     shoe: Shoe,
-) -> NodesAndActuationForces:
+) -> NodePositionsAndActuationForces:
     """The nodes that the body of shoe `i` would have if the shoe were changed to `shoe`.
 
     The changed shoe is divided by the rule by which shoe `i` is divided. `nodes_by_shape` has a

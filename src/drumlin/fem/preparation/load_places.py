@@ -2,10 +2,10 @@
 
 A force at a point acts on the cross-section of the body there. It is spread uniformly over the
 body's thickness, and along the body by the normal distribution with a standard deviation of
-FORCE_SPREAD_OVER_BODY_THICKNESS times the thickness. A traction that grows linearly from the centre
-of this area adds a couple, so that the resultant acts at the point of the force, as on the end face
-on which the actuation acts. If the point lies beyond an end of the body, the cross-section at this
-end is loaded.
+FORCE_SPREAD_RELATIVE_TO_BODY_THICKNESS times the thickness. A traction that grows linearly from the
+centre of this area adds a couple, so that the resultant acts at the point of the force, as on the
+end face on which the actuation acts. If the point lies beyond an end of the body, the cross-section
+at this end is loaded.
 
 Lining, backing and body of a shoe have one common density. Weight and centrifugal force act on this
 mass everywhere. The centre of mass in the brake file may differ from the centre of this mass. The
@@ -28,7 +28,7 @@ from drumlin.fem.substructure.loads import (
     ColumnsOfUnitLoads,
 )
 
-FORCE_SPREAD_OVER_BODY_THICKNESS = 0.5
+FORCE_SPREAD_RELATIVE_TO_BODY_THICKNESS = 0.5
 """Standard deviation of the distribution of a force along the body, relative to its thickness.
 
 Two thirds of the force then act within one thickness of the body. A body bends by the resultant of
@@ -181,7 +181,7 @@ def _unit_loads_on_cross_section_at_point(
 ) -> _UnitLoadsOnCrossSection:
     """The unit loads on a body's cross-section at a point `place` (2,) [m] in the shoe's frame.
 
-    The loads are spread along the body as described for FORCE_SPREAD_OVER_BODY_THICKNESS.
+    The loads are spread along the body as described for FORCE_SPREAD_RELATIVE_TO_BODY_THICKNESS.
     """
     along = layers["shoe"].along
 
@@ -199,7 +199,9 @@ def _unit_loads_on_cross_section_at_point(
     thickness = area / (unit * (last - first))
     at = np.clip(float(positions_along_body(place)), first, last)
     distance = (
-        (positions_along_body(body.xy) - at) * unit / (FORCE_SPREAD_OVER_BODY_THICKNESS * thickness)
+        (positions_along_body(body.xy) - at)
+        * unit
+        / (FORCE_SPREAD_RELATIVE_TO_BODY_THICKNESS * thickness)
     )
     density = np.exp(-0.5 * distance**2)
     total = float((density * body.areas).sum())
@@ -261,7 +263,7 @@ def unit_load_factors_of_forces_at_points_and_mass(shoe: Shoe) -> dict[str, Floa
     if shoe.mass is not None:
         loads = shoe.spring_lever_and_mass_loads
         gravity = shoe.frame.convert_vectors_to_shoe_frame(np.array(loads.gravity))
-        found[MASS_LOAD_NAME] = shoe.mass.mass * np.append(gravity, loads.square_of_speed)
+        found[MASS_LOAD_NAME] = shoe.mass.mass * np.append(gravity, loads.squared_angular_velocity)
     return found
 
 

@@ -11,10 +11,10 @@ import numpy as np
 from drumlin.base.arrays import Floats, Ints
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.brake.fields import AnyMaterial
+from drumlin.brake.fields import IsotropicOrOrthotropicMaterial
 from drumlin.fem.hp.division import (
-    SMALLEST_COLUMN,
-    Level,
+    SMALLEST_ELEMENT_SIZE_OVER_LINING_THICKNESS,
+    RefinementLevel,
     SingularPoint,
     grading_point_at_singular_point,
 )
@@ -26,7 +26,7 @@ from drumlin.fem.mesh.degree import (
 )
 from drumlin.fem.mesh.from_file import ShoeMeshReadFromFile
 from drumlin.fem.preparation.bodies import (
-    NodesAndActuationForces,
+    NodePositionsAndActuationForces,
     ShoeBodyElements,
     ShoeSubstructure,
     actuation_force_and_moments_per_newton,
@@ -34,11 +34,11 @@ from drumlin.fem.preparation.bodies import (
     nodal_forces_of_unit_loads_besides_actuation,
 )
 from drumlin.fem.preparation.cache import (
-    Cache,
+    CacheOfCondensedBodies,
     brake_without_loads_and_clearances,
     cache_key_of_shoe_shape,
     digest_of_mesh_file_of_shoe,
-    memory_of_condensed_body,
+    memory_bytes_of_condensed_body,
     shoe_without_loads_and_clearances,
 )
 from drumlin.fem.preparation.scene import (
@@ -47,7 +47,7 @@ from drumlin.fem.preparation.scene import (
     add_elapsed_time_of_block_to_phase,
 )
 from drumlin.fem.substructure.body import (
-    NUMBER_OF_FRAME_DISPLACEMENTS,
+    DEGREES_OF_FREEDOM_OF_BODY_FRAME,
     MultiPointConstraints,
     condense_body_to_contact_and_hinge_face,
     multi_point_constraints_of_body,
@@ -71,7 +71,7 @@ the torque 0.001 %. On 22 random brakes, half the number made the median error o
 and the median error of the torque three times as large. Twice the number multiplied these errors by
 0.7 and by 0.5 and took four times the work.
 """
-MOST_LINING_ELEMENTS = 4000
+MOST_ELEMENTS_ALONG_LINING = 4000
 """Largest number of elements of a mesh along a lining; larger numbers are refused.
 
 The dense matrices of a contact with this number of elements fill 2 GB.
@@ -91,7 +91,7 @@ A solve with this number of nodes takes a minute. A degree that needs more nodes
 """
 
 
-DEGREE_OF_ELEMENT_GEOMETRY = 5
+DEGREE_OF_SPLIT_ELEMENT_GEOMETRY = 5
 """Degree of the polynomials that map elements when they are split, and so place the new nodes.
 
 Element sides on the drum that are a third of the drum's radius long then follow the drum to 1e-7 of
@@ -117,7 +117,7 @@ class DegreeAndSplittingOfMesh(NamedTuple):
 
     degree: int | None = None
     fitting: bool = False
-    level: Level | None = None
+    level: RefinementLevel | None = None
     points: tuple[tuple[SingularPoint, ...], ...] = ()
     keep_factors: bool = False
 
@@ -131,7 +131,7 @@ def make_condensed_shoes_from_meshes(
     elements: int,
     kind: str,
     mesher: Mesher | None,
-    cache: Cache,
+    cache: CacheOfCondensedBodies,
     seconds: SecondsOfEachPhase,
 ) -> CondensedBodiesOfBrake:
     """Make the condensed bodies of a brake on meshes; shoes of one shape share one body.
@@ -154,9 +154,9 @@ def make_condensed_shoes_from_meshes(
     BadInput
         if the number of elements is out of range, or if a mesh file cannot be used
     """
-    if not 1 <= elements <= MOST_LINING_ELEMENTS:
-        raise BadInput(f"--elements = {elements}: must be from 1 to {MOST_LINING_ELEMENTS}")
-    cache = cache if mesher is None else Cache()
+    if not 1 <= elements <= MOST_ELEMENTS_ALONG_LINING:
+        raise BadInput(f"--elements = {elements}: must be from 1 to {MOST_ELEMENTS_ALONG_LINING}")
+    cache = cache if mesher is None else CacheOfCondensedBodies()
     mesher = mesher or partial(parametric_mesh_of_shoe, elements=elements, kind=kind)
     # Shoes of one shape share a body within the brake. The cache shares equal bodies between
     # brakes.
@@ -174,7 +174,7 @@ def make_condensed_shoes_from_meshes(
                 UNSPLIT_MESH_AT_FILE_DEGREE,
                 cache,
             )
-            made[shape] = cache.get(key, make, memory_of_condensed_body)
+            made[shape] = cache.get(key, make, memory_bytes_of_condensed_body)
     bodies = tuple(made[cache_key_of_shoe_shape(brake, shoe)] for shoe in brake.shoes)
     ring = None
     ring_under = partial(condense_meshed_drum_ring_to_contact_nodes, brake, elements)
@@ -183,7 +183,7 @@ def make_condensed_shoes_from_meshes(
         ring_key = (brake_without_loads_and_clearances(brake), elements, kind, *digests)
         lines = tuple(body.line for body in bodies)
         with add_elapsed_time_of_block_to_phase(seconds, "ring"):
-            ring = cache.get(ring_key, partial(ring_under, lines), memory_of_condensed_body)
+            ring = cache.get(ring_key, partial(ring_under, lines), memory_bytes_of_condensed_body)
     nodes_of = partial(_mesh_nodes_of_changed_shoe, mesher, brake.size, bodies)
     return CondensedBodiesOfBrake(bodies, ring, nodes_of, ring_under)
 
@@ -192,7 +192,7 @@ def condensed_bodies_of_mesh_files(
     brake: Brake,
     raised: DegreeAndSplittingOfMesh,
     alike: Sequence[int],
-    cache: Cache,
+    cache: CacheOfCondensedBodies,
     seconds: SecondsOfEachPhase,
 ) -> dict[int, ShoeSubstructure]:
     """The condensed bodies of all shoes that have mesh files.
@@ -220,7 +220,7 @@ def condensed_bodies_of_mesh_files(
         own = raised._replace(points=raised.points[i : i + 1])
         make = partial(_mesh_condense_and_couple_shoe, brake, shoe, None, seconds, own, cache)
         key = (*_cache_key_of_meshed_body(brake, shoe), own)
-        made[i] = cache.get(key, make, memory_of_condensed_body)
+        made[i] = cache.get(key, make, memory_bytes_of_condensed_body)
     return made
 
 
@@ -236,7 +236,7 @@ def _cache_key_of_meshed_body(brake: Brake, shoe: Shoe) -> tuple[object, ...]:
 
 def _mesh_nodes_of_changed_shoe(
     mesher: Mesher, radius: float, bodies: tuple[ShoeSubstructure, ...], i: int, shoe: Shoe
-) -> NodesAndActuationForces:
+) -> NodePositionsAndActuationForces:
     """The nodes that the meshed body of shoe `i` would have if the shoe were changed to `shoe`.
 
     The changed shoe is meshed with the same number and kind of elements. A mesh from a file stays
@@ -250,7 +250,7 @@ def _mesh_nodes_of_changed_shoe(
 
 def nodes_of_changed_shoe_with_mesh_file(
     body: ShoeSubstructure, shoe: Shoe
-) -> NodesAndActuationForces:
+) -> NodePositionsAndActuationForces:
     """The nodes of a mesh file's body if its shoe were changed to `shoe`.
 
     In the frame of the shoe the mesh stays the same.
@@ -260,20 +260,20 @@ def nodes_of_changed_shoe_with_mesh_file(
 
 def _nodes_and_actuation_forces_of_mesh(
     mesh: Any, basis: Any, shoe: Shoe
-) -> NodesAndActuationForces:
+) -> NodePositionsAndActuationForces:
     """The nodes of a mesh with its basis, and the nodal forces of the shoe's actuation."""
     if "actuation" not in mesh.boundaries or shoe.has_support_on_back_of_body:
-        return NodesAndActuationForces(basis.doflocs, np.zeros(basis.doflocs.shape))
+        return NodePositionsAndActuationForces(basis.doflocs, np.zeros(basis.doflocs.shape))
     unit_loads, centre = nodal_forces_of_unit_end_loads_and_end_centre(
         basis, mesh.boundaries["actuation"]
     )
     factors, _ = actuation_force_and_moments_per_newton(centre, shoe)
     load = unit_loads @ factors
-    return NodesAndActuationForces(basis.doflocs, load.reshape(-1, 2).T)
+    return NodePositionsAndActuationForces(basis.doflocs, load.reshape(-1, 2).T)
 
 
 @dataclass(frozen=True)
-class AssembledShoe:
+class AssembledUncondensedShoe:
     """One shoe with its lining, meshed and assembled, before static condensation.
 
     All arrays are in the frame of the shoe.
@@ -285,8 +285,8 @@ class AssembledShoe:
     K : (2 nodes, 2 nodes) sparse stiffness without boundary conditions [N/m]
     constraints : the multi-point constraints, which tie the nodes of the hinge's face to the frame
     loads : unit loads (unknowns, k) by their name, on the unknowns that the constraints leave
-    load_centre : (2,) point [m] at which unit force x, unit force y and unit couple of the
-        actuation act
+    application_point_of_actuation_loads : (2,) point [m] at which unit force x, unit force y and
+        unit couple of the actuation act
     mesh_read_from_file : the mesh that was read from a file, with notes on how it was adapted; None
         without a file
     """
@@ -297,7 +297,7 @@ class AssembledShoe:
     K: Any
     constraints: MultiPointConstraints
     loads: dict[str, Floats]
-    load_centre: Floats
+    application_point_of_actuation_loads: Floats
     mesh_read_from_file: ShoeMeshReadFromFile | None = None
 
     @cached_property
@@ -328,8 +328,8 @@ def mesh_and_assemble_shoe(
     mesher: Mesher | None,
     seconds: SecondsOfEachPhase,
     raised: DegreeAndSplittingOfMesh = UNSPLIT_MESH_AT_FILE_DEGREE,
-    cache: Cache | None = None,
-) -> AssembledShoe:
+    cache: CacheOfCondensedBodies | None = None,
+) -> AssembledUncondensedShoe:
     """Mesh a shoe, and assemble its stiffness, its constraints and its unit loads.
 
     Parameters
@@ -347,7 +347,7 @@ def mesh_and_assemble_shoe(
         if a mesh file cannot be used
     """
     with add_elapsed_time_of_block_to_phase(seconds, "mesh"):
-        mesh_read_from_file = read_mesh_file_of_shoe(brake, shoe, cache or Cache())
+        mesh_read_from_file = read_mesh_file_of_shoe(brake, shoe, cache or CacheOfCondensedBodies())
         if mesh_read_from_file is not None:
             mesh = mesh_read_from_file.mesh
             if raised.fitting:
@@ -371,21 +371,30 @@ def mesh_and_assemble_shoe(
         rigid = basis.get_dofs(mesh.boundaries["hinge"]).flatten()
         constraints = multi_point_constraints_of_body(basis, line.nodes, rigid, pin)
         if "actuation" in mesh.boundaries and not shoe.has_support_on_back_of_body:
-            unit_loads, load_centre = nodal_forces_of_unit_end_loads_and_end_centre(
-                basis, mesh.boundaries["actuation"]
+            unit_loads, application_point_of_actuation_loads = (
+                nodal_forces_of_unit_end_loads_and_end_centre(basis, mesh.boundaries["actuation"])
             )
             actuated = constraints.matrix.T @ unit_loads
         else:
             # The actuation force acts on the rigid frame: on the rigid shoe itself, or on the grip
             # that holds the back of the body.
-            load_centre = pin
-            actuated = np.zeros((constraints.matrix.shape[1], NUMBER_OF_FRAME_DISPLACEMENTS))
-            actuated[-NUMBER_OF_FRAME_DISPLACEMENTS:] = np.eye(NUMBER_OF_FRAME_DISPLACEMENTS)
+            application_point_of_actuation_loads = pin
+            actuated = np.zeros((constraints.matrix.shape[1], DEGREES_OF_FREEDOM_OF_BODY_FRAME))
+            actuated[-DEGREES_OF_FREEDOM_OF_BODY_FRAME:] = np.eye(DEGREES_OF_FREEDOM_OF_BODY_FRAME)
         others = nodal_forces_of_unit_loads_besides_actuation(basis, shoe, brake.size)
     loads = {ACTUATION_LOAD_NAME: actuated} | {
         name: constraints.matrix.T @ forces for name, forces in others.items()
     }
-    return AssembledShoe(mesh, basis, line, K, constraints, loads, load_centre, mesh_read_from_file)
+    return AssembledUncondensedShoe(
+        mesh,
+        basis,
+        line,
+        K,
+        constraints,
+        loads,
+        application_point_of_actuation_loads,
+        mesh_read_from_file,
+    )
 
 
 def _basis_of_raised_degree(
@@ -411,7 +420,7 @@ def _basis_of_raised_degree(
 
     if raised.level is None:
         return nodal_basis_of_shoe_mesh(mesh, raised.degree, shoe, radius)
-    shape = nodal_basis_of_shoe_mesh(mesh, DEGREE_OF_ELEMENT_GEOMETRY, shoe, radius)
+    shape = nodal_basis_of_shoe_mesh(mesh, DEGREE_OF_SPLIT_ELEMENT_GEOMETRY, shoe, radius)
     finest = _largest_allowed_sides_at_singular_points(mesh, raised, shoe, radius)
     # A mesh of triangles of degree p has about p^2 / 2 nodes for each triangle.
     most = 2 * MOST_NODES_AT_RAISED_DEGREE // raised.degree**2
@@ -449,7 +458,10 @@ def _largest_allowed_sides_at_singular_points(
         distance = min(point.position - start, end - point.position)
         graded = grading_point_at_singular_point(point, level, thickness, distance)
         angles.append(graded.position)
-        sides.append(max(graded.column_size, SMALLEST_COLUMN * thickness) * radius)
+        sides.append(
+            max(graded.column_size, SMALLEST_ELEMENT_SIZE_OVER_LINING_THICKNESS * thickness)
+            * radius
+        )
     phi = np.array(angles)
     circle = [phi, 0 * phi] if shoe.is_on_plane else [np.cos(phi), np.sin(phi)]
     on_surface = radius * np.array(circle)
@@ -458,7 +470,9 @@ def _largest_allowed_sides_at_singular_points(
     )
 
 
-def read_mesh_file_of_shoe(brake: Brake, shoe: Shoe, cache: Cache) -> ShoeMeshReadFromFile | None:
+def read_mesh_file_of_shoe(
+    brake: Brake, shoe: Shoe, cache: CacheOfCondensedBodies
+) -> ShoeMeshReadFromFile | None:
     """Read the mesh of a shoe from its file; None for a shoe without a file.
 
     The mesh is in the frame of the shoe. The cache keeps it until the file changes.
@@ -472,10 +486,10 @@ def read_mesh_file_of_shoe(brake: Brake, shoe: Shoe, cache: Cache) -> ShoeMeshRe
     read = partial(
         read_shoe_mesh_with_notes, shoe.mesh, shoe, brake.size, f"shoe {shoe.name!r}: mesh"
     )
-    return cast("ShoeMeshReadFromFile", cache.get(key, read, _memory_of_mesh_read_from_file))
+    return cast("ShoeMeshReadFromFile", cache.get(key, read, _memory_bytes_of_mesh_read_from_file))
 
 
-def _memory_of_mesh_read_from_file(read: ShoeMeshReadFromFile) -> int:
+def _memory_bytes_of_mesh_read_from_file(read: ShoeMeshReadFromFile) -> int:
     """The approximate memory [bytes] of a mesh that was read from a file."""
     # Coordinates, elements and sides are some 60 numbers of 8 bytes for each node.
     return 500 * int(read.mesh.doflocs.shape[1])
@@ -487,7 +501,7 @@ def _mesh_condense_and_couple_shoe(
     mesher: Mesher | None,
     seconds: SecondsOfEachPhase,
     raised: DegreeAndSplittingOfMesh,
-    cache: Cache,
+    cache: CacheOfCondensedBodies,
 ) -> ShoeSubstructure:
     """Mesh and condense a shoe, and couple it with the drum or the plane.
 
@@ -514,13 +528,20 @@ def _mesh_condense_and_couple_shoe(
     friction = brake.friction > 0
     with add_elapsed_time_of_block_to_phase(seconds, "coupling"):
         return make_shoe_substructure(
-            ShoeSubstructure, shoe, divided, condensed, parts.load_centre, friction=friction
+            ShoeSubstructure,
+            shoe,
+            divided,
+            condensed,
+            parts.application_point_of_actuation_loads,
+            friction=friction,
         )
 
 
-def materials_and_widths_of_shoe_parts(shoe: Shoe) -> dict[str, tuple[AnyMaterial, float]]:
+def materials_and_widths_of_shoe_parts(
+    shoe: Shoe,
+) -> dict[str, tuple[IsotropicOrOrthotropicMaterial, float]]:
     """Material and width [m] of a shoe's lining, backing and body plates, by the part's name."""
-    parts: dict[str, tuple[AnyMaterial, float]] = {
+    parts: dict[str, tuple[IsotropicOrOrthotropicMaterial, float]] = {
         "lining": (shoe.lining.material, shoe.lining.width)
     }
     if shoe.backing is not None:

@@ -4,9 +4,9 @@ from collections.abc import Sequence
 
 from drumlin.base.errors import BadInput
 from drumlin.brake.brake import Brake
-from drumlin.fem.hp.division import Level
+from drumlin.fem.hp.division import RefinementLevel
 from drumlin.fem.mesh.arc import DEFAULT_MESH_KIND
-from drumlin.fem.preparation.cache import Cache
+from drumlin.fem.preparation.cache import CacheOfCondensedBodies
 from drumlin.fem.preparation.cache import indices_of_first_shoes_of_equal_shape as equal_shapes
 from drumlin.fem.preparation.columns import make_condensed_shoes_of_hp_elements
 from drumlin.fem.preparation.meshes import (
@@ -29,7 +29,7 @@ from drumlin.fem.preparation.scene import (
 
 def make_prepared_model(
     brake: Brake,
-    level: Level | None = None,
+    level: RefinementLevel | None = None,
     places: SingularPointsByShoeShape | None = None,
     *,
     alike: Sequence[int] = (),
@@ -37,7 +37,7 @@ def make_prepared_model(
     kind: str = DEFAULT_MESH_KIND,
     mesher: Mesher | None = None,
     raised: DegreeAndSplittingOfMesh = UNSPLIT_MESH_AT_FILE_DEGREE,
-    cache: Cache | None = None,
+    cache: CacheOfCondensedBodies | None = None,
 ) -> PreparedModel:
     """Make the prepared model of a brake, in hp elements or on meshes.
 
@@ -73,7 +73,7 @@ def make_prepared_model(
     if reason is not None:
         raise BadInput(f"fem does not apply to this brake: {reason}")
     seconds: SecondsOfEachPhase = {}
-    cache = cache or Cache()
+    cache = cache or CacheOfCondensedBodies()
     alike = alike or equal_shapes(brake)
     if level is None:
         made = make_condensed_shoes_from_meshes(brake, elements, kind, mesher, cache, seconds)
@@ -92,7 +92,7 @@ def make_prepared_model(
         seconds,
         tuple(left_out),
         nodes_of_changed_shoe=made.nodes_of_changed_shoe,
-        ring_under_lines=made.ring_under_lines,
+        ring_under_contact_lines=made.ring_under_contact_lines,
         divisions=made.divisions,
         level=level,
         points=places or {},

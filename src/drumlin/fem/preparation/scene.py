@@ -9,9 +9,9 @@ from typing import NamedTuple
 
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.heat import is_any_shoe_heated
-from drumlin.fem.hp.division import Level, ShoeDivision, SingularPoint
+from drumlin.fem.hp.division import RefinementLevel, ShoeElementDivision, SingularPoint
 from drumlin.fem.mesh import beam as beam_mesh
-from drumlin.fem.preparation.bodies import NodesAndActuationForces, ShoeSubstructure
+from drumlin.fem.preparation.bodies import NodePositionsAndActuationForces, ShoeSubstructure
 from drumlin.fem.preparation.cache import cache_key_of_shoe_shape
 from drumlin.fem.substructure.interface import ContactLine
 from drumlin.fem.substructure.ring import RingSubstructure
@@ -38,17 +38,17 @@ class CondensedBodiesOfBrake(NamedTuple):
     """The condensed bodies of a brake: one for each shoe, and one for the drum's ring.
 
     The function `nodes_of_changed_shoe` divides a changed shoe into elements by the rule by which
-    these bodies were divided. The function `ring_under_lines` divides the ring, in the same way,
-    for other contact lines of the shoes. Both are explained in `PreparedModel`. `divisions` are the
-    divisions into hp elements, by the index of the first shoe of each shape; it is empty for
-    meshes.
+    these bodies were divided. The function `ring_under_contact_lines` divides the ring, in the same
+    way, for other contact lines of the shoes. Both are explained in `PreparedModel`. `divisions`
+    are the divisions into hp elements, by the index of the first shoe of each shape; it is empty
+    for meshes.
     """
 
     bodies: tuple[ShoeSubstructure, ...]
     ring: RingSubstructure | None
-    nodes_of_changed_shoe: Callable[[int, Shoe], NodesAndActuationForces]
-    ring_under_lines: Callable[[tuple[ContactLine, ...]], RingSubstructure]
-    divisions: Mapping[int, ShoeDivision] = {}
+    nodes_of_changed_shoe: Callable[[int, Shoe], NodePositionsAndActuationForces]
+    ring_under_contact_lines: Callable[[tuple[ContactLine, ...]], RingSubstructure]
+    divisions: Mapping[int, ShoeElementDivision] = {}
 
 
 @dataclass(frozen=True)
@@ -67,8 +67,8 @@ class PreparedModel:
     nodes_of_changed_shoe : function of an index i and a changed shoe that returns the nodes of the
         body that shoe i would have after the change, divided by the same rule; None if the bodies
         cannot be divided anew
-    ring_under_lines : function of other contact lines of the shoes that returns the substructure of
-        the ring under these lines; None if the bodies cannot be divided anew
+    ring_under_contact_lines : function of other contact lines of the shoes that returns the
+        substructure of the ring under these lines; None if the bodies cannot be divided anew
     divisions : division into hp elements by the index of the first shoe of each shape; empty for
         meshes
     level : degree of hp elements, and sizes at singular points; None if every shoe without a mesh
@@ -84,10 +84,10 @@ class PreparedModel:
     left_out: tuple[str, ...]
     apart: bool = False
     model: str = "fem"
-    nodes_of_changed_shoe: Callable[[int, Shoe], NodesAndActuationForces] | None = None
-    ring_under_lines: Callable[[tuple[ContactLine, ...]], RingSubstructure] | None = None
-    divisions: Mapping[int, ShoeDivision] = field(default_factory=dict)
-    level: Level | None = None
+    nodes_of_changed_shoe: Callable[[int, Shoe], NodePositionsAndActuationForces] | None = None
+    ring_under_contact_lines: Callable[[tuple[ContactLine, ...]], RingSubstructure] | None = None
+    divisions: Mapping[int, ShoeElementDivision] = field(default_factory=dict)
+    level: RefinementLevel | None = None
     points: SingularPointsByShoeShape = field(default_factory=dict)
 
     @cached_property

@@ -34,7 +34,7 @@ from drumlin.fem.substructure.elimination import (
 )
 from drumlin.fem.substructure.loads import ColumnsOfUnitLoads, stack_nodal_loads_as_matrix_columns
 
-NUMBER_OF_FRAME_DISPLACEMENTS = 3
+DEGREES_OF_FREEDOM_OF_BODY_FRAME = 3
 """Number of degrees of freedom of a body's frame, its supported rigid line: dx, dy and rotation."""
 
 
@@ -81,7 +81,7 @@ class UncondensedBodySystem(NamedTuple):
         return cls(A.tocsc(), constraints, loads)
 
     def equations_of_body_before_condensation(self) -> "UncondensedBodySystem":
-        """Return the system itself; `EliminatedUnknownsAndEquations` requires this method."""
+        """Return the system itself, as the protocol of all bodies requires."""
         return self
 
     def condense_loads_and_stiffness(self) -> CondensedSystem:
@@ -110,26 +110,26 @@ class UncondensedBodySystem(NamedTuple):
             right = self.loads @ loads
             right[
                 len(right)
-                - NUMBER_OF_FRAME_DISPLACEMENTS
-                - len(nodal) : -NUMBER_OF_FRAME_DISPLACEMENTS
+                - DEGREES_OF_FREEDOM_OF_BODY_FRAME
+                - len(nodal) : -DEGREES_OF_FREEDOM_OF_BODY_FRAME
             ] += nodal
             free = self.factors.solve_with_given_last_unknowns(right, frame)
             return np.asarray(self.constraints.matrix @ free)
         right = (
-            self.loads[:-NUMBER_OF_FRAME_DISPLACEMENTS] @ loads
-            - self.A[:-NUMBER_OF_FRAME_DISPLACEMENTS, -NUMBER_OF_FRAME_DISPLACEMENTS:] @ frame
+            self.loads[:-DEGREES_OF_FREEDOM_OF_BODY_FRAME] @ loads
+            - self.A[:-DEGREES_OF_FREEDOM_OF_BODY_FRAME, -DEGREES_OF_FREEDOM_OF_BODY_FRAME:] @ frame
         )
         # The nodal forces act on the contact nodes, the last unknowns before the frame.
         right[len(right) - len(nodal) :] += nodal
         free = solve_by_multifrontal_elimination(
-            self.A[:-NUMBER_OF_FRAME_DISPLACEMENTS, :-NUMBER_OF_FRAME_DISPLACEMENTS],
+            self.A[:-DEGREES_OF_FREEDOM_OF_BODY_FRAME, :-DEGREES_OF_FREEDOM_OF_BODY_FRAME],
             self.constraints.region,
             right,
         )
         return np.asarray(self.constraints.matrix @ np.vstack([free, frame]))
 
 
-class EliminatedUnknowns(Protocol):
+class EliminatedUnknownsOfAnyBody(Protocol):
     """The interface to the eliminated unknowns of a body, which bodies of all kinds have."""
 
     def nodal_displacements_in_load_cases(
@@ -143,11 +143,11 @@ class EliminatedUnknowns(Protocol):
 
 
 @runtime_checkable
-class EliminatedUnknownsAndEquations(EliminatedUnknowns, Protocol):
+class EliminatedUnknownsAndEquationsOfAnyBody(EliminatedUnknownsOfAnyBody, Protocol):
     """The interface to the eliminated unknowns, equations and loads of a body in plane stress.
 
     An `UncondensedBodySystem` holds the whole stiffness. A body of hp elements assembles its
-    stiffness only when a method needs it, see `hp.grid.EliminatedGridUnknowns`.
+    stiffness only when a method needs it, see `hp.grid.EliminatedUnknownsOfHpElementBody`.
     """
 
     def equations_of_body_before_condensation(self) -> UncondensedBodySystem:
@@ -156,7 +156,9 @@ class EliminatedUnknownsAndEquations(EliminatedUnknowns, Protocol):
     def condense_loads_and_stiffness(self) -> CondensedSystem:
         """The stiffness and the unit loads of the body, condensed to contact nodes and frame."""
 
-    def copy_with_further_unit_loads(self, forces: Floats) -> "EliminatedUnknownsAndEquations":
+    def copy_with_further_unit_loads(
+        self, forces: Floats
+    ) -> "EliminatedUnknownsAndEquationsOfAnyBody":
         """A copy of the body with k more unit loads, in the columns after its present unit loads.
 
         `forces` (2 nodes, k) are the nodal forces of these unit loads on all nodes.
@@ -193,22 +195,22 @@ class CondensedBody:
     load_on_contact: Floats
     load_on_frame: Floats
     load_work: Floats
-    inner: EliminatedUnknowns
+    inner: EliminatedUnknownsOfAnyBody
     columns: ColumnsOfUnitLoads
     force_imbalance: float = 0.0
     rigid_mode_error: Floats | None = None
 
     @property
-    def inner_equations(self) -> EliminatedUnknownsAndEquations:
+    def eliminated_unknowns_with_equations(self) -> EliminatedUnknownsAndEquationsOfAnyBody:
         """The eliminated unknowns with their equations."""
         # The unknowns of shoes with widths recover displacements only and have no equations. The
         # callers of this property refuse such shoes.
-        assert isinstance(self.inner, EliminatedUnknownsAndEquations)
+        assert isinstance(self.inner, EliminatedUnknownsAndEquationsOfAnyBody)
         return self.inner
 
     def assemble_equations_of_whole_body(self) -> UncondensedBodySystem:
         """Assemble and return the equations of the body on all its nodes, before condensation."""
-        return self.inner_equations.equations_of_body_before_condensation()
+        return self.eliminated_unknowns_with_equations.equations_of_body_before_condensation()
 
     @property
     def multi_point_constraints(self) -> MultiPointConstraints:
@@ -226,7 +228,7 @@ class CondensedBody:
         """
         return self.assemble_equations_of_whole_body().loads
 
-    def inverse_cholesky_factor_times_nodal_forces(self, forces: Floats) -> Floats:
+    def half_flexibility_under_nodal_forces(self, forces: Floats) -> Floats:
         """The half flexibility Y = L_cc^-1 G of nodal forces G (2n, m) on the contact nodes.
 
         L_cc is the Cholesky factor of the condensed stiffness. Y^T Y (m, m) is a flexibility: the
@@ -276,7 +278,7 @@ class CondensedBody:
         """
         if taken := self.columns.column_slice_of_each_load.keys() & loads.keys():
             raise ValueError(f"the body has loads of these names already: {sorted(taken)}")
-        inner = self.inner_equations.copy_with_further_unit_loads(
+        inner = self.eliminated_unknowns_with_equations.copy_with_further_unit_loads(
             np.concatenate(list(loads.values()), axis=1)
         )
         eliminated = inner.condense_loads_and_stiffness()
@@ -555,10 +557,10 @@ def rigid_body_displacements_of_nodes(xy: Floats, pin: Floats) -> Floats:
 
     The columns belong to unit motions dx and dy, and to a unit rotation about the point `pin` (2,).
     """
-    modes = np.zeros((xy.shape[1], 2, NUMBER_OF_FRAME_DISPLACEMENTS))
+    modes = np.zeros((xy.shape[1], 2, DEGREES_OF_FREEDOM_OF_BODY_FRAME))
     modes[:, 0, 0] = modes[:, 1, 1] = 1.0
     modes[:, 0, 2], modes[:, 1, 2] = pin[1] - xy[1], xy[0] - pin[0]
-    return modes.reshape(-1, NUMBER_OF_FRAME_DISPLACEMENTS)
+    return modes.reshape(-1, DEGREES_OF_FREEDOM_OF_BODY_FRAME)
 
 
 def multi_point_constraints_of_body(
@@ -626,7 +628,7 @@ def matrix_from_unknowns_to_displacements(
         rows += [rigid, rigid, rigid + 1, rigid + 1]
         columns += list(np.repeat([[free], [free + 2], [free + 1], [free + 2]], len(rigid), axis=1))
         values += [ones, -arm[1], ones, arm[0]]
-    unknowns = free + (0 if rigid is None else NUMBER_OF_FRAME_DISPLACEMENTS)
+    unknowns = free + (0 if rigid is None else DEGREES_OF_FREEDOM_OF_BODY_FRAME)
     entries = np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))
     return sp.csc_matrix(entries, shape=(count, unknowns))
 

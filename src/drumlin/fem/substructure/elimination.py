@@ -19,7 +19,7 @@ from drumlin.base.arrays import Floats, Ints
 from drumlin.base.errors import NoAnswer
 from drumlin.base.lapack import dpotrf, dtrsm
 
-LEAF_NODES = 128
+NODES_OF_SMALLEST_DISSECTION_REGION = 128
 """Number of nodes of the smallest regions of the dissection, in about.
 
 Smaller regions need more calls of dense routines, and larger regions more multiplications with
@@ -27,7 +27,7 @@ zeros. With 64 or 256 nodes condensations of eight meshes by Gmsh, of degree 1 t
 times as long. The result is the same apart from round-off.
 """
 
-_SchurComplementsOfEachRegion = list[list[tuple[Ints, Floats]]]
+_PendingSchurComplementsOfEachRegion = list[list[tuple[Ints, Floats]]]
 """For each region the Schur complements of earlier fronts that are still to be added to its front.
 
 Each complement has the numbers of its unknowns (m,) and its lower triangle (m, m).
@@ -106,8 +106,9 @@ def elimination_order_by_nested_dissection(xy: Floats, elements: Ints) -> Elimin
         np.minimum.at(first, nodes, path)
         np.maximum.at(last, nodes, path)
     differing_bits = np.ceil(np.log2((first ^ last) + 1.0)).astype(np.int64)
-    # The last halvings are omitted, so that the smallest regions have about LEAF_NODES nodes.
-    omitted = round(np.log2(LEAF_NODES * count / xy.shape[1]))
+    # The last halvings are omitted, so that the smallest regions have about
+    # NODES_OF_SMALLEST_DISSECTION_REGION nodes.
+    omitted = round(np.log2(NODES_OF_SMALLEST_DISSECTION_REGION * count / xy.shape[1]))
     height = np.maximum(differing_bits, np.clip(omitted, 0, depth))
 
     # The paths that begin like a region are a range of whole numbers. Regions are eliminated in the
@@ -326,7 +327,7 @@ class _CholeskyFactorOfFront(NamedTuple):
     rows_of_later_unknowns: Floats
 
 
-def _empty_lists_of_schur_complements(region: Ints) -> _SchurComplementsOfEachRegion:
+def _empty_lists_of_schur_complements(region: Ints) -> _PendingSchurComplementsOfEachRegion:
     """Empty lists in which Schur complements are collected.
 
     There is one list for each region, and one for the kept unknowns. `region` (n,) is the number of
@@ -347,7 +348,7 @@ def _lower_triangle_of_sparse_matrix(A: Any) -> Any:
 
 
 def _factorise_front_of_each_region(
-    lower: Any, region: Ints, complements: _SchurComplementsOfEachRegion
+    lower: Any, region: Ints, complements: _PendingSchurComplementsOfEachRegion
 ) -> Iterator[_CholeskyFactorOfFront]:
     """Yield the factorised front of each region, in the order of elimination.
 
@@ -400,7 +401,7 @@ def _factorise_front_of_each_region(
 
 
 def _schur_complement_on_kept_unknowns(
-    lower: Any, inner: int, complements: _SchurComplementsOfEachRegion
+    lower: Any, inner: int, complements: _PendingSchurComplementsOfEachRegion
 ) -> Floats:
     """The lower triangle (k, k) of the Schur complement on the k unknowns that are kept.
 
@@ -413,7 +414,7 @@ def _schur_complement_on_kept_unknowns(
 
 
 def _add_schur_complements_to_front(
-    F: Floats, position: Ints, complements: _SchurComplementsOfEachRegion, region: int
+    F: Floats, position: Ints, complements: _PendingSchurComplementsOfEachRegion, region: int
 ) -> None:
     """Add the Schur complements of earlier fronts to the lower triangle of a region's front.
 

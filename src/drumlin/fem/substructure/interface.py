@@ -22,7 +22,7 @@ import numpy as np
 
 from drumlin.base.arrays import Bools, Floats, Ints, polar_angles_within_half_turn_of_angle
 from drumlin.fem.mesh.edges import nodes_along_element_edges
-from drumlin.response.response import PressureOverWidth
+from drumlin.response.response import PressureOverArcAndWidth
 from drumlin.response.resultants import (
     GAUSS,
     WEIGHTS,
@@ -68,14 +68,14 @@ class ContactLine:
         """Polynomial degree of the interpolation along an edge of the contact line."""
         return len(self.pieces) - 1
 
-    def couple_lining_with_drum_or_plane(
+    def coupling_matrices_with_drum_or_plane(
         self, width: float, directions: NormalsAndTangentsFunction
     ) -> "ContactCouplingMatrices":
         """The matrices that couple this contact line with the drum or the plane.
 
         `width` is the width of the lining [m], and `directions` gives the surface's unit vectors.
         """
-        return weak_coupling_of_contact_line(self, width, directions)
+        return coupling_matrices_of_contact_line(self, width, directions)
 
     @cached_property
     def lining_part_where_pressure_peak_is_sought(self) -> LiningWithoutEndZones:
@@ -96,11 +96,11 @@ class ContactLine:
     def node_angles_with_mask_of_linings(self) -> tuple[Floats, Bools]:
         """Angles (m,) [rad] of nodes on linings and in slots, and a mask (m,): True on linings.
 
-        The nodes on linings are the nodes of `angles_and_mean_pressures`. Nodes are added in the
-        slots between linings, so that a piecewise polynomial spans them, see
+        The nodes on linings are the nodes of `angles_and_pressures_averaged_over_width`. Nodes are
+        added in the slots between linings, so that a piecewise polynomial spans them, see
         `resultants.polynomial_nodes_on_linings_and_slots`.
         """
-        phi, _ = self.angles_and_mean_pressures(np.zeros(len(self.phi)))
+        phi, _ = self.angles_and_pressures_averaged_over_width(np.zeros(len(self.phi)))
         parts = self.split_nodal_values_by_lining(phi)
         return polynomial_nodes_on_linings_and_slots(
             parts, self.interpolation_degree_along_contact_line
@@ -122,14 +122,14 @@ class ContactLine:
         """
         return np.ones(1)
 
-    def angles_and_mean_pressures(self, p: Floats) -> tuple[Floats, Floats]:
+    def angles_and_pressures_averaged_over_width(self, p: Floats) -> tuple[Floats, Floats]:
         """Angles (n,) [rad] of the contact nodes, and the pressure (n,) [Pa] there.
 
         On the contact face of a solid the pressure is the mean over the width.
         """
         return self.phi, p
 
-    def pressure_distribution_over_arc_and_width(self, p: Floats) -> PressureOverWidth | None:
+    def pressure_distribution_over_arc_and_width(self, p: Floats) -> PressureOverArcAndWidth | None:
         """The pressure over arc and width of a solid's contact face; None for a contact line."""
         return None
 
@@ -278,7 +278,7 @@ def plane_normals_and_tangents(x: Floats) -> tuple[Floats, Floats]:
     return np.array([zeros, -ones]), np.array([ones, zeros])
 
 
-def weak_coupling_of_contact_line(
+def coupling_matrices_of_contact_line(
     line: ContactLine, width: float, directions: NormalsAndTangentsFunction
 ) -> ContactCouplingMatrices:
     """The matrices that couple a lining with the drum or the plane, see `ContactCouplingMatrices`.

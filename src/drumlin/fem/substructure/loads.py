@@ -13,7 +13,7 @@ from functools import cached_property
 
 import numpy as np
 
-from drumlin.base.arrays import Floats, slices_of_consecutive_parts
+from drumlin.base.arrays import Floats, slices_from_lengths_of_consecutive_parts
 
 ACTUATION_LOAD_NAME = "actuation"
 """Name of the unit loads of a shoe's actuation force on its body: force x, force y and couple."""
@@ -48,7 +48,11 @@ class ColumnsOfUnitLoads:
         """For each load, by its name, the slice of its columns among all load columns."""
         names = [name for name, _ in self.sizes]
         return dict(
-            zip(names, slices_of_consecutive_parts(size for _, size in self.sizes), strict=True)
+            zip(
+                names,
+                slices_from_lengths_of_consecutive_parts(size for _, size in self.sizes),
+                strict=True,
+            )
         )
 
     @property

@@ -24,7 +24,7 @@ import numpy as np
 from drumlin.base.arrays import Floats, Ints
 from drumlin.base.lapack import solve_lower_triangular_system
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.brake.components import Ring, Section
+from drumlin.brake.components import DrumRing, RectangularCrossSection
 from drumlin.fem.mesh.degree import nodal_basis_of_mesh
 from drumlin.fem.mesh.edges import nodes_along_element_edges
 from drumlin.fem.mesh.grading import (
@@ -35,7 +35,7 @@ from drumlin.fem.mesh.grading import (
     points_graded_to_both_ends,
 )
 from drumlin.fem.substructure.body import (
-    NUMBER_OF_FRAME_DISPLACEMENTS,
+    DEGREES_OF_FREEDOM_OF_BODY_FRAME,
     CondensedBody,
     condense_body_to_contact_and_hinge_face,
     multi_point_constraints_of_body,
@@ -55,7 +55,7 @@ from drumlin.response.resultants import (
     lagrange_shape_function_values,
 )
 
-MOST_RAY_CROSSING_STEPS = 8
+MOST_NEWTON_STEPS_TO_RAY_CROSSING = 8
 """Largest number of steps of Newton's iteration for a point on a curved edge.
 
 Each step about squares the error, so that three or four steps reach round-off.
@@ -113,7 +113,7 @@ class RingSubstructure:
         nodal = np.zeros(2 * len(self.line.nodes))
         for i, (N, T) in enumerate(self.coupling_matrices):
             nodal += N.T @ pressures[i] - drags[i] * (T.T @ dragging[i])
-        frame = np.zeros(NUMBER_OF_FRAME_DISPLACEMENTS)
+        frame = np.zeros(DEGREES_OF_FREEDOM_OF_BODY_FRAME)
         if self.rim_balance is None:
             return self.condensed.nodal_displacements_in_one_case(
                 nodal, frame, self.condensed.columns.column_factors_of_all_loads({})
@@ -124,7 +124,7 @@ class RingSubstructure:
         u = self.condensed.nodal_displacements_in_one_case(nodal, frame, on_rim)
         # A rigid-body motion is subtracted, so that the mean motion of the ring's far edge is zero.
         modes_by_node = rigid_body_displacements_of_nodes(self.basis.doflocs, np.zeros(2)).reshape(
-            -1, 2, NUMBER_OF_FRAME_DISPLACEMENTS
+            -1, 2, DEGREES_OF_FREEDOM_OF_BODY_FRAME
         )
         modes = np.ascontiguousarray(modes_by_node.transpose(2, 1, 0))
         mean_of_modes = np.einsum("kci,cil->kl", modes, self.rim_balance.forces)
@@ -133,7 +133,9 @@ class RingSubstructure:
         return np.asarray(u - np.einsum("k,kci->ci", rigid_motion, modes))
 
 
-def mesh_of_drum_ring(ring: Section, radius: float, shoes: tuple[Shoe, ...], elements: int) -> Any:
+def mesh_of_drum_ring(
+    ring: RectangularCrossSection, radius: float, shoes: tuple[Shoe, ...], elements: int
+) -> Any:
     """Mesh of quadratic quadrilaterals of the whole ring, finer at the ends of the linings.
 
     The boundary "contact" is the friction surface of the ring, and "support" the far edge opposite
@@ -155,7 +157,7 @@ def mesh_of_drum_ring(ring: Section, radius: float, shoes: tuple[Shoe, ...], ele
         RELATIVE_SIZE_OF_LINING_END_ELEMENT,
     )
     return quadratic_mesh_of_closed_ring(
-        angles, depths, radius, shoes[0].sign_of_internal_shoe, "drum"
+        angles, depths, radius, shoes[0].sign_internal_plus_external_minus, "drum"
     )
 
 
@@ -280,11 +282,13 @@ def condense_meshed_drum_ring_to_contact_nodes(
             K, constraints, {RIM_LOAD_NAME: constraints.matrix.T @ rim}, n
         )
         rim_balance = FreeRingForceBalance.force_balance_of_free_ring(basis, rim, condensed, line)
-    return couple_ring_with_linings(brake, linings, mesh, basis, line, condensed, held, rim_balance)
+    return condensed_ring_coupled_with_linings(
+        brake, linings, mesh, basis, line, condensed, held, rim_balance
+    )
 
 
 def stiffness_of_drum_ring_without_supports(
-    basis: Any, ring: Ring, *, precise: bool = False
+    basis: Any, ring: DrumRing, *, precise: bool = False
 ) -> Any:
     """Sparse stiffness (2 nodes, 2 nodes) [N/m] of a ring without any fixed node.
 
@@ -301,12 +305,12 @@ def stiffness_of_drum_ring_without_supports(
     return sparse_stiffness_of_body(basis, elastic_layers_of_ring(ring.section), precise=precise)
 
 
-def fixed_nodes_of_ring(ring: Ring, far_edge: Ints) -> Ints:
+def fixed_nodes_of_ring(ring: DrumRing, far_edge: Ints) -> Ints:
     """The fixed nodes of a ring: all nodes of its far edge if the edge is fixed, or none."""
     return far_edge if ring.support == "fixed" else far_edge[:0]
 
 
-def couple_ring_with_linings(
+def condensed_ring_coupled_with_linings(
     brake: Brake,
     linings: tuple[ContactLine, ...],
     mesh: Any,
@@ -392,7 +396,7 @@ def _coupling_matrices_of_all_linings_and_ring(
             joined,
             ring,
             np.repeat([shoes[i].lining.width for i in members], edges),
-            shoes[0].sign_of_internal_shoe,
+            shoes[0].sign_internal_plus_external_minus,
         )
         ends = np.cumsum([len(linings[i].nodes) for i in members])[:-1]
         parts = zip(np.split(N, ends), np.split(T, ends), strict=True)
@@ -481,7 +485,11 @@ class _OverlapQuadrature(NamedTuple):
 
 
 def _quadrature_of_overlaps(
-    lining: ContactLine, ring: ContactLine, own_xy: Floats, ring_xy: Floats, overlaps: "_Overlaps"
+    lining: ContactLine,
+    ring: ContactLine,
+    own_xy: Floats,
+    ring_xy: Floats,
+    overlaps: "_OverlapsOfLiningAndRingEdges",
 ) -> _OverlapQuadrature:
     """The quadrature points of the overlaps, where rays from the drum's centre cross both edges.
 
@@ -513,7 +521,7 @@ def _quadrature_of_overlaps(
     )
 
 
-class _Overlaps(NamedTuple):
+class _OverlapsOfLiningAndRingEdges(NamedTuple):
     """The k overlaps of a lining's edges with edges of the ring.
 
     `lining` (k,) and `ring` (k,) are the numbers of the two edges that overlap. The overlap goes
@@ -526,7 +534,9 @@ class _Overlaps(NamedTuple):
     end: Floats
 
 
-def _overlaps_of_lining_and_ring_edges(lining: "_EdgeArcs", ring: "_EdgeArcs") -> _Overlaps:
+def _overlaps_of_lining_and_ring_edges(
+    lining: "_EdgesWithAnglesOfTheirEnds", ring: "_EdgesWithAnglesOfTheirEnds"
+) -> _OverlapsOfLiningAndRingEdges:
     """The overlaps of a lining's edges with the ring's edges; angles may differ by whole turns."""
     turns = np.subtract.outer(lining.start + lining.end, ring.start + ring.end)
     whole_turns = 2 * math.pi * np.round(0.5 * turns / (2 * math.pi))
@@ -534,10 +544,10 @@ def _overlaps_of_lining_and_ring_edges(lining: "_EdgeArcs", ring: "_EdgeArcs") -
     last = np.minimum(lining.end[:, None], ring.end + whole_turns)
     # Overlaps of 1e-13 rad and less are round-off.
     i, j = np.nonzero(first < last - 1e-13)
-    return _Overlaps(i, j, first[i, j], last[i, j])
+    return _OverlapsOfLiningAndRingEdges(i, j, first[i, j], last[i, j])
 
 
-class _EdgeArcs(NamedTuple):
+class _EdgesWithAnglesOfTheirEnds(NamedTuple):
     """The m element edges of a contact line: their nodes, and the angles of their ends.
 
     `pieces` (order + 1, m) are the nodes of each edge. Each edge goes from the angle `start` (m,)
@@ -549,14 +559,14 @@ class _EdgeArcs(NamedTuple):
     end: Floats
 
 
-def _edges_with_angles_of_their_ends(line: ContactLine) -> _EdgeArcs:
+def _edges_with_angles_of_their_ends(line: ContactLine) -> _EdgesWithAnglesOfTheirEnds:
     """The nodes of each edge of a contact line by growing angle, and the angles of its two ends."""
     z = line.xy[0] + 1j * line.xy[1]
     first, last = z[line.pieces[0]], z[line.pieces[-1]]
     turn = np.angle(last / first)
     pieces = np.where(turn > 0, line.pieces, line.pieces[::-1])
     start = np.angle(np.where(turn > 0, first, last))
-    return _EdgeArcs(pieces, start, start + np.abs(turn))
+    return _EdgesWithAnglesOfTheirEnds(pieces, start, start + np.abs(turn))
 
 
 def _edge_coordinates_where_rays_cross(xy: Floats, angle: Floats) -> Floats:
@@ -571,7 +581,7 @@ def _edge_coordinates_where_rays_cross(xy: Floats, angle: Floats) -> Floats:
     xi = (side[0] + side[-1]) / (side[0] - side[-1])
     # Newton's iteration starts where the chord crosses the ray, which is exact on straight edges.
     # Its error is squared in each step, so that a step below the root of the round-off is the last.
-    for _ in range(MOST_RAY_CROSSING_STEPS if order > 1 else 0):
+    for _ in range(MOST_NEWTON_STEPS_TO_RAY_CROSSING if order > 1 else 0):
         functions = lagrange_shape_function_values(order, xi)
         value = np.einsum("kiq,kiq->iq", functions, side)
         slope = np.einsum("kiq,kiq->iq", lagrange_shape_function_derivatives(order, xi), side)
@@ -593,9 +603,9 @@ def rim_forces_distributed_like_rigid_modes(basis: Any, facets: Ints) -> Floats:
     psi, x, ds = edge_quadrature_points(basis.doflocs[:, nodes])
     weight = ds / ds.sum()
     modes = np.array([[np.ones_like(ds), 0 * ds], [0 * ds, np.ones_like(ds)], [-x[1], x[0]]])
-    loads = np.zeros((basis.N, 2, NUMBER_OF_FRAME_DISPLACEMENTS))
+    loads = np.zeros((basis.N, 2, DEGREES_OF_FREEDOM_OF_BODY_FRAME))
     np.add.at(loads, nodes, np.einsum("aq,lciq,iq->aicl", psi, modes, weight))
-    return loads.reshape(-1, NUMBER_OF_FRAME_DISPLACEMENTS)
+    return loads.reshape(-1, DEGREES_OF_FREEDOM_OF_BODY_FRAME)
 
 
 def indices_of_displacements_that_hold_free_ring(basis: Any, support: Ints) -> Ints:
@@ -649,8 +659,8 @@ class FreeRingForceBalance:
         """
         modes = rigid_body_displacements_of_nodes(basis.doflocs, np.zeros(2))
         on_contact = (
-            modes.reshape(-1, 2, NUMBER_OF_FRAME_DISPLACEMENTS)[line.nodes]
-            .reshape(-1, NUMBER_OF_FRAME_DISPLACEMENTS)
+            modes.reshape(-1, 2, DEGREES_OF_FREEDOM_OF_BODY_FRAME)[line.nodes]
+            .reshape(-1, DEGREES_OF_FREEDOM_OF_BODY_FRAME)
             .T
         )
         factors = np.linalg.solve(modes.T @ rim, on_contact)
@@ -658,9 +668,9 @@ class FreeRingForceBalance:
         from scipy.linalg import sqrtm  # noqa: PLC0415
 
         return cls(
-            forces=rim.reshape(-1, 2, NUMBER_OF_FRAME_DISPLACEMENTS).transpose(1, 0, 2),
+            forces=rim.reshape(-1, 2, DEGREES_OF_FREEDOM_OF_BODY_FRAME).transpose(1, 0, 2),
             factors=np.asarray(factors),
-            half_flexibility=condensed.inverse_cholesky_factor_times_nodal_forces(
+            half_flexibility=condensed.half_flexibility_under_nodal_forces(
                 condensed.load_on_contact
             ),
             root_of_rim_force_work=sqrtm(condensed.load_work).real,

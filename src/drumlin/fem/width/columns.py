@@ -22,15 +22,15 @@ from drumlin.base.arrays import Floats, Ints
 from drumlin.fem.hp.arc import nodal_functions_along_element_column
 from drumlin.fem.hp.columns import ColumnSubstructure
 from drumlin.fem.hp.element import replace_matrices_by_schur_complements
-from drumlin.fem.width.functions import WidthFunctions, WidthIntegrals
+from drumlin.fem.width.functions import FunctionsAcrossWidth, IntegralsOverWidth
 from drumlin.fem.width.integrals import (
-    SYMMETRIC_AND_ANTISYMMETRIC,
-    CrossSectionIntegrals,
+    SYMMETRY_NUMBERS_OF_COLUMN_DISPLACEMENTS,
+    ElementIntegralsOverShoeSection,
     matrix_from_node_to_unknown_forces_along_z,
 )
 
 
-class BackEdgeCondition(IntEnum):
+class ConditionAtEdgeFarthestFromContact(IntEnum):
     """How the column's edge farthest from the contact moves.
 
     It moves freely, along z only (in a grip), or not at all (bonded to a rigid part).
@@ -59,7 +59,7 @@ class ColumnDisplacementUnknown(NamedTuple):
     function: int
 
 
-class UnknownNumbersAlongRow(NamedTuple):
+class NumbersOfUnknownsAlongNodeRow(NamedTuple):
     """The numbers of the unknowns along one row of nodes of a column, for one function of z.
 
     The row consists of the node on the left side, the nodes inside and the node on the right side.
@@ -80,13 +80,15 @@ class UnknownNumbersAlongRow(NamedTuple):
         return tuple(sorted((*self.left[0], *self.inside[0], *self.right[0])))
 
 
-def indices_of_unknowns_along_node_row(p: int) -> UnknownNumbersAlongRow:
+def indices_of_unknowns_along_node_row(p: int) -> NumbersOfUnknownsAlongNodeRow:
     """The numbers of the unknowns along a row of p + 1 nodes; x and y of a node are neighbours."""
     inside = tuple(range(2, 2 * p)), tuple(range(1, p))
-    return UnknownNumbersAlongRow(((0, 1), (0,)), inside, ((2 * p, 2 * p + 1), (p,)))
+    return NumbersOfUnknownsAlongNodeRow(((0, 1), (0,)), inside, ((2 * p, 2 * p + 1), (p,)))
 
 
-def indices_of_unknowns_along_symmetric_half_row(p: int, symmetry: int) -> UnknownNumbersAlongRow:
+def indices_of_unknowns_along_symmetric_half_row(
+    p: int, symmetry: int
+) -> NumbersOfUnknownsAlongNodeRow:
     """The numbers of the symmetric or of the antisymmetric unknowns along a row of p + 1 nodes.
 
     `symmetry` is 0 for displacements that are symmetric about the column's middle, and 1 for
@@ -96,7 +98,7 @@ def indices_of_unknowns_along_symmetric_half_row(p: int, symmetry: int) -> Unkno
         tuple(range(2, p + 1)),
         tuple(range(1, len(matrix_from_node_to_unknown_forces_along_z(p, symmetry)))),
     )
-    return UnknownNumbersAlongRow(((0, 1), (0,)), inside)
+    return NumbersOfUnknownsAlongNodeRow(((0, 1), (0,)), inside)
 
 
 class LayersOfElementColumn(NamedTuple):
@@ -118,13 +120,15 @@ class LayersOfElementColumn(NamedTuple):
     even: tuple[int, ...]
     odd: tuple[int, ...]
     contact: bool
-    back: BackEdgeCondition
+    back: ConditionAtEdgeFarthestFromContact
 
     def counts_of_even_and_odd_functions_at_node_row(self, row: int) -> tuple[int, int]:
         """Numbers of even and of odd functions of z that have unknowns at a row of nodes."""
         layers = len(self.counts)
-        if row == layers * self.p and self.back != BackEdgeCondition.FREE:
-            return 0, (self.counts[-1][1] if self.back == BackEdgeCondition.GRIPPED else 0)
+        if row == layers * self.p and self.back != ConditionAtEdgeFarthestFromContact.FREE:
+            return 0, (
+                self.counts[-1][1] if self.back == ConditionAtEdgeFarthestFromContact.GRIPPED else 0
+            )
         # A row between two layers has the functions of the layer that has more functions.
         near = {(row - 1) // self.p, row // self.p} if row else {0}
         return max(self.counts[layer] for layer in near if layer < layers)
@@ -147,7 +151,7 @@ class LayersOfElementColumn(NamedTuple):
     ) -> list[ColumnDisplacementUnknown]:
         """The unknowns at a row of nodes that do not belong to the contact.
 
-        `along` is the part `left`, `inside` or `right` of an `UnknownNumbersAlongRow`.
+        `along` is the part `left`, `inside` or `right` of an `NumbersOfUnknownsAlongNodeRow`.
         """
         found = []
         for z, function in self.kind_and_width_function_of_row_unknowns(row):
@@ -160,8 +164,8 @@ class LayersOfElementColumn(NamedTuple):
     ) -> list[ColumnDisplacementUnknown]:
         """The unknowns on the left or the right side of a column, row by row from the contact on.
 
-        `along` is the part `left` or `right` of an `UnknownNumbersAlongRow`, which is the same for
-        all rows.
+        `along` is the part `left` or `right` of an `NumbersOfUnknownsAlongNodeRow`, which is the
+        same for all rows.
         """
         rows = range(len(self.counts) * self.p + 1)
         return [
@@ -171,7 +175,7 @@ class LayersOfElementColumn(NamedTuple):
         ]
 
     def unknowns_of_contact_nodes(
-        self, along: UnknownNumbersAlongRow
+        self, along: NumbersOfUnknownsAlongNodeRow
     ) -> list[ColumnDisplacementUnknown]:
         """The unknowns of the contact nodes; the list is empty without contact.
 
@@ -189,13 +193,13 @@ class LayersOfElementColumn(NamedTuple):
         ]
 
 
-def column_layers_of_shoe(
-    functions: WidthFunctions,
+def layers_of_element_column_from_half_widths(
+    functions: FunctionsAcrossWidth,
     halves: Sequence[float],
     p: int,
     *,
     contact: bool,
-    back: BackEdgeCondition,
+    back: ConditionAtEdgeFarthestFromContact,
 ) -> LayersOfElementColumn:
     """The layers of a column of elements, from the half widths of its layers.
 
@@ -216,7 +220,7 @@ def column_layers_of_shoe(
     )
 
 
-UnknownRunSlices = tuple[slice, slice]
+RunSlicesInElementAndColumnStiffness = tuple[slice, slice]
 """Where a run of unknowns stands: a slice in an element's stiffness, and one in its column's.
 
 The unknowns inside the element are already eliminated from its stiffness.
@@ -232,14 +236,14 @@ class LayerCondensationPlan(NamedTuple):
         result of `_flat_stiffness_entries_of_each_element`: boundary by boundary unknowns, inner by
         boundary unknowns, and inner by inner unknowns
     kept, rest : runs of the boundary unknowns that the column keeps, and of the boundary unknowns
-        that it eliminates; each run is a pair of slices, see `UnknownRunSlices`
+        that it eliminates; each run is a pair of slices, see `RunSlicesInElementAndColumnStiffness`
     """
 
     outer: Ints
     inner_by_boundary: Ints
     inner: Ints
-    kept: tuple[UnknownRunSlices, ...]
-    rest: tuple[UnknownRunSlices, ...]
+    kept: tuple[RunSlicesInElementAndColumnStiffness, ...]
+    rest: tuple[RunSlicesInElementAndColumnStiffness, ...]
 
 
 class ColumnCondensationPlan(NamedTuple):
@@ -257,7 +261,7 @@ class ColumnCondensationPlan(NamedTuple):
 
 @cache
 def condensation_plan_of_column(
-    stack: LayersOfElementColumn, along: UnknownNumbersAlongRow
+    stack: LayersOfElementColumn, along: NumbersOfUnknownsAlongNodeRow
 ) -> ColumnCondensationPlan:
     """The plan by which columns with the layers `stack` are condensed.
 
@@ -288,7 +292,7 @@ def condensation_plan_of_column(
     return ColumnCondensationPlan(tuple(layers), len(kept), len(rest), line)
 
 
-class ColumnUnknownsByRole(NamedTuple):
+class ColumnUnknownsByRoleInCondensation(NamedTuple):
     """The unknowns of a column, sorted by their role in its condensation.
 
     Attributes
@@ -306,8 +310,8 @@ class ColumnUnknownsByRole(NamedTuple):
 
 
 def unknowns_of_element_column_by_role_in_condensation(
-    stack: LayersOfElementColumn, along: UnknownNumbersAlongRow
-) -> ColumnUnknownsByRole:
+    stack: LayersOfElementColumn, along: NumbersOfUnknownsAlongNodeRow
+) -> ColumnUnknownsByRoleInCondensation:
     """The unknowns of a column, sorted by their role in its condensation.
 
     `stack` are the layers of the column. `along` has the numbers of the unknowns along a row of
@@ -336,7 +340,9 @@ def unknowns_of_element_column_by_role_in_condensation(
             own = stack.unknowns_of_node_row_besides_contact(row, along.inside)
             inside += [u for u in own if _is_unknown_of_layer(u, rows, counts)]
         within.append(inside)
-    return ColumnUnknownsByRole(kept, [u for edge in edges for u in edge], boundary, within)
+    return ColumnUnknownsByRoleInCondensation(
+        kept, [u for edge in edges for u in edge], boundary, within
+    )
 
 
 def _is_unknown_of_layer(
@@ -351,7 +357,7 @@ def _is_unknown_of_layer(
 
 def _runs_of_consecutive_unknowns(
     mine: list[ColumnDisplacementUnknown], numbers: dict[ColumnDisplacementUnknown, int]
-) -> tuple[UnknownRunSlices, ...]:
+) -> tuple[RunSlicesInElementAndColumnStiffness, ...]:
     """The runs of unknowns that are consecutive both in the list `mine` and by their `numbers`.
 
     A run is a slice of `mine`, and the slice of the numbers that these unknowns have. Unknowns
@@ -372,7 +378,7 @@ def _runs_of_consecutive_unknowns(
 def _flat_positions_of_element_stiffness_block(
     rows: list[ColumnDisplacementUnknown],
     columns: list[ColumnDisplacementUnknown],
-    along: UnknownNumbersAlongRow,
+    along: NumbersOfUnknownsAlongNodeRow,
     counts: tuple[int, int],
     p: int,
     first: int,
@@ -412,7 +418,7 @@ def _flat_positions_of_element_stiffness_block(
 
 
 def _flat_stiffness_entries_of_each_element(
-    section: CrossSectionIntegrals, width: WidthIntegrals
+    section: ElementIntegralsOverShoeSection, width: IntegralsOverWidth
 ) -> Floats:
     """The entries of the stiffness of c elements, as a flat row for each element (c, entries).
 
@@ -458,7 +464,7 @@ def _sum_of_section_times_width_integrals(section: list[Floats], width: list[Flo
     return found
 
 
-class AssembledColumns(NamedTuple):
+class AssembledStiffnessOfColumns(NamedTuple):
     """The stiffness of c columns, before unknowns on edges of their elements are eliminated.
 
     The unknowns inside the elements are already eliminated.
@@ -476,10 +482,10 @@ class AssembledColumns(NamedTuple):
 
 
 def column_stiffnesses_without_inner_element_unknowns(
-    parts: Sequence[CrossSectionIntegrals],
-    widths: Sequence[WidthIntegrals],
+    parts: Sequence[ElementIntegralsOverShoeSection],
+    widths: Sequence[IntegralsOverWidth],
     plan: ColumnCondensationPlan,
-) -> AssembledColumns:
+) -> AssembledStiffnessOfColumns:
     """The stiffness of columns of elements for the unknowns on the boundaries of the elements.
 
     The unknowns inside the elements are eliminated.
@@ -505,12 +511,12 @@ def column_stiffnesses_without_inner_element_unknowns(
         _add_element_blocks_to_columns(own, layer.kept, layer.kept, K)
         _add_element_blocks_to_columns(own, layer.rest, layer.kept, C)
         _add_element_blocks_to_columns(own, layer.rest, layer.rest, inner)
-    return AssembledColumns(K, C, inner)
+    return AssembledStiffnessOfColumns(K, C, inner)
 
 
 def displacements_inside_elements(
-    part: CrossSectionIntegrals,
-    width: WidthIntegrals,
+    part: ElementIntegralsOverShoeSection,
+    width: IntegralsOverWidth,
     layer: LayerCondensationPlan,
     boundary: Floats,
 ) -> Floats:
@@ -530,9 +536,9 @@ def displacements_inside_elements(
     return -np.asarray(np.linalg.solve(values.take(layer.inner, axis=1), forces), dtype=float)
 
 
-def _condensed_stiffness_of_columns(
-    parts: Sequence[CrossSectionIntegrals],
-    widths: Sequence[WidthIntegrals],
+def _stiffness_of_columns_on_kept_unknowns(
+    parts: Sequence[ElementIntegralsOverShoeSection],
+    widths: Sequence[IntegralsOverWidth],
     plan: ColumnCondensationPlan,
 ) -> Floats:
     """The stiffness (c, kept, kept) of columns on the unknowns that their plan keeps.
@@ -545,8 +551,8 @@ def _condensed_stiffness_of_columns(
 
 def _add_element_blocks_to_columns(
     part: Floats,
-    rows: Sequence[UnknownRunSlices],
-    columns: Sequence[UnknownRunSlices],
+    rows: Sequence[RunSlicesInElementAndColumnStiffness],
+    columns: Sequence[RunSlicesInElementAndColumnStiffness],
     target: Floats,
 ) -> None:
     """Add blocks of element stiffness `part` (c, m, m) to column stiffness `target` (c, n, n)."""
@@ -557,8 +563,8 @@ def _add_element_blocks_to_columns(
 
 
 def condense_element_columns_of_any_shape(
-    parts: Sequence[CrossSectionIntegrals],
-    widths: Sequence[WidthIntegrals],
+    parts: Sequence[ElementIntegralsOverShoeSection],
+    widths: Sequence[IntegralsOverWidth],
     stack: LayersOfElementColumn,
 ) -> list[ColumnSubstructure]:
     """Condense columns of elements of any shape to the nodes on their two sides and their contact.
@@ -571,7 +577,7 @@ def condense_element_columns_of_any_shape(
     """
     plan = condensation_plan_of_column(stack, indices_of_unknowns_along_node_row(stack.p))
     order = _order_of_column_unknowns_by_contact_nodes(stack, plan, 2)
-    columns = _condensed_stiffness_of_columns(parts, widths, plan)
+    columns = _stiffness_of_columns_on_kept_unknowns(parts, widths, plan)
     if len(order):
         columns = columns[:, order[:, None], order]
     return [ColumnSubstructure(K, plan.line, plan.line) for K in columns]
@@ -596,8 +602,8 @@ def _order_of_column_unknowns_by_contact_nodes(
 
 
 def condense_mirror_symmetric_columns(
-    parts: Sequence[Sequence[CrossSectionIntegrals]],
-    widths: Sequence[WidthIntegrals],
+    parts: Sequence[Sequence[ElementIntegralsOverShoeSection]],
+    widths: Sequence[IntegralsOverWidth],
     stack: LayersOfElementColumn,
 ) -> list[ColumnSubstructure]:
     """Condense columns that are their own mirror images to their two sides and their contact.
@@ -616,11 +622,11 @@ def condense_mirror_symmetric_columns(
         condensation_plan_of_column(
             stack, indices_of_unknowns_along_symmetric_half_row(stack.p, symmetry)
         )
-        for symmetry in SYMMETRIC_AND_ANTISYMMETRIC
+        for symmetry in SYMMETRY_NUMBERS_OF_COLUMN_DISPLACEMENTS
     ]
     halves = [
-        _condensed_stiffness_of_columns(parts[i], widths, plans[i])
-        for i in SYMMETRIC_AND_ANTISYMMETRIC
+        _stiffness_of_columns_on_kept_unknowns(parts[i], widths, plans[i])
+        for i in SYMMETRY_NUMBERS_OF_COLUMN_DISPLACEMENTS
     ]
     line = plans[0].line
     own = [half[:, :line] for half in halves]

@@ -18,7 +18,7 @@ from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.base.texts import error_text_in_percent, number_as_text
 from drumlin.brake.brake import Brake
 from drumlin.fem.model import DEFAULT_PENALTY_FACTOR
-from drumlin.fem.preparation.cache import Cache
+from drumlin.fem.preparation.cache import CacheOfCondensedBodies
 from drumlin.fem.width.error import (
     CoarseSolutionsWithAndWithoutWidth,
     coarse_solutions_with_and_without_shoe_width,
@@ -31,7 +31,7 @@ from drumlin.response.balance import (
     relative_imbalance_of_shoe,
 )
 from drumlin.response.response import (
-    PlaneStressError,
+    EstimatedErrorOfPlaneStress,
     Response,
     ShoeResponse,
     length_of_edge_zone_left_out_of_peak_search,
@@ -71,7 +71,7 @@ def correct_response_for_shoe_widths(
     response: Response,
     *,
     penalty: float = DEFAULT_PENALTY_FACTOR,
-    cache: Cache | None = None,
+    cache: CacheOfCondensedBodies | None = None,
 ) -> Response:
     """The answer of plane stress, corrected for the widths of the shoes.
 
@@ -183,7 +183,9 @@ def pressure_of_shoe_zero_outside_contact(shoe: ShoeResponse, theta: Floats) -> 
     return np.where(in_contact, np.maximum(shoe.pressure_at(theta), 0.0), 0.0)
 
 
-def estimated_error_after_width_correction(change: PlaneStressError) -> PlaneStressError:
+def estimated_error_after_width_correction(
+    change: EstimatedErrorOfPlaneStress,
+) -> EstimatedErrorOfPlaneStress:
     """The estimated error after the correction.
 
     It is the relative correction times REMAINING_ERROR_OVER_WIDTH_CORRECTION.
@@ -200,10 +202,12 @@ def estimated_error_after_width_correction(change: PlaneStressError) -> PlaneStr
         name: REMAINING_ERROR_OVER_WIDTH_CORRECTION[name] * size
         for name, size in change.brake.items()
     }
-    return PlaneStressError(brake, tuple(shoes), corrected=True)
+    return EstimatedErrorOfPlaneStress(brake, tuple(shoes), corrected=True)
 
 
-def note_on_correction_for_shoe_widths(change: PlaneStressError, corrected: Response) -> str:
+def note_on_correction_for_shoe_widths(
+    change: EstimatedErrorOfPlaneStress, corrected: Response
+) -> str:
     """The note of a corrected response: how large the correction and the imbalance are."""
     torque, pressure, reaction = (
         number_as_text(change.brake[name], ".2%") for name in ("torque", "pressure", "reaction")

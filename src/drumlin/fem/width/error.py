@@ -20,14 +20,20 @@ import numpy as np
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake
 from drumlin.brake.further_loads import brake_with_all_loads_moved_to_actuation
-from drumlin.fem.error_control.levels import LEVEL_RULE, LEVELS
+from drumlin.fem.error_control.levels import (
+    REFINEMENT_LEVELS_FROM_COARSE_TO_FINE,
+    RULE_OF_DEGREE_AND_GRADING,
+)
 from drumlin.fem.error_control.singular_points import (
     reason_if_any_contact_is_too_short,
     singular_points_of_each_shoe_shape,
 )
-from drumlin.fem.hp.division import Level, ShoeDivision
+from drumlin.fem.hp.division import RefinementLevel, ShoeElementDivision
 from drumlin.fem.model import DEFAULT_PENALTY_FACTOR, solve_prepared_model
-from drumlin.fem.preparation.cache import Cache, indices_of_first_shoes_of_equal_shape
+from drumlin.fem.preparation.cache import (
+    CacheOfCondensedBodies,
+    indices_of_first_shoes_of_equal_shape,
+)
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.width.prepare import (
     prepare_model_with_widths_on_given_elements,
@@ -36,7 +42,7 @@ from drumlin.fem.width.prepare import (
 )
 from drumlin.response.norms import relative_distance_of_pressures
 from drumlin.response.response import (
-    PlaneStressError,
+    EstimatedErrorOfPlaneStress,
     Response,
     ShoeResponse,
     length_of_uncompared_edge_zone,
@@ -44,7 +50,7 @@ from drumlin.response.response import (
 )
 
 LEVEL_OF_PLANE_STRESS_ERROR_ESTIMATE = replace(
-    LEVEL_RULE.refinement_level_with_number(0),
+    RULE_OF_DEGREE_AND_GRADING.refinement_level_with_number(0),
     face_layer_size=1.0,
     lining_end_column_size=1.0,
     interface_layer_size=1.0,
@@ -76,7 +82,7 @@ class CoarsePlaneStressSolution(NamedTuple):
     shoe of each shape. Degrees across the width are compared on these elements.
     """
 
-    divisions: Mapping[int, ShoeDivision]
+    divisions: Mapping[int, ShoeElementDivision]
     plane: Response
 
 
@@ -85,7 +91,7 @@ def plane_stress_solution_on_coarse_hp_elements(
     response: Response,
     *,
     penalty: float = DEFAULT_PENALTY_FACTOR,
-    cache: Cache | None = None,
+    cache: CacheOfCondensedBodies | None = None,
 ) -> CoarsePlaneStressSolution:
     """The coarse hp elements of a brake, with the answer of plane stress on them.
 
@@ -103,20 +109,20 @@ def plane_stress_solution_on_coarse_hp_elements(
     try:
         coarse = answered(LEVEL_OF_PLANE_STRESS_ERROR_ESTIMATE)
     except NoAnswer:
-        return answered(LEVELS[0])
+        return answered(REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[0])
     error = relative_distance_of_plane_stress_from_width_solution(brake, coarse.plane, response)
     if error.unknown or error.brake["pressure"] > LARGEST_PRESSURE_ERROR_OF_COARSE_ELEMENTS:
-        return answered(LEVELS[0])
+        return answered(REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[0])
     return coarse
 
 
 def plane_stress_solution_on_given_hp_elements(
     brake: Brake,
     response: Response,
-    level: Level,
+    level: RefinementLevel,
     *,
     penalty: float = DEFAULT_PENALTY_FACTOR,
-    cache: Cache | None = None,
+    cache: CacheOfCondensedBodies | None = None,
 ) -> CoarsePlaneStressSolution:
     """The hp elements of a brake on a given level, with the answer of plane stress on them.
 
@@ -160,7 +166,7 @@ def coarse_solutions_with_and_without_shoe_width(
     response: Response,
     *,
     penalty: float = DEFAULT_PENALTY_FACTOR,
-    cache: Cache | None = None,
+    cache: CacheOfCondensedBodies | None = None,
 ) -> CoarseSolutionsWithAndWithoutWidth:
     """The answers of a brake in plane stress and with widths, both on the same coarse hp elements.
 
@@ -194,8 +200,8 @@ def estimate_error_of_plane_stress(
     response: Response,
     *,
     penalty: float = DEFAULT_PENALTY_FACTOR,
-    cache: Cache | None = None,
-) -> PlaneStressError:
+    cache: CacheOfCondensedBodies | None = None,
+) -> EstimatedErrorOfPlaneStress:
     """The estimated error of plane stress, from answers with and without widths on coarse elements.
 
     Parameters
@@ -207,19 +213,19 @@ def estimate_error_of_plane_stress(
     """
     reason = reason_why_width_model_does_not_apply(brake)
     if reason is not None:
-        return PlaneStressError({}, unknown=reason)
+        return EstimatedErrorOfPlaneStress({}, unknown=reason)
     try:
         answers = coarse_solutions_with_and_without_shoe_width(
             brake, response, penalty=penalty, cache=cache
         )
     except NoAnswer as error:
-        return PlaneStressError({}, unknown=str(error))
+        return EstimatedErrorOfPlaneStress({}, unknown=str(error))
     return relative_distance_of_plane_stress_from_width_solution(brake, *answers)
 
 
 def relative_distance_of_plane_stress_from_width_solution(
     brake: Brake, plane: Response, wide: Response
-) -> PlaneStressError:
+) -> EstimatedErrorOfPlaneStress:
     """The relative distance of the answer of plane stress from the answer with widths.
 
     Parameters
@@ -236,11 +242,13 @@ def relative_distance_of_plane_stress_from_width_solution(
     for shoe, answer in zip(shoes, plane.shoes, strict=True):
         if not all(map(math.isfinite, shoe.values())):
             name = answer.name
-            return PlaneStressError({}, unknown=f"shoe {name!r} loses its contact with its width")
+            return EstimatedErrorOfPlaneStress(
+                {}, unknown=f"shoe {name!r} loses its contact with its width"
+            )
     total = wide.torque or plane.torque or 1.0
     worst = {name: max(shoe[name] for shoe in shoes) for name in ("pressure", "reaction")}
     torque = abs(plane.torque - wide.torque) / total
-    return PlaneStressError({"torque": torque, **worst}, tuple(shoes))
+    return EstimatedErrorOfPlaneStress({"torque": torque, **worst}, tuple(shoes))
 
 
 def relative_torque_pressure_and_reaction_differences(

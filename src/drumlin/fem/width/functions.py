@@ -33,7 +33,7 @@ from drumlin.response.resultants import GAUSS, WEIGHTS, gauss_lobatto_points
 
 SAME_HALF_WIDTH_TOLERANCE = 1e-9
 """Relative difference up to which the half widths of two parts count as equal."""
-BREAK_DISTANCES_BESIDE_WEB = (1.0, 2.5)
+WIDTH_BREAKPOINT_DISTANCES_BESIDE_WEB = (1.0, 2.5)
 """Distances of extra breaks from the side of a web that a lining overhangs.
 
 The distances are in thicknesses of the lining. Pressure and displacements change fast over the
@@ -54,16 +54,16 @@ a break inside the web divides the error of p with degree 3 by 15, and on six ot
 1.7, for 1.6 times the unknowns. On these six brakes degree 4 without the break costs less and gains
 at least as much, and so there is no break inside a web.
 """
-LEAST_LENGTH_BETWEEN_BREAK_AND_SIDE = 0.75
+LEAST_LENGTH_FROM_WIDTH_BREAKPOINT_TO_SIDE = 0.75
 """Least length that a break beside a web leaves up to the lining's side, in lining thicknesses.
 
 In shorter pieces additional functions of z improve the answer little. A larger value takes breaks
 from long overhangs, and a smaller value puts the break of a short overhang too far from the web.
 """
-BREAK_POSITION_IN_SHORT_OVERHANG = 0.25
+WIDTH_BREAKPOINT_DISTANCE_IN_SHORT_OVERHANG = 0.25
 """Distance of the break beside a web with an overhang too short for two breaks.
 
-The usual distances are BREAK_DISTANCES_BESIDE_WEB.
+The usual distances are WIDTH_BREAKPOINT_DISTANCES_BESIDE_WEB.
 
 It is relative to the overhang. On seven random brakes with overhangs of 0.7 to 1.6 thicknesses of
 the lining the error of p with degree 3 is 1.4 to 8 times smaller with a break at about this
@@ -71,14 +71,14 @@ distance than with no break, or with a break at one thickness. On one of them di
 0.25 of the overhang are equally good; with half the overhang the error with degree 2 is twice as
 large.
 """
-LARGEST_OVERHANG_WITHOUT_BREAK = 0.5
+LARGEST_OVERHANG_WITHOUT_WIDTH_BREAKPOINT = 0.5
 """Overhang up to which there is no break beside a web, in thicknesses of the lining.
 
 A lining that hardly overhangs its web bends little there, so that a break would only add unknowns.
 """
 
 
-class WidthFunction(NamedTuple):
+class FunctionAcrossWidth(NamedTuple):
     """A function of z: the first `piece` in which it is not zero, and its `degree` in this piece.
 
     Pieces are counted from 0 at the mid-plane. Degrees 0 and 1 in piece 0 are the functions 1 and z
@@ -90,7 +90,7 @@ class WidthFunction(NamedTuple):
     degree: int
 
 
-class WidthIntegrals(NamedTuple):
+class IntegralsOverWidth(NamedTuple):
     """Integrals of products of a part's functions of z, over the whole width of the part.
 
     The part has n even functions e_k and m odd functions o_k of z, with the slopes e_k' and o_k'.
@@ -112,7 +112,7 @@ class WidthIntegrals(NamedTuple):
 
 
 @dataclass(frozen=True)
-class WidthFunctions:
+class FunctionsAcrossWidth:
     """All functions across the width of a shoe up to a degree, on given pieces of its half width.
 
     `breaks` (m + 1,) [m] are the ends of the pieces, from 0 at the mid-plane to half the width.
@@ -124,23 +124,23 @@ class WidthFunctions:
     degree: int
 
     @cached_property
-    def even_functions_across_width(self) -> tuple[WidthFunction, ...]:
+    def even_functions_across_width(self) -> tuple[FunctionAcrossWidth, ...]:
         """The even functions, for the displacements u_x and u_y in the section."""
         return self._even_or_odd_functions_across_width(0)
 
     @cached_property
-    def odd_functions_across_width(self) -> tuple[WidthFunction, ...]:
+    def odd_functions_across_width(self) -> tuple[FunctionAcrossWidth, ...]:
         """The odd functions, for the displacement u_z; none in plane stress (degree 0)."""
         return self._even_or_odd_functions_across_width(1) if self.degree > 0 else ()
 
-    def _even_or_odd_functions_across_width(self, first: int) -> tuple[WidthFunction, ...]:
+    def _even_or_odd_functions_across_width(self, first: int) -> tuple[FunctionAcrossWidth, ...]:
         """The functions of one parity: even functions for `first` 0, odd functions for `first` 1.
 
         In the first piece their degrees are `first`, `first` + 2 and so on.
         """
-        found = [WidthFunction(0, degree) for degree in range(first, self.degree + 1, 2)]
+        found = [FunctionAcrossWidth(0, degree) for degree in range(first, self.degree + 1, 2)]
         for piece in range(1, len(self.breaks) - 1):
-            found += [WidthFunction(piece, degree) for degree in range(1, self.degree + 1)]
+            found += [FunctionAcrossWidth(piece, degree) for degree in range(1, self.degree + 1)]
         return tuple(found)
 
     def number_of_width_pieces_in_part(self, half: float) -> int:
@@ -160,7 +160,7 @@ class WidthFunctions:
         return even, sum(function.piece < pieces for function in self.odd_functions_across_width)
 
     def function_values_and_slopes(
-        self, functions: tuple[WidthFunction, ...], z: Floats
+        self, functions: tuple[FunctionAcrossWidth, ...], z: Floats
     ) -> tuple[Floats, Floats]:
         """Values [1] and slopes [1/m] (n, points) of n functions at distances z >= 0 (points,) [m].
 
@@ -211,8 +211,8 @@ class WidthFunctions:
 
 @cache
 def integrals_of_function_products_over_width(
-    functions: WidthFunctions, half: float
-) -> WidthIntegrals:
+    functions: FunctionsAcrossWidth, half: float
+) -> IntegralsOverWidth:
     """The integrals of products of functions of z over the whole width of a part of the shoe.
 
     `half` is the half width of the part [m]. The Gauss rule is exact for functions up to degree 11.
@@ -220,7 +220,9 @@ def integrals_of_function_products_over_width(
     n, m = functions.counts_of_even_and_odd_functions_on_part(half)
     if functions.degree == 0:
         empty, none = np.zeros((0, 0)), np.zeros((1, 0))
-        return WidthIntegrals(np.array([[2 * half]]), np.zeros((1, 1)), empty, empty, none, none)
+        return IntegralsOverWidth(
+            np.array([[2 * half]]), np.zeros((1, 1)), empty, empty, none, none
+        )
     starts = np.array(functions.breaks[: functions.number_of_width_pieces_in_part(half)])
     lengths = np.diff(functions.breaks)[: len(starts)]
     z = (starts[:, None] + lengths[:, None] * (GAUSS + 1) / 2).ravel()
@@ -229,7 +231,7 @@ def integrals_of_function_products_over_width(
     weights = (lengths[:, None] * WEIGHTS).ravel()
     e, e_slopes = functions.function_values_and_slopes(functions.even_functions_across_width[:n], z)
     o, o_slopes = functions.function_values_and_slopes(functions.odd_functions_across_width[:m], z)
-    return WidthIntegrals(
+    return IntegralsOverWidth(
         even=(e * weights) @ e.T,
         even_slopes=(e_slopes * weights) @ e_slopes.T,
         odd=(o * weights) @ o.T,
@@ -240,7 +242,9 @@ def integrals_of_function_products_over_width(
 
 
 @cache
-def matrix_from_node_values_to_function_factors(functions: WidthFunctions, half: float) -> Floats:
+def matrix_from_node_values_to_function_factors(
+    functions: FunctionsAcrossWidth, half: float
+) -> Floats:
     """The matrix (functions, nodes) that turns values at nodes into factors of even functions.
 
     The nodes lie across a part of half width `half` [m], and the even functions are the functions
@@ -301,7 +305,8 @@ def piece_ends_across_half_width_of_shoe(shoe: Shoe, *, beside: bool = True) -> 
         thickness = shoe.lining.thickness
         overhang = (lining - max(inner)) / thickness
         places += [
-            max(inner) + distance * thickness for distance in distances_of_breaks_from_web(overhang)
+            max(inner) + distance * thickness
+            for distance in width_breakpoint_distances_from_web(overhang)
         ]
     breaks = [0.0]
     for place in sorted(places):
@@ -310,22 +315,22 @@ def piece_ends_across_half_width_of_shoe(shoe: Shoe, *, beside: bool = True) -> 
     return tuple(breaks)
 
 
-def distances_of_breaks_from_web(overhang: float) -> list[float]:
+def width_breakpoint_distances_from_web(overhang: float) -> list[float]:
     """The distances of breaks from the side of a web that a lining overhangs.
 
     The distances and the `overhang` are in thicknesses of the lining.
     """
     found = [
         own
-        for own in BREAK_DISTANCES_BESIDE_WEB
-        if overhang - own > LEAST_LENGTH_BETWEEN_BREAK_AND_SIDE
+        for own in WIDTH_BREAKPOINT_DISTANCES_BESIDE_WEB
+        if overhang - own > LEAST_LENGTH_FROM_WIDTH_BREAKPOINT_TO_SIDE
     ]
-    if not found and overhang > LARGEST_OVERHANG_WITHOUT_BREAK:
-        found = [BREAK_POSITION_IN_SHORT_OVERHANG * overhang]
+    if not found and overhang > LARGEST_OVERHANG_WITHOUT_WIDTH_BREAKPOINT:
+        found = [WIDTH_BREAKPOINT_DISTANCE_IN_SHORT_OVERHANG * overhang]
     return found
 
 
-def functions_across_width_of_shoe(shoe: Shoe, degree: int) -> WidthFunctions:
+def functions_across_width_of_shoe(shoe: Shoe, degree: int) -> FunctionsAcrossWidth:
     """All functions across the width of a shoe up to a degree, on pieces between its breaks."""
     breaks = piece_ends_across_half_width_of_shoe(shoe)
-    return WidthFunctions((0.0, breaks[-1]) if degree == 0 else breaks, degree)
+    return FunctionsAcrossWidth((0.0, breaks[-1]) if degree == 0 else breaks, degree)

@@ -36,7 +36,7 @@ from drumlin.fem.hp.element import (
     shape_function_gradients_and_gauss_areas,
 )
 
-SYMMETRIC_AND_ANTISYMMETRIC = (0, 1)
+SYMMETRY_NUMBERS_OF_COLUMN_DISPLACEMENTS = (0, 1)
 """The two symmetries of displacements about a column's middle: 0 symmetric, 1 antisymmetric."""
 
 
@@ -50,7 +50,7 @@ class LameConstants(NamedTuple):
     mu: float
 
 
-class CrossSectionIntegrals(NamedTuple):
+class ElementIntegralsOverShoeSection(NamedTuple):
     """Integrals over each of c elements of a layer, of products of shape functions and gradients.
 
     Each integral contains the Lame constants. The axes after c are (along, along, row, row), for
@@ -221,7 +221,7 @@ def cross_section_integrals_between_circles(
     angular: AngularFactorsOfSectionIntegrals,
     p: int,
     plane: float | None = None,
-) -> CrossSectionIntegrals:
+) -> ElementIntegralsOverShoeSection:
     """The integrals over the elements of all columns in a layer between two circles or planes.
 
     Parameters
@@ -276,12 +276,12 @@ def cross_section_integrals_between_circles(
     a = angular.values_times_z_slopes.shape[1] // b
     shapes = [(a, a), (a, a), (a, b), (a, b), (b, b), (b, b)]
     each = [own.reshape(count, *shape, n, n) for own, shape in zip(found, shapes, strict=True)]
-    return CrossSectionIntegrals(*each)
+    return ElementIntegralsOverShoeSection(*each)
 
 
 def cross_section_integrals_of_any_shape(
     xy: Floats, lame: LameConstants, p: int
-) -> CrossSectionIntegrals:
+) -> ElementIntegralsOverShoeSection:
     """The integrals over c elements of any shape, for displacements in the shoe's frame.
 
     Along a row the unknowns are the displacements of its nodes; x and y of a node are neighbours.
@@ -319,7 +319,7 @@ def cross_section_integrals_of_any_shape(
     to_plane, to_mixed, to_z = (0, 3, 1, 6, 4, 2, 5), (0, 3, 1, 5, 2, 4), (0, 2, 4, 1, 3)
     by_nodes = 2 * n, n, n, n
     integrals_of_value_times_z_slope = mixed.transpose(0, 1, 4, 5, 2, 3)
-    return CrossSectionIntegrals(
+    return ElementIntegralsOverShoeSection(
         plane=plane.transpose(to_plane).reshape(count, 2 * n, 2 * n, n, n),
         shear=shear.transpose(to_plane).reshape(count, 2 * n, 2 * n, n, n),
         integrals_of_trace_times_z_value=(lam * mixed)

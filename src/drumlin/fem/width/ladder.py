@@ -6,9 +6,9 @@ one by one and then added up: the section's error, due to the hp elements, and t
 due to the degree across the width.
 
 - For the section's error the brake is solved with a low degree across the width on finer and finer
-  levels, until the error is at most SECTION_SHARE_OF_TOLERANCE of the tolerance. If all parts of
-  each shoe have one width, the degree is 0, plane stress. Else the degree is
-  WIDTH_DEGREE_OF_SECTION_ESTIMATE, and the error is multiplied by the safety factors
+  levels, until the error is at most SECTION_ERROR_SHARE_OF_TOLERANCE of the tolerance. If all parts
+  of each shoe have one width, the degree is 0, plane stress. Else the degree is
+  WIDTH_DEGREE_FOR_HP_ELEMENT_ERROR_ESTIMATE, and the error is multiplied by the safety factors
   `section_pressure` and `section_force`. The error of a coarser level is the distance of its answer
   from the answer of the last level, plus the stated error of the last answer.
 - For the width's error degrees are compared on the same hp elements: coarse ones, on which degrees
@@ -19,9 +19,9 @@ due to the degree across the width.
 
 The degrees are tried from low to high, and for each degree all solved levels from coarse to fine,
 until the sum of both errors meets the tolerance. A coarse level with an error above
-SECTION_SHARE_OF_TOLERANCE of the tolerance can thus go with a degree whose error is small, and the
-answer that was compared is often the answer that is returned. Higher degrees are not tried once the
-error of p no longer falls, or if the elements alone miss the tolerance.
+SECTION_ERROR_SHARE_OF_TOLERANCE of the tolerance can thus go with a degree whose error is small,
+and the answer that was compared is often the answer that is returned. Higher degrees are not tried
+once the error of p no longer falls, or if the elements alone miss the tolerance.
 
 Where most of a lining overhangs its web, the distance of the lowest degree from the next one alone,
 extrapolated to an infinite degree, gives a provisional error with the safety factors
@@ -56,8 +56,8 @@ elements of the face. Between any two degrees, and between any two levels, p the
 0.5 % ("built" 510004 and "free" 510017), spread over the whole contact. The difference does not
 become smaller with columns of at most a twelfth of the contact. It becomes smaller with more pieces
 across the overhang: with degree 3 on quarters of the overhang the error of p is 0.24 %, and 0.61 %
-with the break of `functions.BREAK_DISTANCES_BESIDE_WEB`, but such a shoe has 1.6 times the
-unknowns.
+with the break of `functions.WIDTH_BREAKPOINT_DISTANCES_BESIDE_WEB`, but such a shoe has 1.6 times
+the unknowns.
 """
 
 import math
@@ -70,23 +70,23 @@ from typing import NamedTuple
 from drumlin.base.errors import NoAnswer
 from drumlin.base.texts import error_text_in_percent
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.fem.error_control.adapt import Tolerance, solve_brake_to_tolerance
+from drumlin.fem.error_control.adapt import TolerancesOfPressureAndTorque, solve_brake_to_tolerance
 from drumlin.fem.error_control.estimate import (
     QUANTITIES_WITH_STATED_ERROR,
-    Errors,
+    EstimatedErrors,
     read_safety_factors,
 )
 from drumlin.fem.error_control.levels import (
-    LEVELS,
-    ResponseFunction,
+    REFINEMENT_LEVELS_FROM_COARSE_TO_FINE,
+    FunctionThatComputesResponse,
     SolvedLevel,
     has_any_lining_new_singular_points,
     solve_brake_on_finer_and_finer_mesh_levels,
 )
 from drumlin.fem.error_control.singular_points import singular_points_of_each_shoe_shape
-from drumlin.fem.hp.division import Level, ShoeDivision
+from drumlin.fem.hp.division import RefinementLevel, ShoeElementDivision
 from drumlin.fem.model import DEFAULT_PENALTY_FACTOR, solve_prepared_model
-from drumlin.fem.preparation.cache import Cache
+from drumlin.fem.preparation.cache import CacheOfCondensedBodies
 from drumlin.fem.preparation.scene import PreparedModel, SingularPointsByShoeShape
 from drumlin.fem.width.error import (
     WIDTH_DEGREE_COMPARED_WITH_PLANE_STRESS,
@@ -113,10 +113,11 @@ the energy norm (Babuska, Szabo & Katz 1981, SIAM J. Numer. Anal. 18, 515). The 
 singularity at a corner has a = 1/2, and so k = 1. A larger k makes stated errors smaller, a smaller
 k makes them larger. On 17 random brakes with parts of several widths the smallest ratio of the
 stated error, without a safety factor, to the true error is 1.6 with k = 1, and 1.2 with k = 1.5.
-On coarse elements of 21 random brakes with the breaks of `functions.BREAK_DISTANCES_BESIDE_WEB` the
-smallest ratio with k = 1 is 1.6 for the pressure and 1.3 for forces, with the degrees 2 and 3.
+On coarse elements of 21 random brakes with the breaks of
+`functions.WIDTH_BREAKPOINT_DISTANCES_BESIDE_WEB` the smallest ratio with k = 1 is 1.6 for the
+pressure and 1.3 for forces, with the degrees 2 and 3.
 """
-WIDTH_DEGREE_OF_SECTION_ESTIMATE = 1
+WIDTH_DEGREE_FOR_HP_ELEMENT_ERROR_ESTIMATE = 1
 """Degree across the width for the estimate of the hp elements' error if parts have several widths.
 
 Degree 1 represents the bending of a table over its web by straight lines. The error is estimated
@@ -126,7 +127,7 @@ times the distance with degree 2 (median 0.9). In plane stress it may be 9.5 tim
 degree 2, and would not show the error. With degree 2 the second level takes 5 times as long as with
 degree 1.
 """
-MOST_SECTION_LEVELS = 2
+NUMBER_OF_LEVELS_FOR_SECTION_ERROR_ESTIMATE = 2
 """Number of levels on which the hp elements' error is estimated if parts have several widths.
 
 Where a lining lifts off beside a web, its contact ends at another angle at each distance from the
@@ -139,14 +140,14 @@ most MOST_UNKNOWNS_FOR_FURTHER_SECTION_LEVEL unknowns.
 MOST_UNKNOWNS_FOR_FURTHER_SECTION_LEVEL = 9_000
 """Unknowns of a shoe up to which one more level of the section is allowed.
 
-They are counted with WIDTH_DEGREE_OF_SECTION_ESTIMATE across the width.
+They are counted with WIDTH_DEGREE_FOR_HP_ELEMENT_ERROR_ESTIMATE across the width.
 
 Short contacts have few columns of elements. On one random brake with 8900 unknowns ("free" 510007
 of `drumlin_studies.solid_error`) the stated error of p falls from 3.2 to 0.84 %. With degree 4
 across the width the third level then has 101 000 unknowns, and the process takes 1.1 GB. With a
 larger limit solves take more memory, with a smaller limit the error of short contacts stays larger.
 """
-LARGEST_DEGREE_IF_TOLERANCE_MAY_BE_MISSED = 5
+LARGEST_WIDTH_DEGREE_IF_TOLERANCE_IS_OPTIONAL = 5
 """Largest degree across the width for parts of several widths, if a tolerance may be missed.
 
 If the tolerance must be met, LARGEST_WIDTH_DEGREE_WITH_STATED_ERROR is the limit. With degree 7 the
@@ -168,7 +169,7 @@ smaller values solves end before the tolerance is reached. By the power ASSUMED_
 the ratio is 0.67 from degree 2 to degree 3. Where a lining lifts off beside a web, the ends of the
 contact move from node to node of the face, and change p by 0.3 to 0.5 % whatever the degree.
 """
-SECTION_SHARE_OF_TOLERANCE = 0.5
+SECTION_ERROR_SHARE_OF_TOLERANCE = 0.5
 """Fraction of the tolerance for the error of the section's hp elements.
 
 The error due to the degree across the width may take the rest of the tolerance.
@@ -198,8 +199,8 @@ class SafetyFactorsOfSolidErrors(NamedTuple):
     pressure, force : of the error due to the degree across the width, relative to the extrapolated
         distance between degrees
     section_pressure, section_force : of the error of the section's hp elements if parts have
-        several widths, relative to the error estimated with WIDTH_DEGREE_OF_SECTION_ESTIMATE across
-        the width
+        several widths, relative to the error estimated with
+        WIDTH_DEGREE_FOR_HP_ELEMENT_ERROR_ESTIMATE across the width
     """
 
     pressure: float
@@ -249,7 +250,7 @@ it ("free" 510023). The value one half is a judgement: most of the lining then h
 """
 
 
-class SolidErrors(NamedTuple):
+class RelativeErrorsOfSolidModel(NamedTuple):
     """Relative errors of a brake's `torque`, and relative errors of each of its shoes.
 
     `shoes` has the errors of each shoe by the names in QUANTITIES_WITH_STATED_ERROR.
@@ -268,15 +269,17 @@ class SolidErrors(NamedTuple):
         return self.torque if name == "torque" else max(shoe[name] for shoe in self.shoes)
 
     @property
-    def smallest_tolerance_that_errors_meet(self) -> Tolerance:
+    def smallest_tolerance_that_errors_meet(self) -> TolerancesOfPressureAndTorque:
         """The smallest tolerance that these errors meet: largest pressure error, torque error."""
-        return Tolerance(self.largest_pressure_error, self.torque)
+        return TolerancesOfPressureAndTorque(self.largest_pressure_error, self.torque)
 
-    def is_within_error_tolerance(self, tolerance: Tolerance) -> bool:
+    def is_within_error_tolerance(self, tolerance: TolerancesOfPressureAndTorque) -> bool:
         """Whether the errors of the torque and of each shoe's pressure are within a tolerance."""
         return self.largest_pressure_error <= tolerance.pressure and self.torque <= tolerance.torque
 
-    def sum_of_these_and_other_errors(self, other: "SolidErrors") -> "SolidErrors":
+    def sum_of_these_and_other_errors(
+        self, other: "RelativeErrorsOfSolidModel"
+    ) -> "RelativeErrorsOfSolidModel":
         """The sum of these errors and of `other` errors.
 
         The error of a peak pressure is limited to 1, which means that the error is unknown.
@@ -285,17 +288,19 @@ class SolidErrors(NamedTuple):
         for one, two in zip(self.shoes, other.shoes, strict=True):
             both = {name: one[name] + two[name] for name in QUANTITIES_WITH_STATED_ERROR}
             shoes.append(both | {"peak": min(both["peak"], 1.0)})
-        return SolidErrors(self.torque + other.torque, tuple(shoes))
+        return RelativeErrorsOfSolidModel(self.torque + other.torque, tuple(shoes))
 
-    def errors_times_factors(self, factors: PressureAndForceErrorFactors) -> "SolidErrors":
+    def errors_times_factors(
+        self, factors: PressureAndForceErrorFactors
+    ) -> "RelativeErrorsOfSolidModel":
         """These errors times factors: one factor for pressures, one for torques and reactions."""
         by_name = dict.fromkeys(QUANTITIES_WITH_STATED_ERROR, factors.force)
         by_name |= {"pressure": factors.pressure, "peak": factors.pressure}
         shoes = [{name: by_name[name] * own for name, own in shoe.items()} for shoe in self.shoes]
-        return SolidErrors(factors.force * self.torque, tuple(shoes))
+        return RelativeErrorsOfSolidModel(factors.force * self.torque, tuple(shoes))
 
 
-class SectionError(NamedTuple):
+class SectionLevelWithItsError(NamedTuple):
     """A level of the section's hp elements, and the error that these elements make.
 
     The error due to the degree across the width is not contained.
@@ -308,8 +313,8 @@ class SectionError(NamedTuple):
         same functions across the width
     """
 
-    level: Level
-    error: SolidErrors
+    level: RefinementLevel
+    error: RelativeErrorsOfSolidModel
     size: float = 1.0
 
 
@@ -323,7 +328,7 @@ class SolvedLevelsWithLastResponse(NamedTuple):
     response: Response
 
 
-class SectionForComparingWidthDegrees(NamedTuple):
+class HpElementsForComparingWidthDegrees(NamedTuple):
     """The hp elements of a brake's shoes on which degrees across the width are compared.
 
     `divisions` are the divisions of the shoes' sections into hp elements, by the index of the first
@@ -331,8 +336,8 @@ class SectionForComparingWidthDegrees(NamedTuple):
     models that are already solved on the elements are `solved`, by their degree across the width.
     """
 
-    divisions: Mapping[int, ShoeDivision]
-    level: Level | None
+    divisions: Mapping[int, ShoeElementDivision]
+    level: RefinementLevel | None
     solved: Mapping[int, SolvedLevel]
 
 
@@ -344,7 +349,7 @@ class WidthError(NamedTuple):
     """
 
     degree: int
-    error: SolidErrors
+    error: RelativeErrorsOfSolidModel
     solved: SolvedLevel
     provisional: bool = False
 
@@ -362,11 +367,11 @@ def largest_number_of_unknowns(solved: SolvedLevel) -> int:
 class SolidChoice(NamedTuple):
     """Hp elements of the section and a degree across the width, with the sum of their errors."""
 
-    section: SectionError
+    section: SectionLevelWithItsError
     width: WidthError
 
     @property
-    def error(self) -> SolidErrors:
+    def error(self) -> RelativeErrorsOfSolidModel:
         """The errors due to the section's elements plus the errors due to the degree."""
         return self.section.error.sum_of_these_and_other_errors(self.width.error)
 
@@ -378,11 +383,11 @@ class SolidChoice(NamedTuple):
 
 def solve_brake_with_widths_to_tolerance(
     brake: Brake,
-    tolerance: Tolerance,
+    tolerance: TolerancesOfPressureAndTorque,
     *,
     must: bool = True,
     penalty: float = DEFAULT_PENALTY_FACTOR,
-    cache: Cache | None = None,
+    cache: CacheOfCondensedBodies | None = None,
 ) -> Response:
     """Solve a brake with widths so that its estimated errors meet a tolerance.
 
@@ -395,12 +400,12 @@ def solve_brake_with_widths_to_tolerance(
 
 def solve_brake_with_widths_and_keep_model(
     brake: Brake,
-    tolerance: Tolerance,
+    tolerance: TolerancesOfPressureAndTorque,
     *,
     must: bool = True,
     across: int | None = None,
     penalty: float = DEFAULT_PENALTY_FACTOR,
-    cache: Cache | None = None,
+    cache: CacheOfCondensedBodies | None = None,
 ) -> SolvedLevel:
     """Solve a brake with widths to a tolerance; return the response with its prepared model.
 
@@ -422,7 +427,7 @@ def solve_brake_with_widths_and_keep_model(
     BadInput
         if the model of the width does not apply to the brake
     """
-    cache = cache or Cache()
+    cache = cache or CacheOfCondensedBodies()
     sections = _cross_section_meshes_with_errors(
         brake, tolerance, must=must, penalty=penalty, cache=cache
     )
@@ -431,7 +436,7 @@ def solve_brake_with_widths_and_keep_model(
     )
     several = has_shoe_with_parts_of_different_widths(brake)
     largest_degree = (
-        LARGEST_DEGREE_IF_TOLERANCE_MAY_BE_MISSED
+        LARGEST_WIDTH_DEGREE_IF_TOLERANCE_IS_OPTIONAL
         if several and not must
         else LARGEST_WIDTH_DEGREE_WITH_STATED_ERROR
     )
@@ -471,22 +476,27 @@ class SectionErrors(NamedTuple):
     `plane` is the answer of plane stress on its last level.
     """
 
-    errors: list[SectionError]
+    errors: list[SectionLevelWithItsError]
     plane: Response
 
 
 def _cross_section_meshes_with_errors(
-    brake: Brake, tolerance: Tolerance, *, must: bool, penalty: float, cache: Cache
+    brake: Brake,
+    tolerance: TolerancesOfPressureAndTorque,
+    *,
+    must: bool,
+    penalty: float,
+    cache: CacheOfCondensedBodies,
 ) -> SectionErrors:
     """The levels of the section's hp elements that a solve to a tolerance needs, with their errors.
 
-    The last level has an error of at most SECTION_SHARE_OF_TOLERANCE of the tolerance, unless it is
-    the finest one that is allowed. The parameters are those of
+    The last level has an error of at most SECTION_ERROR_SHARE_OF_TOLERANCE of the tolerance, unless
+    it is the finest one that is allowed. The parameters are those of
     `solve_brake_with_widths_and_keep_model`.
     """
-    share = Tolerance(
-        SECTION_SHARE_OF_TOLERANCE * tolerance.pressure,
-        SECTION_SHARE_OF_TOLERANCE * tolerance.torque,
+    share = TolerancesOfPressureAndTorque(
+        SECTION_ERROR_SHARE_OF_TOLERANCE * tolerance.pressure,
+        SECTION_ERROR_SHARE_OF_TOLERANCE * tolerance.torque,
     )
     answer = partial(solve_prepared_model, penalty=penalty)
     if not has_shoe_with_parts_of_different_widths(brake):
@@ -498,23 +508,33 @@ def _cross_section_meshes_with_errors(
             climb.response,
         )
     # Plane stress only has to show where the first elements of the shoes with widths are small.
-    first = solve_brake_on_finer_and_finer_mesh_levels(brake, answer, cache, LEVELS[:1])
+    first = solve_brake_on_finer_and_finer_mesh_levels(
+        brake, answer, cache, REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[:1]
+    )
     plane = next(iter(first)).response
     factors = PressureAndForceErrorFactors(
         SAFETY_FACTORS_OF_SOLID_ERRORS.section_pressure,
         SAFETY_FACTORS_OF_SOLID_ERRORS.section_force,
     )
-    asked = Tolerance(share.pressure / factors.pressure, share.torque / factors.force)
+    asked = TolerancesOfPressureAndTorque(
+        share.pressure / factors.pressure, share.torque / factors.force
+    )
     climb = refine_cross_section_mesh_until_tolerance_is_met(
-        brake, asked, answer, cache, LEVELS[: MOST_SECTION_LEVELS + 1], plane, must=must
+        brake,
+        asked,
+        answer,
+        cache,
+        REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[: NUMBER_OF_LEVELS_FOR_SECTION_ERROR_ESTIMATE + 1],
+        plane,
+        must=must,
     )
     return SectionErrors(errors_of_solved_cross_section_meshes(brake, climb, factors), plane)
 
 
 def cheapest_choice_within_tolerance(
-    sections: Sequence[SectionError],
+    sections: Sequence[SectionLevelWithItsError],
     widths: Iterator[WidthError],
-    tolerance: Tolerance,
+    tolerance: TolerancesOfPressureAndTorque,
     most_unknowns: float = math.inf,
 ) -> SolidChoice:
     """The smallest degree, and the coarsest elements for it, whose errors meet a tolerance.
@@ -565,7 +585,7 @@ def cheapest_choice_within_tolerance(
 
 
 def _is_choice_solved(
-    brake: Brake, choice: SolidChoice, compared: SectionForComparingWidthDegrees
+    brake: Brake, choice: SolidChoice, compared: HpElementsForComparingWidthDegrees
 ) -> bool:
     """Whether the model on which the chosen degree was compared is the model to be solved.
 
@@ -584,12 +604,12 @@ def _is_choice_solved(
 
 def solve_cross_section_mesh_with_width_degree(
     brake: Brake,
-    level: Level,
+    level: RefinementLevel,
     degree: int | MakeWidthFunctionsOfShoe,
     start: Response,
     *,
     penalty: float = DEFAULT_PENALTY_FACTOR,
-    cache: Cache | None = None,
+    cache: CacheOfCondensedBodies | None = None,
 ) -> SolvedLevel:
     """Solve a brake with widths on one level of hp elements, with a degree across the width.
 
@@ -611,7 +631,7 @@ def solve_cross_section_mesh_with_width_degree(
     """
 
     def prepare_model_with_width_degree(
-        divided: Level, points: SingularPointsByShoeShape
+        divided: RefinementLevel, points: SingularPointsByShoeShape
     ) -> PreparedModel:
         """The prepared model of the brake, with small elements at the singular points."""
         return prepare_model_with_shoe_widths(brake, divided, degree, points, cache=cache)
@@ -647,7 +667,9 @@ def _solved_level_with_errors_and_notes(
     stated = replace(
         response,
         shoes=tuple(replace(shoe, error=own) for shoe, own in shoes),
-        error=Errors.brake_errors_from_torque_and_shoe_errors(found.torque, found.shoes).brake,
+        error=EstimatedErrors.brake_errors_from_torque_and_shoe_errors(
+            found.torque, found.shoes
+        ).brake,
         notes=(*response.notes, *warnings, how),
     )
     return SolvedLevel(solved.prepared_model, stated)
@@ -655,10 +677,10 @@ def _solved_level_with_errors_and_notes(
 
 def refine_cross_section_mesh_until_tolerance_is_met(
     brake: Brake,
-    tolerance: Tolerance,
-    answer: ResponseFunction,
-    cache: Cache,
-    levels: Sequence[Level] = (),
+    tolerance: TolerancesOfPressureAndTorque,
+    answer: FunctionThatComputesResponse,
+    cache: CacheOfCondensedBodies,
+    levels: Sequence[RefinementLevel] = (),
     start: Response | None = None,
     *,
     must: bool = True,
@@ -671,12 +693,13 @@ def refine_cross_section_mesh_until_tolerance_is_met(
     tolerance : relative errors that are allowed
     answer : function that computes the response on a prepared model
     cache : substructures of earlier solves
-    levels : levels of a solve with WIDTH_DEGREE_OF_SECTION_ESTIMATE across the width; if empty, the
-        brake is solved in plane stress on the levels LEVELS
+    levels : levels of a solve with WIDTH_DEGREE_FOR_HP_ELEMENT_ERROR_ESTIMATE across the width; if
+        empty, the brake is solved in plane stress on the levels
+        REFINEMENT_LEVELS_FROM_COARSE_TO_FINE
     start : an earlier answer; the first division has small elements at the ends of its contact
     must : whether all `levels` are solved if the tolerance needs them; otherwise the climb ends on
-        level MOST_SECTION_LEVELS if it has more than MOST_UNKNOWNS_FOR_FURTHER_SECTION_LEVEL
-        unknowns
+        level NUMBER_OF_LEVELS_FOR_SECTION_ERROR_ESTIMATE if it has more than
+        MOST_UNKNOWNS_FOR_FURTHER_SECTION_LEVEL unknowns
 
     Raises
     ------
@@ -685,11 +708,11 @@ def refine_cross_section_mesh_until_tolerance_is_met(
     """
 
     def prepare_model_with_width_degree(
-        level: Level, points: SingularPointsByShoeShape
+        level: RefinementLevel, points: SingularPointsByShoeShape
     ) -> PreparedModel:
         """The prepared model of the brake on a level, with the low degree of section estimates."""
         return prepare_model_with_shoe_widths(
-            brake, level, WIDTH_DEGREE_OF_SECTION_ESTIMATE, points, cache=cache
+            brake, level, WIDTH_DEGREE_FOR_HP_ELEMENT_ERROR_ESTIMATE, points, cache=cache
         )
 
     climbed: list[SolvedLevel] = []
@@ -708,7 +731,7 @@ def refine_cross_section_mesh_until_tolerance_is_met(
             climbed.append(step)
             yield step
             is_large = largest_number_of_unknowns(step) > MOST_UNKNOWNS_FOR_FURTHER_SECTION_LEVEL
-            is_large = is_large and len(climbed) >= MOST_SECTION_LEVELS
+            is_large = is_large and len(climbed) >= NUMBER_OF_LEVELS_FOR_SECTION_ERROR_ESTIMATE
             if levels and is_large and not must:
                 return
 
@@ -720,7 +743,7 @@ def refine_cross_section_mesh_until_tolerance_is_met(
 
 def errors_of_solved_cross_section_meshes(
     brake: Brake, climb: SolvedLevelsWithLastResponse, factors: PressureAndForceErrorFactors
-) -> list[SectionError]:
+) -> list[SectionLevelWithItsError]:
     """The solved levels of the section's hp elements with their errors, from coarse to fine.
 
     Parameters
@@ -730,17 +753,17 @@ def errors_of_solved_cross_section_meshes(
     factors : safety factors by which the errors are multiplied
     """
     last = climb.response
-    stated = SolidErrors(
+    stated = RelativeErrorsOfSolidModel(
         (last.error or {})["torque"], tuple(dict(shoe.error or {}) for shoe in last.shoes)
     )
-    by_degree = {level.degree: level for level in LEVELS}
+    by_degree = {level.degree: level for level in REFINEMENT_LEVELS_FROM_COARSE_TO_FINE}
     sections = []
     for step in climb.levels:
         moved = _relative_differences_from_better_response(brake, step.response, last)
         error = moved.sum_of_these_and_other_errors(stated).errors_times_factors(factors)
         size = largest_number_of_unknowns(step) / largest_number_of_unknowns(climb.levels[0])
         level = by_degree[step.response.shoes[0].order]
-        sections.append(SectionError(level, error, size))
+        sections.append(SectionLevelWithItsError(level, error, size))
     return sections
 
 
@@ -749,7 +772,9 @@ def has_shoe_with_parts_of_different_widths(brake: Brake) -> bool:
     return any(has_parts_of_different_widths(shoe) for shoe in brake.shoes)
 
 
-def _message_on_unreached_error_tolerance(tolerance: Tolerance, choice: SolidChoice) -> str:
+def _message_on_unreached_error_tolerance(
+    tolerance: TolerancesOfPressureAndTorque, choice: SolidChoice
+) -> str:
     """The text which says that the finest elements and highest degree miss a tolerance.
 
     It says which of both has the larger error of p.
@@ -770,8 +795,8 @@ def hp_elements_to_compare_width_degrees(
     plane: Response,
     *,
     penalty: float = DEFAULT_PENALTY_FACTOR,
-    cache: Cache | None = None,
-) -> SectionForComparingWidthDegrees:
+    cache: CacheOfCondensedBodies | None = None,
+) -> HpElementsForComparingWidthDegrees:
     """The hp elements of the shoes on which degrees across the width are compared.
 
     If all parts of each shoe have one width, the elements are coarse. Otherwise the elements of the
@@ -796,31 +821,33 @@ def hp_elements_to_compare_width_degrees(
         coarse = plane_stress_solution_on_coarse_hp_elements(
             brake, plane, penalty=penalty, cache=cache
         )
-        return SectionForComparingWidthDegrees(coarse.divisions, None, {})
+        return HpElementsForComparingWidthDegrees(coarse.divisions, None, {})
     wide = solve_cross_section_mesh_with_width_degree(
         brake,
-        LEVELS[0],
+        REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[0],
         WIDTH_DEGREE_COMPARED_WITH_PLANE_STRESS,
         plane,
         penalty=penalty,
         cache=cache,
     )
     divisions = wide.prepared_model.divisions
-    return SectionForComparingWidthDegrees(
-        divisions, LEVELS[0], {WIDTH_DEGREE_COMPARED_WITH_PLANE_STRESS: wide}
+    return HpElementsForComparingWidthDegrees(
+        divisions,
+        REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[0],
+        {WIDTH_DEGREE_COMPARED_WITH_PLANE_STRESS: wide},
     )
 
 
 def errors_of_degrees_across_width(
     brake: Brake,
     plane: Response,
-    section: SectionForComparingWidthDegrees,
+    section: HpElementsForComparingWidthDegrees,
     degrees: Sequence[int] = range(
         WIDTH_DEGREE_COMPARED_WITH_PLANE_STRESS, LARGEST_WIDTH_DEGREE_WITH_STATED_ERROR + 1
     ),
     *,
     penalty: float = DEFAULT_PENALTY_FACTOR,
-    cache: Cache | None = None,
+    cache: CacheOfCondensedBodies | None = None,
 ) -> Iterator[WidthError]:
     """Yield the errors due to degrees across the width, one degree after the other.
 
@@ -900,7 +927,7 @@ def error_factors_of_distance(degree: int, ahead: int) -> PressureAndForceErrorF
 
 def largest_relative_differences(
     brake: Brake, response: Response, others: Sequence[Response]
-) -> SolidErrors:
+) -> RelativeErrorsOfSolidModel:
     """The largest relative distances of a response from several other responses, by quantity."""
     moved = [_relative_differences_from_better_response(brake, response, each) for each in others]
     shoes = []
@@ -908,7 +935,7 @@ def largest_relative_differences(
         shoes.append(
             {name: max(each[name] for each in own) for name in QUANTITIES_WITH_STATED_ERROR}
         )
-    return SolidErrors(max(each.torque for each in moved), tuple(shoes))
+    return RelativeErrorsOfSolidModel(max(each.torque for each in moved), tuple(shoes))
 
 
 def error_divided_by_distance_to_next_degrees(
@@ -926,7 +953,7 @@ def error_divided_by_distance_to_next_degrees(
 
 def _relative_differences_from_better_response(
     brake: Brake, response: Response, true: Response
-) -> SolidErrors:
+) -> RelativeErrorsOfSolidModel:
     """The relative distances of a response from a more exact response `true`."""
     shoes = []
     for shoe, better in zip(response.shoes, true.shoes, strict=True):
@@ -941,4 +968,4 @@ def _relative_differences_from_better_response(
             }
         )
     total = true.torque or response.torque or 1.0
-    return SolidErrors(abs(response.torque - true.torque) / total, tuple(shoes))
+    return RelativeErrorsOfSolidModel(abs(response.torque - true.torque) / total, tuple(shoes))

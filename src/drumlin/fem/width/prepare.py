@@ -13,19 +13,23 @@ from drumlin.brake.fields import Material
 from drumlin.brake.friction import reason_if_friction_depends_on_pressure
 from drumlin.brake.heat import reason_if_any_shoe_is_heated
 from drumlin.brake.orthotropic import reason_if_any_part_is_orthotropic
-from drumlin.contact.equations import MOST_CONTACT_NODES
+from drumlin.contact.equations import MAX_NODES_OF_CONTACT_PROBLEM
 from drumlin.fem.hp.body import (
     condensed_body_with_cholesky_factor,
     contact_line_of_lining_face_nodes,
 )
-from drumlin.fem.hp.division import Level, ShoeDivision, divide_shoe_into_hp_elements
+from drumlin.fem.hp.division import (
+    RefinementLevel,
+    ShoeElementDivision,
+    divide_shoe_into_hp_elements,
+)
 from drumlin.fem.preparation.bodies import (
     ShoeBodyElements,
     ShoeSubstructure,
     make_shoe_substructure,
 )
 from drumlin.fem.preparation.cache import (
-    Cache,
+    CacheOfCondensedBodies,
     indices_of_first_shoes_of_equal_shape,
     shoe_without_loads_and_clearances,
 )
@@ -38,14 +42,14 @@ from drumlin.fem.preparation.scene import (
     messages_on_shoes_of_equal_shape,
 )
 from drumlin.fem.preparation.scene import reason_against_finite_element_model as plane_why_not
-from drumlin.fem.width.columns import BackEdgeCondition
+from drumlin.fem.width.columns import ConditionAtEdgeFarthestFromContact
 from drumlin.fem.width.face import ContactFaceWithWidth
 from drumlin.fem.width.functions import (
-    WidthFunctions,
+    FunctionsAcrossWidth,
     functions_across_width_of_shoe,
     half_widths_of_parts,
 )
-from drumlin.fem.width.recovery import EliminatedWidthUnknowns
+from drumlin.fem.width.recovery import EliminatedUnknownsOfShoeWithWidth
 from drumlin.fem.width.shoe import condense_shoe_with_width, layers_with_width_functions
 
 LARGEST_POISSON_RATIO_OF_WIDTH_MODEL = 0.499
@@ -63,11 +67,11 @@ NO_INTERIOR_RESULTS_MESSAGE = "interior fields: recovered only for a file or a p
 ONLY_HALF_OF_SOLID_SHOES_MESSAGE = "the other half of each shoe: symmetric"
 """Message that a prepared model of solid shoes has only one half of each, beside the mid-plane."""
 
-MakeWidthFunctionsOfShoe = Callable[[Shoe], WidthFunctions]
+MakeWidthFunctionsOfShoe = Callable[[Shoe], FunctionsAcrossWidth]
 """The type of a function that returns the functions of z across the width of a given shoe."""
 
 
-class NumberOfWidthUnknowns(NamedTuple):
+class NumberOfUnknownsOfBodyWithWidth(NamedTuple):
     """The number of displacements of a body with functions across its width, `unknowns`.
 
     It takes the place of the basis on a mesh that a body in plane stress has. Only this number is
@@ -126,11 +130,11 @@ def _reason_against_modelling_width_of_shoe(shoe: Shoe) -> str | None:
 
 def prepare_model_with_shoe_widths(
     brake: Brake,
-    level: Level,
+    level: RefinementLevel,
     degree: int | MakeWidthFunctionsOfShoe,
     points: SingularPointsByShoeShape | None = None,
     *,
-    cache: Cache | None = None,
+    cache: CacheOfCondensedBodies | None = None,
 ) -> PreparedModel:
     """Make the prepared model of a brake with widths: condense and couple its shoes.
 
@@ -150,12 +154,13 @@ def prepare_model_with_shoe_widths(
     BadInput
         if the model does not apply to the brake, or if the degree is out of range
     NoAnswer
-        for a singular stiffness, and for more than MOST_CONTACT_NODES nodes of a contact face
+        for a singular stiffness, and for more than MAX_NODES_OF_CONTACT_PROBLEM nodes of a contact
+        face
     """
     alike = indices_of_first_shoes_of_equal_shape(brake)
     tip = brake.actuation is not None and brake.actuation.is_cam_or_wedge
 
-    def hp_element_division_of_shoe(i: int) -> ShoeDivision:
+    def hp_element_division_of_shoe(i: int) -> ShoeElementDivision:
         """The division of the section of the shoe with index `i` into hp elements."""
         places = (points or {}).get(i, ())
         return divide_shoe_into_hp_elements(
@@ -172,7 +177,7 @@ def prepare_model_with_shoe_widths(
     return prepare_model_with_widths_on_given_elements(brake, divisions, degree, cache=cache)
 
 
-def refinement_level_for_narrow_shoes(brake: Brake, level: Level) -> Level:
+def refinement_level_for_narrow_shoes(brake: Brake, level: RefinementLevel) -> RefinementLevel:
     """The level, with layers of elements at bonds at most as thick as half the width of any shoe.
 
     Beside a bond of two materials their lateral contractions become equal over a distance of half
@@ -189,10 +194,10 @@ def refinement_level_for_narrow_shoes(brake: Brake, level: Level) -> Level:
 
 def prepare_model_with_widths_on_given_elements(
     brake: Brake,
-    divisions: Mapping[int, ShoeDivision],
+    divisions: Mapping[int, ShoeElementDivision],
     degree: int | MakeWidthFunctionsOfShoe,
     *,
-    cache: Cache | None = None,
+    cache: CacheOfCondensedBodies | None = None,
 ) -> PreparedModel:
     """Make the prepared model of a brake with widths, on given hp elements of the shoes' sections.
 
@@ -208,11 +213,12 @@ def prepare_model_with_widths_on_given_elements(
     Raises
     ------
     NoAnswer
-        for a singular stiffness, and for more than MOST_CONTACT_NODES nodes of a contact face
+        for a singular stiffness, and for more than MAX_NODES_OF_CONTACT_PROBLEM nodes of a contact
+        face
     """
     make = degree if callable(degree) else partial(functions_across_width_of_shoe, degree=degree)
     seconds: SecondsOfEachPhase = {}
-    cache = cache or Cache()
+    cache = cache or CacheOfCondensedBodies()
     alike = indices_of_first_shoes_of_equal_shape(brake)
     made: dict[int, ShoeSubstructure] = {}
     # One body is condensed for each different shape of shoe.
@@ -238,7 +244,7 @@ def prepare_model_with_widths_on_given_elements(
             friction,
             seconds,
         )
-        made[i] = cache.get(key, body, _memory_of_condensed_solid_shoe)
+        made[i] = cache.get(key, body, _memory_bytes_of_condensed_solid_shoe)
     bodies = tuple(made[i] for i in alike)
     left_out = (
         NO_INTERIOR_RESULTS_MESSAGE,
@@ -250,18 +256,19 @@ def prepare_model_with_widths_on_given_elements(
 
 
 def _require_few_nodes_of_contact_face(
-    shoe: Shoe, division: ShoeDivision, functions: WidthFunctions
+    shoe: Shoe, division: ShoeElementDivision, functions: FunctionsAcrossWidth
 ) -> None:
-    """Raise NoAnswer if the contact face of a shoe has more than MOST_CONTACT_NODES nodes."""
+    """Raise NoAnswer if the contact face of a shoe has too many nodes."""
     across = len(functions.node_distances_across_half_width_of_part(shoe.lining.width / 2))
     nodes = division.contact_nodes * across
-    if nodes > MOST_CONTACT_NODES:
+    if nodes > MAX_NODES_OF_CONTACT_PROBLEM:
         raise NoAnswer(
-            f"its {nodes} contact nodes are more than the {MOST_CONTACT_NODES} that are allowed"
+            f"its {nodes} contact nodes are more than the {MAX_NODES_OF_CONTACT_PROBLEM} that "
+            f"are allowed"
         )
 
 
-def _memory_of_condensed_solid_shoe(body: ShoeSubstructure) -> int:
+def _memory_bytes_of_condensed_solid_shoe(body: ShoeSubstructure) -> int:
     """The approximate memory [bytes] of a body: six matrices (n, n) for n contact nodes."""
     return 8 * 6 * len(body.line.nodes) ** 2
 
@@ -269,8 +276,8 @@ def _memory_of_condensed_solid_shoe(body: ShoeSubstructure) -> int:
 def condense_and_couple_shoe_with_width(
     shoe: Shoe,
     radius: float,
-    division: ShoeDivision,
-    functions: WidthFunctions,
+    division: ShoeElementDivision,
+    functions: FunctionsAcrossWidth,
     friction: bool,
     seconds: SecondsOfEachPhase,
 ) -> ShoeSubstructure:
@@ -293,11 +300,11 @@ def condense_and_couple_shoe_with_width(
     with add_elapsed_time_of_block_to_phase(seconds, "condensation"):
         found = condense_shoe_with_width(shoe, radius, division, functions)
         condensed = condensed_body_with_cholesky_factor(
-            found, EliminatedWidthUnknowns(shoe, radius, division, functions)
+            found, EliminatedUnknownsOfShoeWithWidth(shoe, radius, division, functions)
         )
     with add_elapsed_time_of_block_to_phase(seconds, "coupling"):
         face = contact_face_of_shoe_with_width(shoe, radius, division, functions)
-        basis = NumberOfWidthUnknowns(
+        basis = NumberOfUnknownsOfBodyWithWidth(
             number_of_displacement_unknowns_of_shoe(shoe, division, functions)
         )
         divided = ShoeBodyElements(basis, basis, face)
@@ -307,7 +314,7 @@ def condense_and_couple_shoe_with_width(
 
 
 def contact_face_of_shoe_with_width(
-    shoe: Shoe, radius: float, division: ShoeDivision, functions: WidthFunctions
+    shoe: Shoe, radius: float, division: ShoeElementDivision, functions: FunctionsAcrossWidth
 ) -> ContactFaceWithWidth:
     """The friction surface of a divided shoe with functions across the shoe's width."""
     line, half = contact_line_of_lining_face_nodes(shoe, radius, division), shoe.lining.width / 2
@@ -325,7 +332,7 @@ def contact_face_of_shoe_with_width(
 
 
 def number_of_displacement_unknowns_of_shoe(
-    shoe: Shoe, division: ShoeDivision, functions: WidthFunctions
+    shoe: Shoe, division: ShoeElementDivision, functions: FunctionsAcrossWidth
 ) -> int:
     """Number of displacements of a shoe with functions across its width, of all nodes.
 
@@ -343,7 +350,7 @@ def number_of_displacement_unknowns_of_shoe(
         if first == division.number_of_element_layers:
             continue
         stack = layers.layers_of_element_column_from_given_layer(
-            p, first, contact=False, back=BackEdgeCondition.FREE
+            p, first, contact=False, back=ConditionAtEdgeFarthestFromContact.FREE
         )
         for row in range((division.number_of_element_layers - first) * p + 1):
             even, odd = stack.counts_of_even_and_odd_functions_at_node_row(row)

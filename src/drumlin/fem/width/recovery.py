@@ -19,16 +19,16 @@ from drumlin.base.errors import NoAnswer
 from drumlin.base.lapack import dpotrf, dtrsm
 from drumlin.brake.brake import Shoe
 from drumlin.fem.hp.body import element_grid_of_whole_shoe
-from drumlin.fem.hp.division import ShoeDivision
+from drumlin.fem.hp.division import ShoeElementDivision
 from drumlin.fem.hp.element import reference_element_of_degree
 from drumlin.fem.hp.grid import HpElementGrid
 from drumlin.fem.substructure.body import rigid_body_displacements_of_nodes
 from drumlin.fem.substructure.elimination import SINGULAR_BODY_MESSAGE
 from drumlin.fem.width.columns import (
-    AssembledColumns,
-    BackEdgeCondition,
+    AssembledStiffnessOfColumns,
     ColumnCondensationPlan,
     ColumnDisplacementUnknown,
+    ConditionAtEdgeFarthestFromContact,
     column_stiffnesses_without_inner_element_unknowns,
     condensation_plan_of_column,
     displacements_inside_elements,
@@ -36,11 +36,14 @@ from drumlin.fem.width.columns import (
     unknowns_of_element_column_by_role_in_condensation,
 )
 from drumlin.fem.width.functions import (
-    WidthFunctions,
+    FunctionsAcrossWidth,
     matrix_from_node_values_to_function_factors,
 )
-from drumlin.fem.width.integrals import CrossSectionIntegrals, cross_section_integrals_of_any_shape
-from drumlin.fem.width.shoe import WidthLayers, layers_with_width_functions
+from drumlin.fem.width.integrals import (
+    ElementIntegralsOverShoeSection,
+    cross_section_integrals_of_any_shape,
+)
+from drumlin.fem.width.shoe import ElementLayersWithWidthFunctions, layers_with_width_functions
 
 
 class _CholeskyFactorOfNodeLine(NamedTuple):
@@ -62,7 +65,7 @@ class _CholeskyFactorOfNodeLine(NamedTuple):
     forces: Floats
 
 
-class _ElementColumnOfShoe(NamedTuple):
+class _ElementColumnWithNumbersOfUnknowns(NamedTuple):
     """A column of elements: its nodes, and the numbers of its unknowns.
 
     The numbers of unknowns count all unknowns of the shoe.
@@ -88,13 +91,13 @@ class _ElementColumnOfShoe(NamedTuple):
 
 
 @dataclass(frozen=True)
-class EliminatedWidthUnknowns:
+class EliminatedUnknownsOfShoeWithWidth:
     """The displacements that the condensation of a three-dimensional shoe has eliminated.
 
-    The class fulfils the protocol `substructure.body.EliminatedUnknowns`. Each node of the section
-    has several unknowns. An unknown is the factor of one function of z: of an even function in the
-    displacement u_x or u_y, or of an odd function in u_z. The factor is zero if the function is
-    zero over the width of the parts at the node.
+    The class fulfils the protocol `substructure.body.EliminatedUnknownsOfAnyBody`. Each node of the
+    section has several unknowns. An unknown is the factor of one function of z: of an even function
+    in the displacement u_x or u_y, or of an odd function in u_z. The factor is zero if the function
+    is zero over the width of the parts at the node.
 
     Attributes
     ----------
@@ -106,8 +109,8 @@ class EliminatedWidthUnknowns:
 
     shoe: Shoe
     radius: float
-    division: ShoeDivision
-    functions: WidthFunctions
+    division: ShoeElementDivision
+    functions: FunctionsAcrossWidth
 
     @cached_property
     def grid(self) -> HpElementGrid:
@@ -115,7 +118,7 @@ class EliminatedWidthUnknowns:
         return element_grid_of_whole_shoe(self.shoe, self.radius, self.division)
 
     @cached_property
-    def layers(self) -> WidthLayers:
+    def layers(self) -> ElementLayersWithWidthFunctions:
         """The layers of elements of the shoe, counted from the contact."""
         return layers_with_width_functions(self.shoe, self.division, self.functions)
 
@@ -231,7 +234,7 @@ class EliminatedWidthUnknowns:
             held[numbers[line.z == 0]] = True
         return held
 
-    def element_columns_from_hinge_to_far_end(self) -> list[_ElementColumnOfShoe]:
+    def element_columns_from_hinge_to_far_end(self) -> list[_ElementColumnWithNumbersOfUnknowns]:
         """All columns of elements of the shoe, from the end at its hinge to the other end."""
         p, div = self.division.degree, self.division
         under, *beyond = (block.number for block in self.grid.blocks)
@@ -248,7 +251,9 @@ class EliminatedWidthUnknowns:
         assert all(column.nodes.shape[1] == p + 1 for block in columns for column in block)
         return [column for block in columns for column in block]
 
-    def _element_columns_of_one_block(self, number: Ints, first: int) -> list[_ElementColumnOfShoe]:
+    def _element_columns_of_one_block(
+        self, number: Ints, first: int
+    ) -> list[_ElementColumnWithNumbersOfUnknowns]:
         """The element columns of a block of elements, from left to right.
 
         `number` (rows, nodes of a row) are the numbers of the block's nodes. `first` is the number
@@ -256,7 +261,7 @@ class EliminatedWidthUnknowns:
         """
         p = self.division.degree
         stack = self.layers.layers_of_element_column_from_given_layer(
-            p, first, contact=False, back=BackEdgeCondition.FREE
+            p, first, contact=False, back=ConditionAtEdgeFarthestFromContact.FREE
         )
         along = indices_of_unknowns_along_node_row(p)
         plan, names = (
@@ -281,12 +286,16 @@ class EliminatedWidthUnknowns:
                 indices_of_column_unknowns(names.kept),
                 indices_of_column_unknowns(names.rest),
             )
-            found.append(_ElementColumnOfShoe(nodes, first, plan, kept, rest, boundary, within))
+            found.append(
+                _ElementColumnWithNumbersOfUnknowns(
+                    nodes, first, plan, kept, rest, boundary, within
+                )
+            )
         return found
 
     def _cross_section_integrals_of_layers(
-        self, column: _ElementColumnOfShoe
-    ) -> list[CrossSectionIntegrals]:
+        self, column: _ElementColumnWithNumbersOfUnknowns
+    ) -> list[ElementIntegralsOverShoeSection]:
         """For each layer of a column, the integrals over the section of the layer's element."""
         p, order = self.division.degree, reference_element_of_degree(self.division.degree).order
         found = []
@@ -298,8 +307,8 @@ class EliminatedWidthUnknowns:
         return found
 
     def _assembled_stiffness_of_element_column(
-        self, column: _ElementColumnOfShoe, held: Bools
-    ) -> AssembledColumns:
+        self, column: _ElementColumnWithNumbersOfUnknowns, held: Bools
+    ) -> AssembledStiffnessOfColumns:
         """The assembled stiffness of one column, with held unknowns decoupled from free ones.
 
         The three blocks have no first axis, since they belong to a single column.
@@ -312,7 +321,7 @@ class EliminatedWidthUnknowns:
         # A held unknown gets the stiffness 1, coupled with no other unknown, so that it becomes
         # zero.
         own[np.diag_indices(len(own))] += np.where(rest, 0.0, 1.0)
-        return AssembledColumns(
+        return AssembledStiffnessOfColumns(
             made.kept[0] * np.outer(kept, kept), made.coupling[0] * np.outer(rest, kept), own
         )
 
@@ -344,7 +353,7 @@ class EliminatedWidthUnknowns:
         return u
 
     def _cholesky_factors_of_node_lines(
-        self, columns: list[_ElementColumnOfShoe], held: Bools, forces: Floats
+        self, columns: list[_ElementColumnWithNumbersOfUnknowns], held: Bools, forces: Floats
     ) -> list[_CholeskyFactorOfNodeLine]:
         """The Cholesky factors of all lines of nodes between element columns, from the hinge on.
 

@@ -20,7 +20,7 @@ from drumlin.fem.hp.columns import (
     rotate_node_axes_of_matrix,
     rotate_node_axes_of_vectors,
 )
-from drumlin.fem.hp.division import ShoeDivision
+from drumlin.fem.hp.division import ShoeElementDivision
 from drumlin.fem.hp.element import replace_matrix_by_schur_complement
 from drumlin.fem.hp.shoe import (
     CondensedShoe,
@@ -39,28 +39,28 @@ from drumlin.fem.hp.shoe import (
 )
 from drumlin.fem.preparation.meshes import materials_and_widths_of_shoe_parts
 from drumlin.fem.substructure.body import (
-    NUMBER_OF_FRAME_DISPLACEMENTS,
+    DEGREES_OF_FREEDOM_OF_BODY_FRAME,
     rigid_body_displacements_of_nodes,
 )
 from drumlin.fem.width.columns import (
-    BackEdgeCondition,
+    ConditionAtEdgeFarthestFromContact,
     LayersOfElementColumn,
     column_beside_grip_with_shared_node_held,
-    column_layers_of_shoe,
     condense_element_columns_of_any_shape,
     condense_mirror_symmetric_columns,
     indices_of_unknowns_along_symmetric_half_row,
+    layers_of_element_column_from_half_widths,
 )
 from drumlin.fem.width.functions import (
-    WidthFunctions,
-    WidthIntegrals,
+    FunctionsAcrossWidth,
+    IntegralsOverWidth,
     half_widths_of_parts,
     integrals_of_function_products_over_width,
     matrix_from_node_values_to_function_factors,
 )
 from drumlin.fem.width.integrals import (
-    SYMMETRIC_AND_ANTISYMMETRIC,
-    CrossSectionIntegrals,
+    SYMMETRY_NUMBERS_OF_COLUMN_DISPLACEMENTS,
+    ElementIntegralsOverShoeSection,
     LameConstants,
     angular_factors_of_section_integrals,
     cross_section_integrals_between_circles,
@@ -68,7 +68,7 @@ from drumlin.fem.width.integrals import (
 )
 
 
-class WidthLayers(NamedTuple):
+class ElementLayersWithWidthFunctions(NamedTuple):
     """The element layers of a shoe, counted from the contact, with functions across the width.
 
     Attributes
@@ -78,11 +78,11 @@ class WidthLayers(NamedTuple):
     lame : (l,) Lame constants of each layer
     """
 
-    functions: WidthFunctions
+    functions: FunctionsAcrossWidth
     halves: tuple[float, ...]
     lame: tuple[LameConstants, ...]
 
-    def width_function_integrals_of_layers(self, first: int) -> list[WidthIntegrals]:
+    def width_function_integrals_of_layers(self, first: int) -> list[IntegralsOverWidth]:
         """Integrals over the width for each layer from number `first` on.
 
         Layers are counted from the contact.
@@ -93,21 +93,26 @@ class WidthLayers(NamedTuple):
         ]
 
     def layers_of_element_column_from_given_layer(
-        self, p: int, first: int, *, contact: bool, back: BackEdgeCondition
+        self, p: int, first: int, *, contact: bool, back: ConditionAtEdgeFarthestFromContact
     ) -> LayersOfElementColumn:
         """The layers of an element column whose first layer is the shoe's layer `first`.
 
         Layers are counted from the contact. The other parameters are those of
-        `column_layers_of_shoe`.
+        `layers_of_element_column_from_half_widths`.
         """
-        return column_layers_of_shoe(
+        return layers_of_element_column_from_half_widths(
             self.functions, self.halves[first:], p, contact=contact, back=back
         )
 
-    def unknowns_across_body_thickness(self, div: ShoeDivision) -> "UnknownsAcrossBodyThickness":
+    def unknowns_across_body_thickness(
+        self, div: ShoeElementDivision
+    ) -> "UnknownsAcrossBodyThickness":
         """The unknowns on a line of nodes through the thickness of the body."""
         stack = self.layers_of_element_column_from_given_layer(
-            div.degree, div.index_of_first_body_layer, contact=False, back=BackEdgeCondition.FREE
+            div.degree,
+            div.index_of_first_body_layer,
+            contact=False,
+            back=ConditionAtEdgeFarthestFromContact.FREE,
         )
         line = stack.unknowns_on_left_or_right_side_of_column(
             indices_of_unknowns_along_symmetric_half_row(div.degree, 0).left
@@ -116,7 +121,7 @@ class WidthLayers(NamedTuple):
         return UnknownsAcrossBodyThickness(z, component, row, function)
 
     def unit_loads_on_end_face(
-        self, div: ShoeDivision, xy: Floats, angle: Floats
+        self, div: ShoeElementDivision, xy: Floats, angle: Floats
     ) -> "UnitLoadsOnEndFaceWithWidth":
         """The unit loads on the loaded end face of the body, uniform over the width of each layer.
 
@@ -188,8 +193,8 @@ class UnknownsAcrossBodyThickness(NamedTuple):
 
 
 def layers_with_width_functions(
-    shoe: Shoe, div: ShoeDivision, functions: WidthFunctions
-) -> WidthLayers:
+    shoe: Shoe, div: ShoeElementDivision, functions: FunctionsAcrossWidth
+) -> ElementLayersWithWidthFunctions:
     """The element layers of a divided shoe, with their Lame constants and functions of z.
 
     All parts of the shoe are isotropic.
@@ -203,14 +208,14 @@ def layers_with_width_functions(
         free = E * nu / (1 - nu**2)
         solid = E * nu / ((1 + nu) * (1 - 2 * nu)) if functions.degree > 0 else free
         lame[name] = LameConstants(solid, E / (2 * (1 + nu)))
-    return WidthLayers(
+    return ElementLayersWithWidthFunctions(
         functions,
         tuple(halves[name] for name in div.part),
         tuple(lame[name] for name in div.part),
     )
 
 
-class _CondensedColumnsWithWidth(NamedTuple):
+class _CondensedColumnsUnderAndBesideLining(NamedTuple):
     """The columns of elements of a shoe: under the lining, before the lining and behind the lining.
 
     `grip` has the numbers of the first column in the grip and of the first column behind it,
@@ -223,7 +228,9 @@ class _CondensedColumnsWithWidth(NamedTuple):
     grip: tuple[int, int]
 
 
-MakeColumnsOfKinds = Callable[[Ints, int, LayersOfElementColumn], list[ColumnSubstructure]]
+MakeCondensedColumnsFunction = Callable[
+    [Ints, int, LayersOfElementColumn], list[ColumnSubstructure]
+]
 """The type of a function that makes one condensed column of elements for each given kind.
 
 Columns of one kind have equal shape. The arguments are the kinds (c,), the number of the columns'
@@ -232,8 +239,8 @@ first layer, counted from the contact, and the layers of the columns.
 
 
 def _function_that_makes_columns_and_kind_of_each_column(
-    shoe: Shoe, radius: float, div: ShoeDivision, layers: WidthLayers
-) -> tuple[MakeColumnsOfKinds, Ints]:
+    shoe: Shoe, radius: float, div: ShoeElementDivision, layers: ElementLayersWithWidthFunctions
+) -> tuple[MakeCondensedColumnsFunction, Ints]:
     """The function that makes the columns of a shoe's elements, and the kind of each column.
 
     Columns of one kind have equal shape and equal stiffness.
@@ -242,21 +249,21 @@ def _function_that_makes_columns_and_kind_of_each_column(
     kinds_of_columns = group_equal_element_columns_of_shoe(shoe, div, directed=False)
     along = kinds_of_columns.along
     plane = radius if shoe.is_on_plane else None
-    radii = radius - shoe.sign_of_internal_shoe * div.depths
+    radii = radius - shoe.sign_internal_plus_external_minus * div.depths
 
     def condense_columns_on_arc(
         kinds: Ints, first: int, stack: LayersOfElementColumn
     ) -> list[ColumnSubstructure]:
         """One condensed column of elements for each of `kinds`, with the layers from `first` on.
 
-        `MakeColumnsOfKinds` explains the parameters. The layers lie between circles or, in a flat
-        shoe, between planes.
+        `MakeCondensedColumnsFunction` explains the parameters. The layers lie between circles or,
+        in a flat shoe, between planes.
 
         Each column is its own mirror image, so that its symmetric and its antisymmetric
         displacements are condensed separately.
         """
-        parts: list[list[CrossSectionIntegrals]] = []
-        for symmetry in SYMMETRIC_AND_ANTISYMMETRIC:
+        parts: list[list[ElementIntegralsOverShoeSection]] = []
+        for symmetry in SYMMETRY_NUMBERS_OF_COLUMN_DISPLACEMENTS:
             angular = angular_factors_of_section_integrals(
                 along[kinds], p, symmetry, flat=shoe.is_on_plane
             )
@@ -277,7 +284,7 @@ def _function_that_makes_columns_and_kind_of_each_column(
     ) -> list[ColumnSubstructure]:
         """Condensed columns of elements of any shape, for example under a straight beam.
 
-        `MakeColumnsOfKinds` explains the parameters.
+        `MakeCondensedColumnsFunction` explains the parameters.
         """
         xy = node_coordinates_of_layers_and_columns(
             function_from_depth_and_angle_to_point(shoe, radius),
@@ -303,8 +310,8 @@ def _function_that_makes_columns_and_kind_of_each_column(
 
 
 def _condensed_element_columns_of_shoe(
-    shoe: Shoe, radius: float, div: ShoeDivision, layers: WidthLayers
-) -> _CondensedColumnsWithWidth:
+    shoe: Shoe, radius: float, div: ShoeElementDivision, layers: ElementLayersWithWidthFunctions
+) -> _CondensedColumnsUnderAndBesideLining:
     """The condensed columns of elements of a shoe.
 
     The parameters are those of `condense_shoe_with_width`, and `layers` are the shoe's layers.
@@ -313,7 +320,7 @@ def _condensed_element_columns_of_shoe(
     make, which = _function_that_makes_columns_and_kind_of_each_column(shoe, radius, div, layers)
 
     def condensed_columns_from_given_layer_on(
-        row: Ints, first: int, *, contact: bool, back: BackEdgeCondition
+        row: Ints, first: int, *, contact: bool, back: ConditionAtEdgeFarthestFromContact
     ) -> list[ColumnSubstructure]:
         """The condensed columns of the given kinds, with the layers from number `first` on.
 
@@ -337,43 +344,46 @@ def _condensed_element_columns_of_shoe(
     ends = shoe.interval_of_body_back_held_by_support(radius)
     a, b = (0, 0) if ends is None else (int(np.abs(div.angles - x).argmin()) for x in ends)
     back = (
-        BackEdgeCondition.BONDED
+        ConditionAtEdgeFarthestFromContact.BONDED
         if div.index_of_first_body_layer == div.number_of_element_layers
-        else BackEdgeCondition.FREE
+        else ConditionAtEdgeFarthestFromContact.FREE
     )
     free = condensed_columns_from_given_layer_on(
         np.concatenate([which[:a], which[b:under]]), 0, contact=True, back=back
     )
     gripped = condensed_columns_from_given_layer_on(
-        which[a:b], 0, contact=True, back=BackEdgeCondition.GRIPPED
+        which[a:b], 0, contact=True, back=ConditionAtEdgeFarthestFromContact.GRIPPED
     )
     rest = condensed_columns_from_given_layer_on(
-        which[under:], div.index_of_first_body_layer, contact=False, back=BackEdgeCondition.FREE
+        which[under:],
+        div.index_of_first_body_layer,
+        contact=False,
+        back=ConditionAtEdgeFarthestFromContact.FREE,
     )
     row = [*free[:a], *gripped, *free[a:]]
     # A column beside the grip shares one of its sides with a gripped column. The grip holds the
     # node of this side that is farthest from the contact.
     stack = layers.layers_of_element_column_from_given_layer(
-        p, 0, contact=True, back=BackEdgeCondition.FREE
+        p, 0, contact=True, back=ConditionAtEdgeFarthestFromContact.FREE
     )
     if a < b and a > 0:
         row[a - 1] = column_beside_grip_with_shared_node_held(row[a - 1], stack, right=True)
     if a < b < under:
         row[b] = column_beside_grip_with_shared_node_held(row[b], stack, right=False)
-    return _CondensedColumnsWithWidth(row, rest[:before], rest[before:], (a, b))
+    return _CondensedColumnsUnderAndBesideLining(row, rest[:before], rest[before:], (a, b))
 
 
 def condense_shoe_with_width(
     shoe: Shoe,
     radius: float,
-    div: ShoeDivision,
-    functions: WidthFunctions,
+    div: ShoeElementDivision,
+    functions: FunctionsAcrossWidth,
 ) -> CondensedShoe:
     """Condense a shoe with a width to its frame and to the nodes of its contact face.
 
     The nodes of the face are sorted by angle, and at each angle by distance from the mid-plane; the
-    distances are `WidthFunctions.node_distances_across_half_width_of_part`. x and y of a node are
-    neighbours.
+    distances are `FunctionsAcrossWidth.node_distances_across_half_width_of_part`. x and y of a node
+    are neighbours.
 
     Parameters
     ----------
@@ -419,11 +429,13 @@ def condense_shoe_with_width(
     columns[0] = eliminate_nodes_on_column_side(columns[0], ends[0], first)
     columns[-1] = eliminate_nodes_on_column_side(columns[-1], ends[1], last, right=True)
     S = assemble_and_condense_row_of_element_columns(columns, 2 * count).K
-    face = _ColumnToFaceConversion.conversion_to_displacements_of_face_nodes(shoe, div, layers)
+    face = _ConversionFromColumnsToContactFace.conversion_to_displacements_of_face_nodes(
+        shoe, div, layers
+    )
     return condensed_shoe_with_gripped_or_bonded_back(shoe, face.stiffness_of_face_nodes(S), R)
 
 
-class _ColumnToFaceConversion(NamedTuple):
+class _ConversionFromColumnsToContactFace(NamedTuple):
     """The conversion between the contact unknowns of columns and the nodes of the contact face.
 
     The contact unknowns of columns are factors of functions of z, for displacements along the
@@ -442,8 +454,8 @@ class _ColumnToFaceConversion(NamedTuple):
 
     @classmethod
     def conversion_to_displacements_of_face_nodes(
-        cls, shoe: Shoe, div: ShoeDivision, layers: WidthLayers
-    ) -> "_ColumnToFaceConversion":
+        cls, shoe: Shoe, div: ShoeElementDivision, layers: ElementLayersWithWidthFunctions
+    ) -> "_ConversionFromColumnsToContactFace":
         """The conversion for the contact face of a divided shoe."""
         inverse = matrix_from_node_values_to_function_factors(layers.functions, layers.halves[0])
         angles = np.repeat(rotation_angles_of_contact_nodes_to_shoe_frame(shoe, div), len(inverse))
@@ -475,9 +487,9 @@ class _ColumnToFaceConversion(NamedTuple):
 def _condense_hinged_shoe_with_width(
     shoe: Shoe,
     radius: float,
-    div: ShoeDivision,
-    layers: WidthLayers,
-    row: _CondensedColumnsWithWidth,
+    div: ShoeElementDivision,
+    layers: ElementLayersWithWidthFunctions,
+    row: _CondensedColumnsUnderAndBesideLining,
     R: Floats,
 ) -> CondensedShoe:
     """Condense an elastic shoe that is held at its hinge and loaded at its other end.
@@ -528,7 +540,9 @@ def _condense_hinged_shoe_with_width(
     columns[-1] = eliminate_nodes_on_column_side(columns[-1], loaded, len(end_forces), right=True)
     count = layers.functions.counts_of_even_and_odd_functions_on_part(layers.halves[0])[0]
     A = assemble_and_condense_row_of_element_columns(columns, 2 * count).K
-    face = _ColumnToFaceConversion.conversion_to_displacements_of_face_nodes(shoe, div, layers)
+    face = _ConversionFromColumnsToContactFace.conversion_to_displacements_of_face_nodes(
+        shoe, div, layers
+    )
     return condensed_shoe_corrected_for_round_off(
         A, end, R, pin, face.forces_on_face_nodes, face.stiffness_of_face_nodes
     )
@@ -549,12 +563,12 @@ def _column_with_left_side_tied_to_hinge_face(
     n = len(piece.K)
     free = np.setdiff1d(np.arange(piece.left), tied)
     rest = np.arange(piece.left, n)
-    T = np.zeros((n, NUMBER_OF_FRAME_DISPLACEMENTS + len(rest)))
-    T[tied, :NUMBER_OF_FRAME_DISPLACEMENTS] = modes
-    T[rest, NUMBER_OF_FRAME_DISPLACEMENTS + np.arange(len(rest))] = 1.0
+    T = np.zeros((n, DEGREES_OF_FREEDOM_OF_BODY_FRAME + len(rest)))
+    T[tied, :DEGREES_OF_FREEDOM_OF_BODY_FRAME] = modes
+    T[rest, DEGREES_OF_FREEDOM_OF_BODY_FRAME + np.arange(len(rest))] = 1.0
     KT = piece.K @ T
     K = np.ascontiguousarray(T.T @ KT)
     if len(free):
         inner = np.ascontiguousarray(piece.K[np.ix_(free, free)])
         replace_matrix_by_schur_complement(K, np.ascontiguousarray(KT[free]), inner)
-    return ColumnSubstructure(K, NUMBER_OF_FRAME_DISPLACEMENTS, piece.right)
+    return ColumnSubstructure(K, DEGREES_OF_FREEDOM_OF_BODY_FRAME, piece.right)

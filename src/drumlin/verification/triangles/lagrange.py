@@ -19,13 +19,13 @@ from drumlin.base.arrays import Bools, Floats, Ints
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.elasticity import ElasticLayer, which_elasticity_matrices_are_orthotropic
 from drumlin.verification.triangles.triangulation import (
-    PointMap,
-    TriangleLayer,
-    Triangles,
+    FunctionFromBodyCoordinatesToPoints,
+    LayerOfTriangulatedBody,
+    TriangleMeshInBodyCoordinates,
     edges_of_mesh_and_of_each_triangle,
 )
 
-LEAF_TRIANGLES = 8
+MOST_TRIANGLES_ELIMINATED_WITHOUT_HALVING = 8
 """Number of triangles up to which a part of the mesh is eliminated without being halved again.
 
 With a smaller number there are more calls of LAPACK, with a larger one there is more arithmetic."""
@@ -108,7 +108,7 @@ def triangle_shape_functions_gradients_and_weights(degree: int) -> tuple[Floats,
 
 
 @dataclass(frozen=True)
-class Nodes:
+class NodesOfTriangleMesh:
     """The N nodes of a mesh of m triangles.
 
     Attributes
@@ -124,7 +124,9 @@ class Nodes:
     xy: Floats
 
 
-def nodes_of_triangle_mesh_of_given_degree(mesh: Triangles, place: PointMap, degree: int) -> Nodes:
+def nodes_of_triangle_mesh_of_given_degree(
+    mesh: TriangleMeshInBodyCoordinates, place: FunctionFromBodyCoordinatesToPoints, degree: int
+) -> NodesOfTriangleMesh:
     """The nodes of a mesh of triangles of a polynomial degree: at corners, on edges and inside."""
     edges, of_edge = edges_of_mesh_and_of_each_triangle(mesh)
     corners = int(mesh.vertices.max()) + 1
@@ -145,11 +147,14 @@ def nodes_of_triangle_mesh_of_given_degree(mesh: Triangles, place: PointMap, deg
     of = of.reshape(m, n)
     at = np.zeros((len(used), 2))
     at[of] = np.einsum("nk,mkc->mnc", nodes_of_reference_triangle(degree), mesh.at)
-    return Nodes(of, at, place(at[:, 0], at[:, 1]))
+    return NodesOfTriangleMesh(of, at, place(at[:, 0], at[:, 1]))
 
 
 def triangle_stiffness_matrices(
-    mesh: Triangles, nodes: Nodes, layers: list[TriangleLayer], degree: int
+    mesh: TriangleMeshInBodyCoordinates,
+    nodes: NodesOfTriangleMesh,
+    layers: list[LayerOfTriangulatedBody],
+    degree: int,
 ) -> Floats:
     """The plane-stress stiffness matrices (m, 2n, 2n) of m triangles of n nodes [N/m].
 
@@ -224,7 +229,10 @@ def _stiffness_matrices_of_orthotropic_triangles(
 
 
 def nodal_forces_of_heated_triangles(
-    mesh: Triangles, nodes: Nodes, layers: list[TriangleLayer], degree: int
+    mesh: TriangleMeshInBodyCoordinates,
+    nodes: NodesOfTriangleMesh,
+    layers: list[LayerOfTriangulatedBody],
+    degree: int,
 ) -> Floats:
     """Nodal forces (2N,) [N] that deform unloaded triangles by the free strains of heated layers.
 
@@ -264,7 +272,7 @@ def nodal_forces_of_heated_triangles(
 
 
 @dataclass(frozen=True)
-class Compliance:
+class ComplianceOfCondensedBody:
     """The compliance of a body that is statically condensed to n kept nodes.
 
     Attributes
@@ -279,7 +287,7 @@ class Compliance:
     work: Floats
 
 
-class PartialSchurComplement(NamedTuple):
+class CondensedStiffnessOfBodyPart(NamedTuple):
     """The stiffness of a part of a body, condensed to the unknowns that are not eliminated yet.
 
     Attributes
@@ -322,8 +330,8 @@ class _BodyToCondense(NamedTuple):
 
 
 def condense_body_to_kept_nodes(
-    K: Floats, nodes: Nodes, held: Bools, kept: Ints, loads: Floats
-) -> Compliance:
+    K: Floats, nodes: NodesOfTriangleMesh, held: Bools, kept: Ints, loads: Floats
+) -> ComplianceOfCondensedBody:
     """Condense a body statically to the nodes `kept`; returns their compliance.
 
     The set of triangles is cut into halves across its longer side, and the halves are cut again.
@@ -358,14 +366,19 @@ def condense_body_to_kept_nodes(
     compliance = inv(0.5 * (S + S.T))
     compliance = 0.5 * (compliance + compliance.T)
     loaded = compliance @ f
-    return Compliance(compliance, loaded, whole.work + f.T @ loaded)
+    return ComplianceOfCondensedBody(compliance, loaded, whole.work + f.T @ loaded)
 
 
-def _schur_complement_of_triangles(body: _BodyToCondense, members: Ints) -> PartialSchurComplement:
+def _schur_complement_of_triangles(
+    body: _BodyToCondense, members: Ints
+) -> CondensedStiffnessOfBodyPart:
     """The Schur complement of the part of the body with the triangles numbered `members`."""
     # A small part is assembled from its triangles, a larger one from its two halves.
-    if len(members) <= LEAF_TRIANGLES:
-        parts = [_triangle_as_part_of_body(body, triangle) for triangle in members.tolist()]
+    if len(members) <= MOST_TRIANGLES_ELIMINATED_WITHOUT_HALVING:
+        parts = [
+            _stiffness_of_single_triangle_as_body_part(body, triangle)
+            for triangle in members.tolist()
+        ]
     else:
         x = body.centres[members]
         # The part is cut across the longer side of its bounding box.
@@ -379,12 +392,14 @@ def _schur_complement_of_triangles(body: _BodyToCondense, members: Ints) -> Part
     return _assemble_parts_and_eliminate_inner_unknowns(body, parts)
 
 
-def _triangle_as_part_of_body(body: _BodyToCondense, triangle: int) -> PartialSchurComplement:
+def _stiffness_of_single_triangle_as_body_part(
+    body: _BodyToCondense, triangle: int
+) -> CondensedStiffnessOfBodyPart:
     """The stiffness of one triangle as a part of a body, without fixed unknowns and loads."""
     dofs = body.dofs[triangle]
     on = ~body.held[dofs]
     count, columns = int(on.sum()), body.loads.shape[1]
-    return PartialSchurComplement(
+    return CondensedStiffnessOfBodyPart(
         dofs[on],
         np.ones(count, dtype=int),
         body.K[triangle][np.ix_(on, on)],
@@ -394,8 +409,8 @@ def _triangle_as_part_of_body(body: _BodyToCondense, triangle: int) -> PartialSc
 
 
 def _assemble_parts_and_eliminate_inner_unknowns(
-    body: _BodyToCondense, parts: list[PartialSchurComplement]
-) -> PartialSchurComplement:
+    body: _BodyToCondense, parts: list[CondensedStiffnessOfBodyPart]
+) -> CondensedStiffnessOfBodyPart:
     """Assemble parts of the body and eliminate the unknowns that no other part shares."""
     dofs, where = np.unique(np.concatenate([part.dofs for part in parts]), return_inverse=True)
     triangles = np.bincount(where, np.concatenate([part.triangles for part in parts])).astype(int)
@@ -413,11 +428,13 @@ def _assemble_parts_and_eliminate_inner_unknowns(
         f[at] += part.loads
     f[:n] += body.loads[dofs[gone]]
     work = np.sum([part.work for part in parts], axis=0)
-    assembled = PartialSchurComplement(dofs[order], triangles[order], S, f, work)
-    return _eliminate_first_unknowns(assembled, n)
+    assembled = CondensedStiffnessOfBodyPart(dofs[order], triangles[order], S, f, work)
+    return _eliminate_first_unknowns_of_body_part(assembled, n)
 
 
-def _eliminate_first_unknowns(part: PartialSchurComplement, n: int) -> PartialSchurComplement:
+def _eliminate_first_unknowns_of_body_part(
+    part: CondensedStiffnessOfBodyPart, n: int
+) -> CondensedStiffnessOfBodyPart:
     """Eliminate the first n unknowns of a part of a body.
 
     The Schur complement is S22 - S21 S11^-1 S12, with the Cholesky factor L of S11 = L L^T. Raises
@@ -431,7 +448,7 @@ def _eliminate_first_unknowns(part: PartialSchurComplement, n: int) -> PartialSc
         raise NoAnswer("singular stiffness")
     Y = solve_triangular(L, np.hstack([S[:n, n:], f[:n]]), lower=True, check_finite=False)
     coupled, loaded = Y[:, : len(S) - n], Y[:, len(S) - n :]
-    return PartialSchurComplement(
+    return CondensedStiffnessOfBodyPart(
         part.dofs[n:],
         part.triangles[n:],
         S[n:, n:] - coupled.T @ coupled,

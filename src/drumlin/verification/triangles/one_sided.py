@@ -14,18 +14,18 @@ from drumlin.base.arrays import Floats
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.one_sided import (
     LARGEST_ROUND_OFF_PULL_OF_SUPPORT,
+    BearingFlagsOfOneSidedSupports,
     OneSidedSupport,
-    WhichSupportsBear,
     divide_motions_into_held_and_free,
     do_linings_resist_free_motions,
     one_sided_supports_of_brake,
     work_of_support_push_in_rigid_body_modes,
 )
 from drumlin.verification.triangles.equations import ContactEquations
-from drumlin.verification.triangles.face import CondensedFace
+from drumlin.verification.triangles.face import ShoeCondensedToLiningFace
 
 
-class SupportEquations(NamedTuple):
+class EquationsOfOneSidedSupportOpenings(NamedTuple):
     """The openings v = v_0 + D f + E s + V y of m one-sided supports of some shoes.
 
     Attributes
@@ -62,7 +62,7 @@ def one_sided_supports_of_shoes(brake: Brake, shoes: list[Shoe]) -> tuple[OneSid
     return tuple(found)
 
 
-class ShoeInEquations(NamedTuple):
+class ShoeAndItsPlacesInContactEquations(NamedTuple):
     """A shoe with its condensed face and its places in the contact equations.
 
     Attributes
@@ -75,7 +75,7 @@ class ShoeInEquations(NamedTuple):
     """
 
     shoe: Shoe
-    face: CondensedFace
+    face: ShoeCondensedToLiningFace
     normal: Floats
     nodal_forces_per_normal_force: Floats
     nodes: slice
@@ -83,8 +83,10 @@ class ShoeInEquations(NamedTuple):
 
 
 def equations_of_one_sided_support_openings(
-    supports: tuple[OneSidedSupport, ...], shoes: list[ShoeInEquations], brake: Brake
-) -> SupportEquations:
+    supports: tuple[OneSidedSupport, ...],
+    shoes: list[ShoeAndItsPlacesInContactEquations],
+    brake: Brake,
+) -> EquationsOfOneSidedSupportOpenings:
     """The equations for the openings of the one-sided supports of a brake's shoes."""
     m, n, k = len(supports), shoes[-1].nodes.stop, shoes[-1].modes.stop
     opening = np.array([support.clearance for support in supports])
@@ -95,7 +97,7 @@ def equations_of_one_sided_support_openings(
         # The columns of `face.displacements_under_unit_pushes` belong to the supports that push
         # this shoe, in the order of `own`.
         own = [
-            (j, side.unit_push)
+            (j, side.push_of_one_newton)
             for j, support in enumerate(supports)
             for side in support.sides
             if side.shoe == i
@@ -121,7 +123,7 @@ def equations_of_one_sided_support_openings(
             for one in shoes
         ]
     )
-    return SupportEquations(
+    return EquationsOfOneSidedSupportOpenings(
         supports,
         opening,
         opening_by_contact_force,
@@ -133,7 +135,9 @@ def equations_of_one_sided_support_openings(
 
 
 def contact_equations_on_supports_that_bear(
-    equations: ContactEquations, supports: SupportEquations, bearing: WhichSupportsBear
+    equations: ContactEquations,
+    supports: EquationsOfOneSidedSupportOpenings,
+    bearing: BearingFlagsOfOneSidedSupports,
 ) -> ContactEquations | None:
     """The contact equations with the forces of the supports that bear as further unknowns.
 
@@ -162,7 +166,11 @@ def contact_equations_on_supports_that_bear(
 
 
 def do_supports_bear_as_assumed_in_triangle_solution(
-    supports: SupportEquations, bearing: WhichSupportsBear, f: Floats, s: Floats, y: Floats
+    supports: EquationsOfOneSidedSupportOpenings,
+    bearing: BearingFlagsOfOneSidedSupports,
+    f: Floats,
+    s: Floats,
+    y: Floats,
 ) -> bool:
     """Whether no bearing support pulls its shoe, and no open support overlaps its shoe.
 

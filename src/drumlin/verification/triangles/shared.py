@@ -13,16 +13,16 @@ from scipy.optimize import brentq
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.verification.triangles.contact import (
-    ContactAtStart,
-    ContactForces,
+    ContactForcesAndRigidMotions,
+    NodesAndSupportsInContactAtStart,
     contact_forces_of_shoes_in_one_system,
     forces_of_drum_on_lining_nodes,
     loaded_point_displacement_along_force,
 )
-from drumlin.verification.triangles.face import CondensedFace
+from drumlin.verification.triangles.face import ShoeCondensedToLiningFace
 
 
-class _SolvedShoe(NamedTuple):
+class _SolvedShoeUnderKnownActuationForce(NamedTuple):
     """A shoe under a known actuation force, with its solution.
 
     Attributes
@@ -33,13 +33,13 @@ class _SolvedShoe(NamedTuple):
     """
 
     shoe: Shoe
-    forces: ContactForces
+    forces: ContactForcesAndRigidMotions
     load_point_travel: float
 
 
 def solve_shoes_with_cam_or_strut_forces(
-    brake: Brake, faces: list[CondensedFace], first: ContactAtStart
-) -> tuple[list[Shoe], list[ContactForces]]:
+    brake: Brake, faces: list[ShoeCondensedToLiningFace], first: NodesAndSupportsInContactAtStart
+) -> tuple[list[Shoe], list[ContactForcesAndRigidMotions]]:
     """Find the forces of a cam or struts; returns shoes under these forces, and contact forces.
 
     The foot of a shoe presses on a strut, and the strut pushes the next shoe with the same force. A
@@ -59,7 +59,9 @@ def solve_shoes_with_cam_or_strut_forces(
     """
     names = [shoe.name for shoe in brake.shoes]
 
-    def solve_numbered_shoe_under_force(i: int, force: float) -> _SolvedShoe:
+    def solve_numbered_shoe_under_force(
+        i: int, force: float
+    ) -> _SolvedShoeUnderKnownActuationForce:
         """Solve shoe i under a force [N]."""
         return _solve_shoe_under_force(
             brake, brake.shoes[i], faces[i], first.contact_at_start_of_some_shoes([i]), force
@@ -101,8 +103,12 @@ def solve_shoes_with_cam_or_strut_forces(
 
 
 def _solve_shoe_under_force(
-    brake: Brake, shoe: Shoe, face: CondensedFace, first: ContactAtStart, force: float
-) -> _SolvedShoe:
+    brake: Brake,
+    shoe: Shoe,
+    face: ShoeCondensedToLiningFace,
+    first: NodesAndSupportsInContactAtStart,
+    force: float,
+) -> _SolvedShoeUnderKnownActuationForce:
     """Solve one shoe under an actuation force.
 
     Parameters
@@ -136,12 +142,14 @@ def _solve_shoe_under_force(
             failure = failure or error
             continue
         travel = loaded_point_displacement_along_force(brake, face, shoe, found, sense)
-        return _SolvedShoe(shoe, found, travel)
+        return _SolvedShoeUnderKnownActuationForce(shoe, found, travel)
     assert failure is not None
     raise failure
 
 
-def _force_of_foot_on_strut(brake: Brake, face: CondensedFace, solved: _SolvedShoe) -> float:
+def _force_of_foot_on_strut(
+    brake: Brake, face: ShoeCondensedToLiningFace, solved: _SolvedShoeUnderKnownActuationForce
+) -> float:
     """The force [N] with which the foot of a solved shoe presses on the strut behind the foot."""
     drum = forces_of_drum_on_lining_nodes(brake, solved.shoe, face, solved.forces.force)
     reaction = -drum.sum(axis=0) - solved.shoe.sum_of_forces_of_all_loads

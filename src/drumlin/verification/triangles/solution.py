@@ -7,13 +7,16 @@ import numpy as np
 
 from drumlin.base.arrays import Bools, Floats
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.brake.one_sided import SupportForce
+from drumlin.brake.one_sided import OneSidedSupportForce
 from drumlin.verification.triangles import lagrange
-from drumlin.verification.triangles.contact import ContactForces, friction_forces_per_contact_force
+from drumlin.verification.triangles.contact import (
+    ContactForcesAndRigidMotions,
+    friction_forces_per_contact_force,
+)
 from drumlin.verification.triangles.face import (
     FACE_GAUSS,
     FACE_WEIGHTS,
-    CondensedFace,
+    ShoeCondensedToLiningFace,
     edge_shape_function_values_and_derivatives,
 )
 
@@ -52,7 +55,7 @@ class ShoeSolution:
     hinge_reaction: Floats
     arcs: Floats
     unknowns: int
-    supports: tuple[SupportForce, ...] = ()
+    supports: tuple[OneSidedSupportForce, ...] = ()
 
     @cached_property
     def _barycentric_interpolation_weights(self) -> Floats:
@@ -83,7 +86,7 @@ class ShoeSolution:
 
 
 def shoe_solution_from_contact_forces(
-    brake: Brake, shoe: Shoe, one: CondensedFace, found: ContactForces
+    brake: Brake, shoe: Shoe, one: ShoeCondensedToLiningFace, found: ContactForcesAndRigidMotions
 ) -> ShoeSolution:
     """The solution of a shoe, computed from its nodal contact forces.
 
@@ -109,7 +112,7 @@ def shoe_solution_from_contact_forces(
 
 
 def nodal_pressures_equivalent_to_contact_forces(
-    one: CondensedFace, found: ContactForces
+    one: ShoeCondensedToLiningFace, found: ContactForcesAndRigidMotions
 ) -> Floats:
     """The nodal pressures (n,) [Pa] of a face that do the same work as its contact forces.
 
@@ -122,7 +125,7 @@ def nodal_pressures_equivalent_to_contact_forces(
 
 
 def _insert_open_nodes_in_slots(
-    shoe: Shoe, one: CondensedFace, p: Floats, active: Bools
+    shoe: Shoe, one: ShoeCondensedToLiningFace, p: Floats, active: Bools
 ) -> tuple[Floats, Floats, Bools]:
     """Angles, pressures and contact (n,) of a face's nodes, with nodes added in the slots.
 
