@@ -190,7 +190,7 @@ def test_nodes_of_split_elements_follow_the_arcs_of_the_outline(shoe, brake):
     parts = split_mesh_into_triangles_towards_points(shape, finest, 10_000)
     split = nodal_basis_on_split_triangles(shape, parts, 2)
     moved = split.basis_with_moved_nodes(node_displacements_onto_smooth_outline(split))
-    back = brake.size - shoe.sign_of_internal_shoe * shoe.total_thickness
+    back = brake.size - shoe.sign_internal_plus_external_minus * shoe.total_thickness
     nodes = nodes_along_element_edges(split, split.mesh.boundary_facets())
     # Sides on the back of the body lie near its circle, and no side along a radius is among them.
     distance = np.hypot(*split.doflocs[:, nodes])
