@@ -205,12 +205,9 @@ def _disc_in_hole_results_over_persson(half_angle: float) -> DiscInHoleResultsOv
     )
     pair = InnerAndOuterBodyInContact.couple_two_bodies_at_contact_nodes(disc, plate, motions="x")
     b = math.tan(eps / 2)
-    gap = (
-        closed_forms.dimensionless_persson_clearance_of_disc_in_hole(b)
-        * load
-        / STEEL_OF_KNOWN_ANSWER_CASES.E
-        * (1 - np.cos(pair.contact_node_angles))
-    )
+    clearance = closed_forms.dimensionless_persson_clearance_of_disc_in_hole(b)
+    clearance *= load / STEEL_OF_KNOWN_ANSWER_CASES.E
+    gap = clearance * (1 - np.cos(pair.contact_node_angles))
     p = solve_nodal_contact_pressures(pair.frictionless_contact_problem(gap, [load]))
     middle = int(np.argmin(np.abs(pair.contact_node_angles)))
     touching = pair.contact_node_angles[p > 0]
@@ -252,16 +249,9 @@ def _wavy_ring_pressure_over_westergaard(share: float) -> float:
     )
     pair = InnerAndOuterBodyInContact.couple_two_bodies_at_contact_nodes(inner, outer)
     height = 1e-6
-    full = (
-        math.pi
-        * STEEL_OF_KNOWN_ANSWER_CASES.E
-        / 2
-        * height
-        * NUMBER_OF_WAVES_AROUND_WAVY_RING
-        / (2 * math.pi)
-    )
-    # Radial displacement of the two rings towards each other under a uniform pressure of 1 Pa.
     E, nu = STEEL_OF_KNOWN_ANSWER_CASES.E, STEEL_OF_KNOWN_ANSWER_CASES.nu
+    full = math.pi * E / 2 * height * NUMBER_OF_WAVES_AROUND_WAVY_RING / (2 * math.pi)
+    # Radial displacement of the two rings towards each other under a uniform pressure of 1 Pa.
     soft = sum(
         abs(closed_forms.ring_displacement_per_harmonic_pressure(0, 1.0, held, E, nu))
         for held in (0.5, 1.5)

@@ -347,15 +347,10 @@ def _tension_ratio_of_belt_on_drum(mu: float, wrap: float) -> float:
     weights = np.where(np.abs(x[pulled] - 1 - t / 2) < 1e-9, 4.0, 1.0) / 6
     # The other end is pulled by 1 N, uniformly over the thickness.
     f[pulled, 1] = -weights
-    u = belt.displacements_under_forces(
-        np.column_stack(
-            [
-                f.ravel(),
-                belt.nodal_forces_of_unit_tractions(N)
-                + mu * belt.nodal_forces_of_unit_tractions(T),
-            ]
-        )
+    by_pressure = belt.nodal_forces_of_unit_tractions(N) + mu * belt.nodal_forces_of_unit_tractions(
+        T
     )
+    u = belt.displacements_under_forces(np.column_stack([f.ravel(), by_pressure]))
     on, n = belt.indices_of_contact_node_displacements, len(N)
     without_motions = np.zeros((n, 0)), np.zeros((0, n)), np.zeros(0)
     problem = equations.ContactProblem(N @ u[on, 1:], -N @ u[on, 0], *without_motions)

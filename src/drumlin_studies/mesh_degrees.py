@@ -127,12 +127,8 @@ def draw_random_brake_with_one_shoe(rng: np.random.Generator) -> Brake:
     middle = R - sign * (thickness + depth / 2)
     closing = (start + end) / 2 + (0 if sign > 0 else math.pi)
     loaded = end + behind
-    body: dict[str, Any] = {
-        "start": start - before,
-        "end": loaded,
-        "thickness": depth,
-        "width": WIDTH_OF_EVERY_RANDOM_SHOE,
-    }
+    body: dict[str, Any] = {"start": start - before, "end": loaded, "thickness": depth}
+    body["width"] = WIDTH_OF_EVERY_RANDOM_SHOE
     body["material"] = {"E": float(rng.choice([20e9, 100e9, 210e9])), "nu": 0.3}
     lining: dict[str, Any] = {
         "start": start,

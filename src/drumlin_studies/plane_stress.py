@@ -439,26 +439,13 @@ def _list_brake_models_with_their_solve_functions(
 ) -> list[ModelWithFunctionThatSolvesBrake]:
     """The models that are measured, from the laws to the finest solid shoes."""
     models = []
+    by_law = hinged.solve_brake_with_hinged_shoes_by_law
     for name in ("sine", "cosine", "uniform"):
-        models.append(
-            ModelWithFunctionThatSolvesBrake(
-                name,
-                "",
-                partial(
-                    hinged.solve_brake_with_hinged_shoes_by_law,
-                    LAWS_OF_HINGED_SHOES_BY_NAME[name],
-                    brake,
-                ),
-            )
-        )
+        solve_by_law = partial(by_law, LAWS_OF_HINGED_SHOES_BY_NAME[name], brake)
+        models.append(ModelWithFunctionThatSolvesBrake(name, "", solve_by_law))
     if foundation.reason_against_foundation_model(brake) is None:
-        models.append(
-            ModelWithFunctionThatSolvesBrake(
-                "foundation",
-                "",
-                partial(foundation.solve_brake_by_foundation_model, brake, lift=()),
-            )
-        )
+        plain = partial(foundation.solve_brake_by_foundation_model, brake, lift=())
+        models.append(ModelWithFunctionThatSolvesBrake("foundation", "", plain))
         lifted = partial(foundation.solve_brake_by_foundation_model, brake, lift=("all",))
         models.append(ModelWithFunctionThatSolvesBrake("lifted", "all", lifted))
     for n in meshes:

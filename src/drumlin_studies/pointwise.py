@@ -376,12 +376,10 @@ def _find_touching_points_by_newton(
     seen: set[bytes] = set()
     for step in range(1, MOST_NEWTON_STEPS_OF_POINTWISE_PENALTY + 1):
         factor = sp.diags(on * points.weight * stiffness)
-        nodal_forces_of_unit_contact = points.nodal_forces_of_unit_contact.T[free] @ factor
+        pushing = points.nodal_forces_of_unit_contact.T[free] @ factor
         try:
             factors = splu(
-                (
-                    K - nodal_forces_of_unit_contact @ points.gap_closure_by_displacements[:, free]
-                ).tocsc(),
+                (K - pushing @ points.gap_closure_by_displacements[:, free]).tocsc(),
                 permc_spec="MMD_AT_PLUS_A",
                 diag_pivot_thresh=0.01,
                 options={"SymmetricMode": True},
@@ -390,7 +388,7 @@ def _find_touching_points_by_newton(
             raise NoAnswer(
                 f"shoe {name!r}: the pointwise contact has a singular tangent in step {step}"
             ) from error
-        u[free] = factors.solve(load[free] - nodal_forces_of_unit_contact @ points.gap)
+        u[free] = factors.solve(load[free] - pushing @ points.gap)
         # Those points touch in the next step whose gap would be closed by this step's
         # displacements.
         touching = points.gap_closure_by_displacements @ u > points.gap

@@ -474,7 +474,7 @@ def _rows_with_stated_and_then_true_errors(
     brake: Brake, row: SolidErrorRow
 ) -> Iterator[SolidErrorRow]:
     """Yield the row of a brake with its stated errors, and then with its true errors as well."""
-    started = time.process_time()
+    names, started = NAMES_OF_STATED_ERRORS_COMPARED_WITH_TRUE, time.process_time()
     solve(brake, model_error=False)
     plane_done = time.process_time()
     tolerance = TolerancesOfPressureAndTorque(row.tolerance, row.tolerance)
@@ -482,9 +482,7 @@ def _rows_with_stated_and_then_true_errors(
     done = time.process_time()
     row = replace(
         row,
-        stated={
-            name: (found.error or {})[name] for name in NAMES_OF_STATED_ERRORS_COMPARED_WITH_TRUE
-        },
+        stated={name: (found.error or {})[name] for name in names},
         cost=(done - plane_done) / (plane_done - started),
         how=found.notes[-1],
     )
@@ -497,7 +495,7 @@ def _rows_with_stated_and_then_true_errors(
         apart = relative_distance_of_plane_stress_from_width_solution(
             brake, response, reference.truth
         ).brake
-        return {name: apart[name] for name in NAMES_OF_STATED_ERRORS_COMPARED_WITH_TRUE}
+        return {name: apart[name] for name in names}
 
     by_degree, by_step = map(
         relative_distances_from_truth, (reference.lower, reference.truth_with_lower_degree_step)
@@ -505,10 +503,7 @@ def _rows_with_stated_and_then_true_errors(
     yield replace(
         row,
         true=relative_distances_from_truth(found),
-        unsure={
-            name: by_degree[name] + by_step[name]
-            for name in NAMES_OF_STATED_ERRORS_COMPARED_WITH_TRUE
-        },
+        unsure={name: by_degree[name] + by_step[name] for name in names},
         plane_true=relative_distances_from_truth(plane),
         plane_stated=dict(plane.plane_stress_error.brake) if plane.plane_stress_error else {},
     )

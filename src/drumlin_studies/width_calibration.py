@@ -14,6 +14,7 @@ table of the rows.
 import csv
 import math
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 from typing import NamedTuple
 
@@ -217,20 +218,15 @@ def error_rows_of_degrees_across_width(
         degree: solve_with_degree_across_width(degree)
         for degree in range(DEGREES_ACROSS_WIDTH_IN_FIT[0], last + 1)
     }
-    unsure = relative_distance_of_plane_stress_from_width_solution(
-        brake, answers[last], truth
-    ).brake
+    distance_of = partial(relative_distance_of_plane_stress_from_width_solution, brake)
+    unsure = distance_of(answers[last], truth).brake
     rows = []
     for degree in DEGREES_ACROSS_WIDTH_IN_FIT:
         ahead = [
-            relative_distance_of_plane_stress_from_width_solution(
-                brake, answers[degree], answers[further]
-            ).brake
+            distance_of(answers[degree], answers[further]).brake
             for further in range(degree + 1, degree + NUMBER_OF_COMPARED_HIGHER_WIDTH_DEGREES + 1)
         ]
-        true = relative_distance_of_plane_stress_from_width_solution(
-            brake, answers[degree], truth
-        ).brake
+        true = distance_of(answers[degree], truth).brake
         factor = error_divided_by_distance_to_next_degrees(degree)
         for name in LEAST_TRUE_ERROR_IN_FIT_BY_QUANTITY:
             estimate = factor * max(distance[name] for distance in ahead)

@@ -173,10 +173,8 @@ def export(
         raise BadInput("--kind belongs to --model fem; solid shoes are of hexahedra")
     if to != "calculix":
         raise BadInput(f"--to = {to!r}: unknown program; allowed: calculix")
-    brake, options = (
-        read_brake_that_must_be_on_drum(brake_file, "export"),
-        command_options_given_by_user(elements=elements, kind=kind),
-    )
+    brake = read_brake_that_must_be_on_drum(brake_file, "export")
+    options = command_options_given_by_user(elements=elements, kind=kind)
     require_element_options_have_effect(brake, **options)
     check_path_can_be_folder(output)
     with show_spinner_beside_words("writing"):

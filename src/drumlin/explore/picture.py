@@ -349,10 +349,7 @@ def error_of_finite_elements_as_html(
     if answer.fem_response.model == "solid":
         command += f" --model solid --tolerance {TOLERANCE_OF_ACCURATE_SOLID_SOLUTION:g}"
     if stated.errors_stated_by_accurate_answer is not None:
-        own = (
-            stated.errors_stated_by_accurate_answer["torque"],
-            stated.errors_stated_by_accurate_answer["pressure"],
-        )
+        own = [stated.errors_stated_by_accurate_answer[key] for key in ("torque", "pressure")]
         torque, pressure = map(_relative_error_as_text, own)
         lines[0] += f"; {command} on the saved file is off by at most some {torque} and {pressure}"
     plane = stated.plane_stress
@@ -371,10 +368,8 @@ def error_of_finite_elements_as_html(
             f"error because the shoes are computed as flat plates: not known, {plane.unknown}"
         )
     if answer.distance:
-        lines[0] += (
-            f"; wear adds some {_relative_error_as_text(PRESSURE_ERROR_OF_ONE_WEAR_INCREMENT)} "
-            "of the pressure"
-        )
+        by_wear = _relative_error_as_text(PRESSURE_ERROR_OF_ONE_WEAR_INCREMENT)
+        lines[0] += f"; wear adds some {by_wear} of the pressure"
     return "".join(f"<p>{escape(line)}</p>" for line in lines)
 
 

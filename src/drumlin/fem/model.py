@@ -435,13 +435,14 @@ def _solve_group_of_coupled_shoes(
     settled = solve_shoe_group_with_lining_friction(group, first)
     solution = _group_solution_under_brake_forces(*settled)
     answers = _results_of_shoes_in_solved_group(solution)
+    imbalance = _largest_imbalance_of_shoes(answers)
+    balances = imbalance < LARGEST_ACCEPTED_FORCE_IMBALANCE_OF_SHOE
     # A group whose actuation forces come from struts or a cam is never refined.
     if settled.group.strut_and_cam_contact_problem_or_none is not None:
-        if not _largest_imbalance_of_shoes(answers) < LARGEST_ACCEPTED_FORCE_IMBALANCE_OF_SHOE:
-            balance = f"it balances only to {_largest_imbalance_of_shoes(answers):.1e}"
+        if not balances:
             raise AnswerLostToRoundOff(
-                f"{settled.group.names_of_shoes_as_text}: lost digits, {balance}; "
-                f"{ROUND_OFF_TOO_LARGE_REASON}"
+                f"{settled.group.names_of_shoes_as_text}: lost digits, it balances only to "
+                f"{imbalance:.1e}; {ROUND_OFF_TOO_LARGE_REASON}"
             )
         return answers
     # A group without struts and cam is refined if its round-off error or its imbalance is too
@@ -456,10 +457,7 @@ def _solve_group_of_coupled_shoes(
         LARGEST_PRESSURE_ROUND_OFF_LEFT_UNREFINED if strict else LARGEST_ACCEPTED_PRESSURE_ROUND_OFF
     )
     lost = _largest_relative_round_off_that_matters(settled.group, answers)
-    if (
-        lost < most
-        and _largest_imbalance_of_shoes(answers) < LARGEST_ACCEPTED_FORCE_IMBALANCE_OF_SHOE
-    ):
+    if lost < most and balances:
         return answers
     if not refinable:
         raise _error_that_round_off_of_group_is_too_large(settled.group, answers, most)

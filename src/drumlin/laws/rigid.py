@@ -479,7 +479,7 @@ def _cam_force_on_first_shoe_with_further_loads(
     # The import of scipy takes time, and few brakes come here.
     from scipy.optimize import brentq  # noqa: PLC0415
 
-    def loaded_end_motion_over_lining_compliance(i: int, force: float) -> float:
+    def loaded_end_motion_in_pascal(i: int, force: float) -> float:
         """Displacement of a shoe's loaded end, divided by its lining's compression per pressure.
 
         The quotient is in Pa. `i` is the index of the shoe, and `force` [N] the force on it. The
@@ -496,9 +496,9 @@ def _cam_force_on_first_shoe_with_further_loads(
 
         `force` [N] is the force on the first shoe; the rest of `total` acts on the second.
         """
-        return loaded_end_motion_over_lining_compliance(
-            one, force
-        ) - loaded_end_motion_over_lining_compliance(other, total - force)
+        return loaded_end_motion_in_pascal(one, force) - loaded_end_motion_in_pascal(
+            other, total - force
+        )
 
     low, high = (
         difference_of_both_loaded_end_motions(0.0),
@@ -512,7 +512,7 @@ def _cam_force_on_first_shoe_with_further_loads(
         brentq(difference_of_both_loaded_end_motions, 0.0, total, xtol=1e-13 * total, rtol=1e-15)
     )
     for i, part in ((one, force), (other, total - force)):
-        if loaded_end_motion_over_lining_compliance(i, part) <= 0:
+        if loaded_end_motion_in_pascal(i, part) <= 0:
             raise NoAnswer(f"shoe {shoes[i].name!r}: the cam does not press it")
     return force
 

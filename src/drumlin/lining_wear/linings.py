@@ -202,20 +202,18 @@ def wear_setup_by_finite_elements(
         for i, body, shoe in zip(
             group.members, group.substructures_of_shoes, group.shoes, strict=True
         ):
-            phi, _ = body.line.angles_and_pressures_averaged_over_width(
-                np.zeros(len(body.line.nodes))
-            )
-            for own in body.line.split_nodal_values_by_lining(
-                shoe.frame.surface_coordinates_of_phi(phi)
-            ):
+            line = body.line
+            phi, _ = line.angles_and_pressures_averaged_over_width(np.zeros(len(line.nodes)))
+            theta = shoe.frame.surface_coordinates_of_phi(phi)
+            for own in line.split_nodal_values_by_lining(theta):
                 placed.append(
                     _LiningBeforeNumberingItsUnknowns(
                         i,
                         _position_of_lining_at_angles(shoe, own),
                         own,
-                        body.line.interpolation_degree_along_contact_line,
-                        body.line.node_distances_from_mid_plane,
-                        body.line.width_fraction_of_each_node_across_width,
+                        line.interpolation_degree_along_contact_line,
+                        line.node_distances_from_mid_plane,
+                        line.width_fraction_of_each_node_across_width,
                     )
                 )
         surfaces += _place_linings_among_contact_unknowns(brake, surfaces, len(interfaces), placed)

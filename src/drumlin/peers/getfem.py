@@ -142,13 +142,10 @@ def solve_brake_in_getfem_process(
     response = brake_response_from_shoe_responses(
         "getfem", each, costs.steps, {"getfem": costs.seconds_of_first_solve}
     )
-    if (
-        not max(response.balance.force, response.balance.moment)
-        < LARGEST_ACCEPTED_FORCE_IMBALANCE_OF_SHOE
-    ):
+    balance = response.balance
+    if not max(balance.force, balance.moment) < LARGEST_ACCEPTED_FORCE_IMBALANCE_OF_SHOE:
         raise NoAnswer(
-            f"GetFEM: forces balance only to {response.balance.force:.1e}, "
-            f"moments to {response.balance.moment:.1e}"
+            f"GetFEM: forces balance only to {balance.force:.1e}, moments to {balance.moment:.1e}"
         )
     return PeerResult(
         name="getfem",

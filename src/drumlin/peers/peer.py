@@ -270,10 +270,8 @@ def meshed_shoe_with_actuation_and_support(
         closing = -moment * shoe.sign_internal_plus_external_minus * parts.line.xy[1]
         is_pressed_on_drum = shoe.is_any_load_on_shoe and bool((closing > 0).any())
     else:
-        is_pressed_on_drum = (
-            shoe.is_any_load_on_shoe
-            and rigid.sign_of_pressure_that_balances_actuation(brake, shoe) >= 0
-        )
+        sign = rigid.sign_of_pressure_that_balances_actuation
+        is_pressed_on_drum = shoe.is_any_load_on_shoe and sign(brake, shoe) >= 0
     return MeshedShoeUnderActuation(
         shoe=shoe,
         parts=parts,

@@ -228,6 +228,7 @@ def deck_text_of_half_solid_shoe(
     mid_plane = np.intersect1d(solid.node[solid.node[:, 0] >= 0, 0], used)
     bonded = held if shoe.body is None else held[:0]
     face = nodes_of_boundary_over_width_of_part(solid, "contact", "lining")
+    actuation = _deck_lines_of_half_solid_shoe_actuation(loaded, solid, setting, grid)
     lines = [
         *deck_header_lines(brake, loaded, setting, name),
         "** half of the shoe, z >= 0: what is called thickness above is that half",
@@ -241,13 +242,7 @@ def deck_text_of_half_solid_shoe(
         "*BOUNDARY",
         *(f"{i + 1}, 3, 3" for i in np.union1d(mid_plane, bonded)),
         "NDRUM, 3, 3",
-        *deck_lines_of_load_step(
-            brake,
-            setting,
-            grid,
-            drum_mesh.xy,
-            _deck_lines_of_half_solid_shoe_actuation(loaded, solid, setting, grid),
-        ),
+        *deck_lines_of_load_step(brake, setting, grid, drum_mesh.xy, actuation),
     ]
     return "\n".join(lines) + "\n"
 

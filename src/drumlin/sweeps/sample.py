@@ -190,11 +190,9 @@ def solve_sample_cases_and_then_all_others(
         reason = "a case of the sample failed for a reason that may pass"
     if reason:
         say(f"no case is certified by the sample, each states its own errors: {reason}")
-    certificate = (
-        SampleErrorsForCasesOutsideSample((), {})
-        if reason
-        else sample_errors_for_cases_outside_sample(rows_of_sample)
-    )
+    certificate = SampleErrorsForCasesOutsideSample((), {})
+    if not reason:
+        certificate = sample_errors_for_cases_outside_sample(rows_of_sample)
     rest = sorted(set(range(len(cases))) - set(sample))
     others = []
     for i in rest:

@@ -124,18 +124,15 @@ def read_pressure_curves(path: Path, brake: Brake) -> dict[str, PressureCurveOfS
         # An empty line is skipped, but it counts in the line numbers of the messages.
         if not "".join(line).strip():
             continue
+        place = f"{path}: line {number}: "
         if len(line) != len(lines[0]):
             raise BadInput(
-                f"{path}: line {number}: {len(line)} cells; "
-                f"must have {len(lines[0])} as the heading"
+                f"{place}{len(line)} cells; must have {len(lines[0])} as the heading"
                 f"{_hint_about_comma_between_cells(line, len(lines[0]))}"
             )
         name = line[columns["shoe"].position].strip() if "shoe" in columns else names[0]
         if name not in points:
-            raise BadInput(
-                f"{path}: line {number}: shoe = {name!r}: unknown; allowed: {', '.join(names)}"
-            )
-        place = f"{path}: line {number}: "
+            raise BadInput(f"{place}shoe = {name!r}: unknown; allowed: {', '.join(names)}")
         point = [
             _value_of_table_cell_in_si(place, line, key, columns[key], decimal_sign)
             for key in wanted
@@ -356,11 +353,8 @@ def _deviation_of_pressure_curve_from_reference(
     worst = int(np.abs(off).argmax())
     require_friction_independent_of_pressure(brake, "check")
     # The torque is mu b R^2 times the integral of p over theta; `lever` is the factor mu b R^2.
-    lever = (
-        brake.friction_coefficient_of_shoe_at_zero_pressure(spec)
-        * spec.lining.width
-        * brake.length_per_surface_coordinate**2
-    )
+    mu = brake.friction_coefficient_of_shoe_at_zero_pressure(spec)
+    lever = mu * spec.lining.width * brake.length_per_surface_coordinate**2
     pieces = _slices_of_angles_on_each_lining(spec, theta)
     force_off = math.fsum(float(np.trapezoid(off[own], theta[own])) for own in pieces)
     torque_off, torque = abs(lever * force_off), known.torque.value

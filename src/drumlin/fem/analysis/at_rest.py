@@ -118,18 +118,14 @@ def _matrices_of_tractions_on_lining(group: ShoeGroup, k: int) -> _TractionMatri
     )
     pressed, dragged, loaded = np.split(Y, [n, 2 * n], axis=1)
     load, _ = actuation_factors_and_pin_moment_per_newton(body, shoe)
-    acting = (
-        unit_load_factors_under_all_loads(body, shoe, shoe.actuation.force)
-        / group.largest_actuation_force
-    )
+    acting = unit_load_factors_under_all_loads(body, shoe, shoe.actuation.force)
+    acting = acting / group.largest_actuation_force
     tip = dragged.T @ (loaded @ load)
     bearing = np.zeros(n)
     if shoe.abutment is not None:
         nodal = T.reshape(n, -1, 2).sum(axis=1)
-        bearing = (
-            -shoe.frame.convert_vectors_from_shoe_to_brake_frame(nodal)
-            @ shoe.unit_vector_of_smooth_abutment_force
-        )
+        nodal = shoe.frame.convert_vectors_from_shoe_to_brake_frame(nodal)
+        bearing = -nodal @ shoe.unit_vector_of_smooth_abutment_force
     effects = group.contact_effects_of_each_actuation_force(0.0)[k]
     return _TractionMatrices(
         # Displacements u of the contact nodes close the weighted gaps by N u. The nodal forces of

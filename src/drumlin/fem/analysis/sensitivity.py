@@ -711,14 +711,9 @@ class _TorqueSlopesOfShoe:
         # by the contact stiffness.
         squeezed = own.pressures / group.contact_stiffness_per_area_of_shoes[k]
         turns = modes.pin_motion[2]
-        u = (
-            self.displacements_due_to_loads_and_adjoint_loads.u[contact]
-            + modes.contact_modes @ own.coordinates
-        )
-        v = (
-            self.displacements_due_to_loads_and_adjoint_loads.v[contact]
-            - modes.test_modes @ own.equilibrium_multipliers
-        )
+        elastic = self.displacements_due_to_loads_and_adjoint_loads
+        u = elastic.u[contact] + modes.contact_modes @ own.coordinates
+        v = elastic.v[contact] - modes.test_modes @ own.equilibrium_multipliers
         coupling = contact_coupling_matrices_of_shoe(line, shoe)
         nodal = self.drag * (coupling.T.T @ self.dragging) - coupling.N.T @ own.pressures
         # A rotation of the shoe also rotates the vector by which a node was moved, which displaces

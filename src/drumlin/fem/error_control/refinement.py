@@ -324,11 +324,8 @@ def _assemble_shoe_block_of_full_system(
     With `relative_to_rigid_motion` the unknown displacements are due to deformation alone, without
     the rigid-body motion of the shoe.
     """
-    body, shoe, modes = (
-        group.substructures_of_shoes[k],
-        group.shoes[k],
-        group.rigid_body_modes_of_shoes[k],
-    )
+    body, shoe = group.substructures_of_shoes[k], group.shoes[k]
+    modes = group.rigid_body_modes_of_shoes[k]
     constraints = body.condensed.multi_point_constraints.matrix.astype(LONG_DOUBLE_TYPE)
     # The prepared model has the stiffness in double precision only, so that it is assembled again
     # in long double.
@@ -349,9 +346,8 @@ def _assemble_shoe_block_of_full_system(
     closures = _sparse_matrix_with_values_from_row(N.T, shape, row=first)
     modes_to_nodes = None
     if relative_to_rigid_motion:
-        closures = closures + _sparse_matrix_with_values_from_row(
-            (N @ contact_modes).T, shape, row=inside
-        )
+        by_modes = (N @ contact_modes).T
+        closures = closures + _sparse_matrix_with_values_from_row(by_modes, shape, row=inside)
     else:
         # The generalised coordinates move the supports of the body, and the supports deform the
         # body.

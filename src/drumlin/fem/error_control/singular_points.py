@@ -297,11 +297,8 @@ def _singular_points_at_kinks_of_friction(
     )
     # The elements at such a point get the sizes of elements at a step between blocks. The thickness
     # of the lining takes the place of the step's length.
-    length = (
-        shoe.lining.thickness
-        / length_per_surface_coordinate
-        / shoe.frame.surface_coordinate_per_phi
-    )
+    length = shoe.lining.thickness / length_per_surface_coordinate
+    length /= shoe.frame.surface_coordinate_per_phi
     (start, end), points = shoe.arc, []
     for phi in shoe.frame.phi_coordinates_as_list(kinks):
         if start < phi < end:

@@ -368,8 +368,7 @@ def _condense_ring_to_contact_nodes(
     """
     section = ring.section
     assert section is not None
-    extra = rim.shape[1]
-    free = extra > 0
+    extra, free = rim.shape[1], rim.shape[1] > 0
     layers = len(div.depths) - 1
     line = numbering_of_element_column_unknowns(
         div.degree, layers, contact=True, held=not free

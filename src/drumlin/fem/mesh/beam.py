@@ -200,14 +200,11 @@ def mesh_of_straight_beam_shoe(
     layer = np.floor(grid.p[0, grid.t].mean(axis=0)).astype(int)
     depth, s = grid.p[:, grid.facets].mean(axis=1)
     outer = np.isin(np.arange(grid.nfacets), grid.boundary_facets())
+    on_beam, slack = outer & (depth > 2), EDGE_ON_BEAM_SHOE_FACE_TOLERANCE
     on = {
-        "contact": outer & (depth < EDGE_ON_BEAM_SHOE_FACE_TOLERANCE),
-        "hinge": outer
-        & (depth > 2)
-        & (s < form.position_of_beam_start + EDGE_ON_BEAM_SHOE_FACE_TOLERANCE),
-        "actuation": outer
-        & (depth > 2)
-        & (s > form.position_of_beam_end - EDGE_ON_BEAM_SHOE_FACE_TOLERANCE),
+        "contact": outer & (depth < slack),
+        "hinge": on_beam & (s < form.position_of_beam_start + slack),
+        "actuation": on_beam & (s > form.position_of_beam_end - slack),
     }
     mesh = shape.from_mesh(grid)
     depth, s = mesh.doflocs

@@ -172,12 +172,8 @@ def _mesh_with_only_needed_groups(mesh: Any, shoe: Shoe, fault: str, names: Sequ
     )
     missing = sorted((needed - set(subdomains)) | (lines - set(boundaries)))
     if missing:
-        found = (
-            ", ".join(
-                dict.fromkeys([*subdomains, *boundaries, *names][:MOST_GROUP_NAMES_IN_MESSAGE])
-            )
-            or "none"
-        )
+        shown = dict.fromkeys([*subdomains, *boundaries, *names][:MOST_GROUP_NAMES_IN_MESSAGE])
+        found = ", ".join(shown) or "none"
         raise BadInput(
             f"{fault}: named groups missing or empty: {', '.join(missing)}; found: {found} "
             f"(names or numbers of its own: groups = {{ {missing[0]} = ... }})"

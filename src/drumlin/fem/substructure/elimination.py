@@ -87,12 +87,8 @@ def elimination_order_by_nested_dissection(xy: Floats, elements: Ints) -> Elimin
     # second half of them gets the bit 1.
     for level in range(depth):
         size = np.bincount(path, minlength=1 << level)
-        position = np.round(
-            _positions_along_principal_axis(
-                path, centre - _mean_of_values_in_each_group(path, centre)
-            )
-            / resolution
-        )
+        from_mean = centre - _mean_of_values_in_each_group(path, centre)
+        position = np.round(_positions_along_principal_axis(path, from_mean) / resolution)
         order = np.lexsort((position, path))
         rank = np.empty(count, dtype=np.int64)
         rank[order] = np.arange(count) - (np.cumsum(size) - size)[path[order]]
@@ -390,8 +386,7 @@ def _factorise_front_of_each_region(
             raise NoAnswer(SINGULAR_BODY_MESSAGE)
         rows_of_later_unknowns = dtrsm(1.0, L, F[own:, :own], side=1, lower=1, trans_a=1)
         if len(later):
-            # The complement is added to the front of the earliest region that its unknowns belong
-            # to.
+            # The complement is added to the front of the earliest region of its unknowns.
             next_region = regions if later[0] >= inner else int(region[later[0]])
             complement = np.subtract(
                 F[own:, own:], rows_of_later_unknowns @ rows_of_later_unknowns.T, order="F"

@@ -630,14 +630,9 @@ def condense_mirror_symmetric_columns(
     ]
     line = plans[0].line
     own = [half[:, :line] for half in halves]
-    mirror = np.array(
-        [
-            _sign_of_displacement_on_mirrored_side(unknown)
-            for unknown in stack.unknowns_on_left_or_right_side_of_column(
-                indices_of_unknowns_along_symmetric_half_row(stack.p, 0).left
-            )
-        ]
-    )
+    left_indices = indices_of_unknowns_along_symmetric_half_row(stack.p, 0).left
+    on_left = stack.unknowns_on_left_or_right_side_of_column(left_indices)
+    mirror = np.array([_sign_of_displacement_on_mirrored_side(unknown) for unknown in on_left])
     n = 2 * (stack.p + 1) * stack.counts[0][0] if stack.contact else 0
     left, right = slice(line), slice(line + n, None)
     # A displacement of the left side alone is the sum of a symmetric and an antisymmetric

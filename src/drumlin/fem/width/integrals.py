@@ -318,16 +318,13 @@ def cross_section_integrals_of_any_shape(
     # the first, (along, x or y) of the second, row of the first, row of the second node.
     to_plane, to_mixed, to_z = (0, 3, 1, 6, 4, 2, 5), (0, 3, 1, 5, 2, 4), (0, 2, 4, 1, 3)
     by_nodes = 2 * n, n, n, n
-    integrals_of_value_times_z_slope = mixed.transpose(0, 1, 4, 5, 2, 3)
+    swapped = mixed.transpose(0, 1, 4, 5, 2, 3)
+    traces, values = (lam * mixed).transpose(to_mixed), (mu * swapped).transpose(to_mixed)
     return ElementIntegralsOverShoeSection(
         plane=plane.transpose(to_plane).reshape(count, 2 * n, 2 * n, n, n),
         shear=shear.transpose(to_plane).reshape(count, 2 * n, 2 * n, n, n),
-        integrals_of_trace_times_z_value=(lam * mixed)
-        .transpose(to_mixed)
-        .reshape(count, *by_nodes),
-        integrals_of_value_times_z_slope=(mu * integrals_of_value_times_z_slope)
-        .transpose(to_mixed)
-        .reshape(count, *by_nodes),
+        integrals_of_trace_times_z_value=traces.reshape(count, *by_nodes),
+        integrals_of_value_times_z_slope=values.reshape(count, *by_nodes),
         across=((lam + 2 * mu) * mass).transpose(to_z),
         integrals_of_z_slope_products=(mu * stretch).transpose(to_z),
     )

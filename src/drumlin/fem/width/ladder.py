@@ -494,10 +494,8 @@ def _cross_section_meshes_with_errors(
     it is the finest one that is allowed. The parameters are those of
     `solve_brake_with_widths_and_keep_model`.
     """
-    share = TolerancesOfPressureAndTorque(
-        SECTION_ERROR_SHARE_OF_TOLERANCE * tolerance.pressure,
-        SECTION_ERROR_SHARE_OF_TOLERANCE * tolerance.torque,
-    )
+    part = SECTION_ERROR_SHARE_OF_TOLERANCE
+    share = TolerancesOfPressureAndTorque(part * tolerance.pressure, part * tolerance.torque)
     answer = partial(solve_prepared_model, penalty=penalty)
     if not has_shoe_with_parts_of_different_widths(brake):
         climb = refine_cross_section_mesh_until_tolerance_is_met(brake, share, answer, cache)
@@ -512,10 +510,8 @@ def _cross_section_meshes_with_errors(
         brake, answer, cache, REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[:1]
     )
     plane = next(iter(first)).response
-    factors = PressureAndForceErrorFactors(
-        SAFETY_FACTORS_OF_SOLID_ERRORS.section_pressure,
-        SAFETY_FACTORS_OF_SOLID_ERRORS.section_force,
-    )
+    fitted = SAFETY_FACTORS_OF_SOLID_ERRORS
+    factors = PressureAndForceErrorFactors(fitted.section_pressure, fitted.section_force)
     asked = TolerancesOfPressureAndTorque(
         share.pressure / factors.pressure, share.torque / factors.force
     )

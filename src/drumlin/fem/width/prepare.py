@@ -227,14 +227,8 @@ def prepare_model_with_widths_on_given_elements(
         functions = make(shoe)
         _require_few_nodes_of_contact_face(shoe, division, functions)
         friction = brake.friction > 0
-        key = (
-            "width",
-            shoe_without_loads_and_clearances(shoe),
-            brake.size,
-            friction,
-            division.dictionary_key_of_division,
-            functions,
-        )
+        shape = shoe_without_loads_and_clearances(shoe), brake.size, friction
+        key = ("width", *shape, division.dictionary_key_of_division, functions)
         body = partial(
             condense_and_couple_shoe_with_width,
             shoe,

@@ -411,19 +411,12 @@ def condense_shoe_with_width(
     # part is condensed to the nodes at which it joins the columns under the lining.
     ends: list[Floats | None] = [None, None]
     if any(row.grip):
-        before, after = row.before, row.after
-        ends = [
-            eliminate_nodes_on_column_side(
-                assemble_and_condense_row_of_element_columns(before, 0)
-            ).K
-            if before
-            else None,
-            eliminate_nodes_on_column_side(
-                assemble_and_condense_row_of_element_columns(after, 0), right=True
-            ).K
-            if after
-            else None,
-        ]
+        if row.before:
+            joined = assemble_and_condense_row_of_element_columns(row.before, 0)
+            ends[0] = eliminate_nodes_on_column_side(joined).K
+        if row.after:
+            joined = assemble_and_condense_row_of_element_columns(row.after, 0)
+            ends[1] = eliminate_nodes_on_column_side(joined, right=True).K
     columns = row.under.copy()
     first, last = (0 if end is None else len(end) for end in ends)
     columns[0] = eliminate_nodes_on_column_side(columns[0], ends[0], first)

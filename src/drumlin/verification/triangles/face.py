@@ -182,9 +182,8 @@ def condense_shoe_to_lining_face(
     if shape.held is None:
         loads = np.zeros((2 * len(nodes.xy), 1))
     else:
-        loads = _nodal_forces_on_loaded_end(
-            body, shoe.actuation.force_vector, shoe.actuation.point.xy
-        )[:, None]
+        force = shoe.actuation
+        loads = _nodal_forces_on_loaded_end(body, force.force_vector, force.point.xy)[:, None]
     if shoe.has_loads_besides_actuation and shape.plates:
         loads[:, 0] += nodal_forces_of_loads_besides_actuation(body, shoe)
     heat = lagrange.nodal_forces_of_heated_triangles(body.mesh, nodes, shape.layers, body.degree)

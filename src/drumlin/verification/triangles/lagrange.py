@@ -172,17 +172,15 @@ def triangle_stiffness_matrices(
         det = J[..., 0, 0] * J[..., 1, 1] - J[..., 0, 1] * J[..., 1, 0]
         if (det * np.sign(det[:, :1]) <= 0).any():
             raise AssertionError("a triangle is turned over")
-        inverse = np.stack([J[..., 1, 1], -J[..., 0, 1], -J[..., 1, 0], J[..., 0, 0]], -1).reshape(
-            J.shape
-        )
+        cofactors = [J[..., 1, 1], -J[..., 0, 1], -J[..., 1, 0], J[..., 0, 0]]
+        inverse = np.stack(cofactors, -1).reshape(J.shape)
         # G[m, n, c, q] is the derivative of shape function n by coordinate c, in triangle m at
         # quadrature point q.
         G = np.einsum("ndq,mqdc->mncq", slopes, inverse / det[..., None, None])
         lam, mu = matrices[mesh.layer[part]][:, [0, 2], [1, 2]].T
         H = np.einsum("mncq,mq,mkdq->mnckd", G, np.abs(det) * weights, G, optimize=True)
-        K = lam[:, None, None, None, None] * H + mu[:, None, None, None, None] * H.transpose(
-            0, 1, 4, 3, 2
-        )
+        lam, turned = lam[:, None, None, None, None], H.transpose(0, 1, 4, 3, 2)
+        K = lam * H + mu[:, None, None, None, None] * turned
         same = mu[:, None, None] * (H[:, :, 0, :, 0] + H[:, :, 1, :, 1])
         K[:, :, 0, :, 0] += same
         K[:, :, 1, :, 1] += same

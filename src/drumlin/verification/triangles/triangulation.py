@@ -123,12 +123,8 @@ def triangulate_grid_of_layered_body(
 
     # Neighbouring cells are cut along opposite diagonals, so that the mesh prefers no direction.
     flip = (i + j) % 2 == 1
-    quads = [
-        node_numbers_and_coordinates_of_cell_corners(0, 0),
-        node_numbers_and_coordinates_of_cell_corners(1, 0),
-        node_numbers_and_coordinates_of_cell_corners(1, 1),
-        node_numbers_and_coordinates_of_cell_corners(0, 1),
-    ]
+    corners = (0, 0), (1, 0), (1, 1), (0, 1)
+    quads = [node_numbers_and_coordinates_of_cell_corners(*corner) for corner in corners]
     numbers = np.stack([number for number, _ in quads], axis=1)
     places = np.stack([at for _, at in quads], axis=1)
     numbers[flip], places[flip] = (
