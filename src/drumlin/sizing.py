@@ -39,7 +39,7 @@ from drumlin.models import model_with_name_that_applies_to_brake
 from drumlin.response.response import Response
 
 WORD_FOR_LARGEST_TORQUE = "largest"
-"""The value of --torque that asks for the largest torque of the range."""
+"""The value of --torque that asks for the largest torque in the range of the key."""
 
 DEFAULT_FACTOR_FROM_FILE_VALUE_TO_RANGE_END = 10.0
 """Factor between a quantity in the file and each end of its range, if no range is given.
@@ -67,11 +67,11 @@ BISECTIONS_TO_LIMIT_OF_SOLVABLE_KEY_VALUES = 16
 This value is then known to 1e-5 of the distance between two of the first trials.
 """
 RELATIVE_KEY_STEP_OF_DIFFERENCE_QUOTIENT = 1e-2
-"""Change of the key's value between two solves that give the slope of torque or peak pressure.
+"""Step of the key's value, up and down, for the slope of torque or peak pressure by differences.
 
-It is relative to the value of the key, or to the range of an angle or a coordinate. The slope turns
-an error of the torque into an error of the key; the slope itself has an error of some 1 %. With a
-smaller change the errors of the two torques would disturb the slope.
+The step is relative to the value of the key, or to the range of an angle or a coordinate. The slope
+turns an error of the torque into an error of the key; the slope itself has an error of some 1 %.
+With a smaller step the errors of the two torques would disturb the slope.
 """
 KEY_TOLERANCE_AT_EXTREME_QUANTITY = 1e-4
 """Tolerance of the key's value at which a quantity has its maximum or minimum.
@@ -142,8 +142,8 @@ class SizingQuestion:
     say : called with a line of text before each trial
     cache : store of condensed shoe bodies, so that a body is not condensed again in each trial
     trials : the trials that are solved already, by the value of the key
-    last_model : the prepared model of the last solve in plane stress, by the value of the key; with
-        it the slope of the torque needs no further solve
+    last_model : the prepared model of the last solve in plane stress, by the value of the key; the
+        exact slope of the torque is computed with it
     """
 
     brake: Brake
@@ -235,7 +235,7 @@ class SizingQuestion:
         if self.model == "fem":
 
             def keep_model(scene: PreparedModel, _: Response) -> None:
-                """Keep the prepared model of this solve alone."""
+                """Keep the prepared model of this solve in place of an earlier model."""
                 self.last_model.clear()
                 self.last_model[value] = scene
 
@@ -276,7 +276,7 @@ class SizingResult:
     torque : torque [N m], on a plane braking force [N]
     peak_pressure : largest peak pressure of the shoes [Pa]
     slope : derivative of the wanted quantity by the key [SI], exact where it is known; None where
-        the torque is largest
+        the torque is largest, or where the values of the key next to it have no answer
     errors : error of the value [SI] that follows from the stated error of the finite elements
         ("elements") and of plane stress itself ("plane_stress"); unknown errors are left out
     range : ends of the range that was searched [SI]
@@ -573,7 +573,7 @@ def _nearer_of_two_almost_equal_trials(
 def _key_value_by_rational_interpolation(
     known: Sequence[TriedKeyValue], name: str, wanted: float
 ) -> float | None:
-    """The value x of the key at which a rational function y(x) has the wanted quantity.
+    """The value x of the key at which a rational function y(x) equals the wanted quantity.
 
     The function y = (a + b x)/(1 + c x) goes through the three trials whose quantities are nearest
     to the wanted one. It is exact for a torque that is proportional to a force, and for the torque
@@ -599,11 +599,11 @@ def _key_value_by_rational_interpolation(
 def _find_trial_with_wanted_value_near_file_value(
     question: SizingQuestion, name: str, wanted: float
 ) -> TriedKeyValue | None:
-    """The trial at which a quantity has a wanted value, sought from the value in the file on.
+    """The trial with the wanted value of a quantity, by a search that starts at the file's value.
 
-    The result is None if the wanted value is not found: then the whole range must be searched. It
-    is also None for angles and coordinates, since the torque often has the same value at two of
-    them.
+    The result is None if this search does not find the wanted value: then the whole range must be
+    searched. It is also None for angles and coordinates, because the torque often has the same
+    value at two angles or coordinates.
     """
     (low, high), start = question.ends_of_key_range, question.value_of_file
     if start == 0 or not (question.does_key_keep_one_sign and low <= start <= high):
@@ -660,11 +660,11 @@ def _is_wanted_value_enclosed(known: Sequence[TriedKeyValue], name: str, wanted:
 def _key_value_to_try_after_first_trial(
     trial: TriedKeyValue, name: str, wanted: float, slope: float | None
 ) -> float:
-    """The second value of the key to try: by the slope of the quantity, or in proportion to it.
+    """The second value of the key to try: from the slope of the quantity, or by proportion.
 
-    `slope` is the derivative of the quantity by the key, or None. It is not used if it gives a
-    value of another sign than the proportional value, or one that differs from it by more than the
-    factor DEFAULT_FACTOR_FROM_FILE_VALUE_TO_RANGE_END.
+    `slope` is the derivative of the quantity by the key, or None. It is not used if its value of
+    the key has another sign than the proportional value, or differs from the proportional value by
+    more than the factor DEFAULT_FACTOR_FROM_FILE_VALUE_TO_RANGE_END.
     """
     quantity = float(getattr(trial, name))
     proportional = (
@@ -712,7 +712,7 @@ def _exact_torque_slope_at_key_value(
 def _add_trials_at_limits_of_solvable_key_values(
     question: SizingQuestion, trials: list[TriedKeyValue]
 ) -> None:
-    """Find by bisection at which values of the key the answers end, and add these trials."""
+    """Find by bisection the values of the key at which answers end; add the trials to `trials`."""
     for before, after in list(pairwise(trials)):
         if bool(before.failure) == bool(after.failure):
             continue
@@ -729,11 +729,11 @@ def _add_trials_at_limits_of_solvable_key_values(
 def _add_trial_with_largest_or_smallest_quantity(
     question: SizingQuestion, trials: list[TriedKeyValue], name: str, wanted: float
 ) -> None:
-    """Add the trial with the largest or smallest quantity near the best of the trials.
+    """Add a trial at the maximum or minimum of the quantity, sought between two solved trials.
 
-    The largest quantity is sought if all trials are below the wanted value, and else the smallest.
-    It is sought between the two neighbours of the best trial; without an answer at both of them
-    nothing is added.
+    The maximum is sought if all trials are below the wanted value, else the minimum. The two trials
+    are the neighbours of the trial with the largest (or smallest) quantity so far. If one of these
+    neighbours has no answer, nothing is added.
     """
     solved = [trial for trial in trials if not trial.failure]
     sign = 1 if all(getattr(trial, name) < wanted for trial in solved) else -1

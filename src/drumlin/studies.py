@@ -31,13 +31,13 @@ FOLDER_OF_INSTALLED_OR_SOURCE_STUDIES_AND_MESHES = (
     if FOLDER_OF_INSTALLED_STUDIES_AND_MESHES.is_dir()
     else Path(__file__).resolve().parents[2]
 )
-"""The folder that has studies/ and meshes/: that of the installed package or the source's."""
+"""The folder with studies/ and meshes/: in an installed drumlin or in the source."""
 
 DRUMLIN_STUDIES_PACKAGE_FOLDER = Path(__file__).resolve().parents[1] / "drumlin_studies"
 """The folder of the package `drumlin_studies`, which studies import.
 
-The results of a study depend on the source of this package, so that the checksum in the journal of
-a study covers it.
+The results of a study depend on the source of this package. Therefore the checksum in a study's
+journal covers it.
 """
 
 

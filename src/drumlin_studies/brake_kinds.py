@@ -191,8 +191,8 @@ def torque_error_rows_of_models_besides_law(found: BrakeSolvedByAllModels) -> li
 def brake_factor_of_cam_brake(brake: Brake) -> float:
     """Brake factor T/(F R) = 4 B1 B2/(B1 + B2) of an S-cam brake with rigid worn-in shoes.
 
-    The cam moves the loaded ends of both shoes by the same distance. B1 and B2 are the shoe factors
-    T/(F R) of the two shoes, each actuated alone.
+    The cam moves the loaded ends of both shoes by the same distance. F is the mean of the two
+    forces of the cam. B1 and B2 are the shoe factors T/(F R) of the two shoes, each actuated alone.
     """
 
     def shoe_factor_of_shoe_alone_in_brake(shoe: Shoe) -> float:

@@ -95,7 +95,7 @@ class PrintedTorqueSlope(NamedTuple):
 
 
 class TorqueWithMeshAndContactSet(NamedTuple):
-    """A torque, with data by which two solves are seen to share the mesh and the contact set.
+    """A torque, with data that show whether two solves have the same mesh and the same contact set.
 
     Attributes
     ----------
@@ -434,8 +434,8 @@ def rows_comparing_torque_slopes_of_random_brake(
 ) -> list[TwoPathComparison]:
     """Compare the torque's printed derivatives with central differences, for a random brake.
 
-    The seed gives the brake. Returns a row for each derivative. At most `most` derivatives are
-    compared, or all if it is None.
+    The seed gives the brake. Returns a row for each compared derivative. At most `most` derivatives
+    are compared, or all if `most` is None.
     """
     kind, brake = draw_random_brake_with_friction_and_name_of_kind(seed)
     on_hp_elements = bool(seed // len(KINDS_OF_RANDOM_BRAKES_FOR_SLOPE_CHECK) // 2 % 2)

@@ -29,8 +29,8 @@ SEED_OF_FIRST_CORNER_BRAKE = 420_000
 Other brakes were used for development: the seeds 400000 to 400099 for the rules at corners, and
 those from `calibration.FIRST_CORNER` on for the safety factors."""
 SMALLEST_JUDGED_PRESSURE_EXPONENT = -0.3
-"""Exponent a of the pressure p ~ x^a at a corner. Below this value no solution reaches an error of
-0.1 % of p.
+"""Exponent a of the pressure p ~ x^a at the distance x from a corner. Below this value no solution
+reaches an error of 0.1 % of p.
 
 The limit exists because angles are floating-point numbers. The smallest element has 1e-12 rad
 (`corner.LENGTH_OF_PRESSURE_PIECE_AT_CORNER`), which is 1e-10 of a contact of half a degree. In this

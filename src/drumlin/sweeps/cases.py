@@ -184,9 +184,9 @@ def solve_case_without_raising(
 def _solve_case_and_return_results(
     case: SweepCase, cache: CacheOfCondensedBodies | None
 ) -> CaseResultsByName:
-    """The results of a case by name; one of them says whether its errors come from a sample."""
-    # A case with a certificate is solved on the first level. If the sample has no case of its kind,
-    # it is solved on all levels.
+    """The results of a case by name; with a certificate, also where its stated errors come from."""
+    # A case that takes its errors from the sample is solved on the first level only. If the sample
+    # has no case of the same kind, the case is solved on all levels.
     if isinstance(case.certify, SampleErrorsForCasesOutsideSample):
         brake = _brake_of_case(case)
         by_sample = response_with_errors_certified_by_sample(
@@ -302,8 +302,9 @@ def solve_all_cases_of_sweep(
 ) -> list[CaseResultsByName]:
     """Solve the cases of a sweep; returns the row of results of each case, in the same order.
 
-    A failure because of missing memory or a dead worker may not occur again. Such a case is tried
-    twice more, alone. If it still fails, its row says why, and the journal does not keep this row.
+    A failure because of missing memory or a dead worker may not occur again. A case with this
+    failure is tried twice more, alone in a message to a worker. If the case still fails, its row
+    says why, and the journal does not keep this row.
 
     Parameters
     ----------

@@ -830,7 +830,7 @@ def _combinations_of_listed_values(
 def _numbers_of_cases_until_next_value_of_each_key(
     combine: str, lengths: Sequence[int], draws_per_combination: int
 ) -> list[int]:
-    """For each listed key, the number m of cases after which its next value comes.
+    """For each listed key, the number m of cases that have one value before its next value comes.
 
     The first case that has value k of the key is case k m, counted from 0.
 

@@ -398,8 +398,8 @@ def _integral_of_pressure_over_theta_on_linings(shoe: Shoe, curve: PressureCurve
     """The integral of p over theta along all linings [Pa rad], by the trapezoidal rule.
 
     The points of the rule are the curve's points inside each lining, and the two ends of the
-    lining. At a slot the pressure has its value at the lining's nearest point. A lining without a
-    point has no pressure.
+    lining. At an end beside a slot the pressure is that of the lining's nearest point. A lining
+    without a point counts as a lining without pressure.
     """
     total = 0.0
     slots = shoe.lining.slots

@@ -109,7 +109,8 @@ def measure_time_and_memory_of_fem(
     brake : the brake
     elements : number of elements along each lining
     penalty : contact penalty
-    repeats : number of times that each task is timed; with 1 the time of the first solve counts
+    repeats : number of times that each task is timed (the further load case at least 3 times); with
+        1 the time of the first solve counts
     mesher : function that meshes a shoe; None: drumlin's own mesher
     """
     mesh_and_solve = partial(_mesh_and_solve_brake, brake, elements, penalty, mesher)

@@ -1,4 +1,4 @@
-"""Sweeps of brakes that are killed at random moments and resumed.
+"""Sweeps that are killed at random moments and resumed.
 
 After the last resumption a sweep must write the table of an undisturbed run. No case may be solved
 twice.

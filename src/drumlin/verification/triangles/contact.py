@@ -115,10 +115,11 @@ def solve_contact_complementarity(
 ) -> ContactForcesAndRigidMotions:
     """Solve w = q + A f + B y >= 0, f >= 0, w f = 0, C f + G y = h for f and y.
 
-    At each node the gap w or the force f is zero; the last equation is the equilibrium of the
-    shoes. A node in contact is called active. All nodes with a tensile force or a penetration
-    change at once between open and active. If their number does not fall, only one of them changes
-    at a time. `first` (n,) tells whether each node is active at the start.
+    See `ContactEquations` for the symbols. At each node the gap w or the force f is zero; the last
+    equation is the equilibrium of the shoes. A node in contact is called active. All nodes with
+    a tensile force or a penetration change at once between open and active. If their number does
+    not fall, only one node changes at a time. `first` (n,) tells whether each node is active at the
+    start.
 
     Raises
     ------

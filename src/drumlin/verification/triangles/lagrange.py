@@ -238,7 +238,7 @@ def nodal_forces_of_heated_triangles(
 
     The forces are the integral of B^T Q^T D eps_0 (Cook et al., Concepts and Applications of Finite
     Element Analysis, section 8.2), with the free strains eps_0 in the directions of the layer. The
-    free strains are linear from the near to the far face of the layer. N is the number of nodes.
+    free strains are linear across the thickness of the layer. N is the number of nodes.
     """
     values, slopes, weights = triangle_shape_functions_gradients_and_weights(degree)
     forces = np.zeros_like(nodes.xy)
@@ -251,8 +251,8 @@ def nodal_forces_of_heated_triangles(
         G = np.einsum("ndq,mqdc->mncq", slopes, np.linalg.inv(J))
         area = np.abs(np.linalg.det(J)) * weights
         points = np.einsum("mnc,nq->cmq", x, values)
-        # The coordinate across the layers counts layers. From the near face to the far face of this
-        # layer it grows from `number` to `number` + 1.
+        # The coordinate d counts the layers from the friction surface. In this layer d rises
+        # from `number` to `number` + 1; the near face of the layer is the face at `number`.
         through = np.einsum("mn,nq->mq", nodes.at[of, 1], values) - number
         near, far = layer.free_strains[:, :, None, None].swapaxes(0, 1)
         strains = near + (far - near) * through

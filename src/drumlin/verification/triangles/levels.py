@@ -128,8 +128,8 @@ def solve_brake_on_one_triangle_mesh(
     ----------
     brake : the brake
     level : degree and grading of the triangles
-    before : an earlier solution of each shoe, to the ends of whose contact the triangles are
-        graded; if None, the solver starts with the whole lining in contact
+    before : an earlier solution of each shoe; the triangles are graded to the ends of the contact
+        in this solution. If None, the solver starts with the whole lining in contact
 
     Raises
     ------

@@ -173,7 +173,10 @@ def _layers_and_thicknesses_of_arc_shoe(
     heated = {layer.key: layer for layer in heated_layers_of_shoe(shoe)}
 
     def free_thermal_strains_at_layer_faces(key: str, part_thickness: float) -> Floats | None:
-        """Free strains (2, 2) of a layer, at its near and its far face; None without heat."""
+        """Free strains (2, 2) of a layer at its face nearer to the drum and at its other face.
+
+        The result is None for a layer without heat.
+        """
         near = sum(thickness)
         faces = np.array([near, near + part_thickness])
         return (

@@ -45,7 +45,7 @@ FULL_CIRCLE_IN_RADIANS = 2 * math.pi
 
 
 class _PlaceOfLiningFaceOnRing(NamedTuple):
-    """Where the places s on the face of a lining lie on the ring.
+    """The position of the face of a shoe's lining on the ring.
 
     Attributes
     ----------
@@ -94,7 +94,7 @@ def mesh_drum_ring_and_refine_shoe_meshes_to_match(
 def _positions_of_linings_on_one_turn_of_ring(
     brake: Brake, drafts: list[ShoeMeshOfTriangleCorners]
 ) -> list[_PlaceOfLiningFaceOnRing]:
-    """Where each lining lies on the ring, with all linings on one turn."""
+    """The position of each lining on the ring, with all linings within one turn."""
     first = min(shoe.lining.start for shoe in brake.shoes)
     return [
         _PlaceOfLiningFaceOnRing(
@@ -213,7 +213,7 @@ def _halve_edges_of_ring_and_linings_until_ends_match(
     meshes: list[TriangleMeshInBodyCoordinates],
     linings: list[_PlaceOfLiningFaceOnRing],
 ) -> tuple[TriangleMeshInBodyCoordinates, list[TriangleMeshInBodyCoordinates]]:
-    """Halve edges on the friction surface until ring and linings have the same ends of edges.
+    """Halve edges on the friction surface until edges of ring and linings end at the same angles.
 
     Halving one edge may halve other edges, too. Therefore ring and linings are refined in turn
     until neither of them changes.

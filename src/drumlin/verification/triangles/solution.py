@@ -38,7 +38,7 @@ class ShoeSolution:
     theta : (n,) growing angles [rad] of the nodes of p, the Gauss-Lobatto points of the pieces
     pressure : (n,) p at these angles, 0 where the lining is open [Pa]
     order : polynomial degree of the pieces of p
-    torque : brake torque of the shoe on the drum [N m]
+    torque : magnitude of the brake torque of the shoe on the drum [N m]
     normal_force : magnitude of the resultant of the pressure [N]
     hinge_reaction : (2,) force of the pin on the shoe [N]; for a shoe on anchors, the sum of the
         forces in `supports`

@@ -37,7 +37,7 @@ class LayerOfTriangulatedBody:
     elastic : elastic constants of the layer, with directions in the brake's frame
     slots : first and last s of each gap in the layer, such as a slot between two linings
     free_strains : (2, 2) free strains of a heated layer: the rows are strains along and through it,
-        the columns its near and its far face; None for a layer without heat
+        the columns its faces nearer to and farther from the friction surface; None without heat
     """
 
     start: float
