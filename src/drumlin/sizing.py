@@ -77,13 +77,14 @@ KEY_TOLERANCE_AT_EXTREME_QUANTITY = 1e-4
 """Tolerance of the key's value at which a quantity has its maximum or minimum.
 
 It is relative to the distance of the two values of the key between which the maximum is sought.
-Near a maximum the torque is quadratic: its error is then some 1e-8 of its rise between these two
-values. A smaller tolerance takes more time.
+Near a maximum the torque is quadratic: the error of the torque is then some 1e-8 of the torque's
+rise between these two values. A smaller tolerance takes more time.
 """
 SEARCH_TOLERANCE_OVER_STATED_ERROR = 0.01
 """Fraction of the stated error of a torque or peak pressure at which the search for it ends.
 
-The search ends when the quantity differs from its wanted value by less than this fraction.
+The search ends when the quantity differs from its wanted value by less than this fraction of its
+stated error.
 """
 
 MOST_TRIALS_TO_ENCLOSE_WANTED_VALUE = 12
@@ -95,9 +96,9 @@ whole range is tried, which takes more time.
 RELATIVE_DIFFERENCE_AT_DISCONTINUITY = 1e-9
 """Relative difference from the wanted value above which a quantity counts as discontinuous there.
 
-The limit is used when two values of the key that differ by round-off only enclose the wanted value.
-A larger stated error replaces it. The round-off of a solve is some 1e-12: with a much smaller limit
-round-off would count as a jump.
+The limit is used when two values of the key enclose the wanted value and differ only by round-off.
+If the stated error is larger, the stated error replaces the limit. The round-off of a solve is some
+1e-12: with a much smaller limit round-off would count as a jump.
 """
 SEARCH_TOLERANCE_WITHOUT_STATED_ERROR = 1e-14
 """Relative difference from the wanted value at which the search ends if no error is stated.
@@ -461,7 +462,7 @@ def _find_trials_at_crossings_of_wanted_value(
 
 
 def _quantity_minus_wanted_value(trial: TriedKeyValue, name: str, wanted: float) -> float:
-    """A trial's quantity minus the wanted value; 0 if that is a small part of its stated error."""
+    """A trial's quantity minus the wanted value; 0 if this is a small part of the stated error."""
     off = float(getattr(trial, name) - wanted)
     close = (
         max(
@@ -546,7 +547,7 @@ def _closest_trials_around_wanted_value(
 def _nearer_of_two_almost_equal_trials(
     question: SizingQuestion, ends: tuple[TriedKeyValue, TriedKeyValue], name: str, wanted: float
 ) -> TriedKeyValue:
-    """The trial nearer to the wanted value, of two trials whose keys differ by round-off only.
+    """Of two trials whose keys differ only by round-off, the trial nearer to the wanted value.
 
     Raises NoAnswer if the quantity of this trial differs from the wanted value by more than its
     stated error and more than RELATIVE_DIFFERENCE_AT_DISCONTINUITY: then the quantity jumps between

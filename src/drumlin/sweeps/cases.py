@@ -120,8 +120,8 @@ class ResultOfAttemptAtCase(NamedTuple):
     Attributes
     ----------
     row : results of the case, or the reason of its failure
-    is_kept_in_journal : whether a further attempt would give the same row; only then the journal
-        keeps it
+    is_kept_in_journal : whether the journal keeps the row, because a further attempt would give
+        the same row
     again : whether the case is tried again, because a further attempt may succeed
     """
 
@@ -140,8 +140,8 @@ def solve_case_and_return_brake_and_response(
     Parameters
     ----------
     case : the case
-    cache : the models "fem" and "solid" take the condensed stiffness of a shoe from it if an equal
-        shoe was condensed before, and else store it there
+    cache : store of condensed stiffnesses; the models "fem" and "solid" take the stiffness of an
+        equal shoe from it, and add the stiffness of each new shoe
     use_first_level : called by the model "fem" with the response on its first level, see
         `drumlin.fem.solve.solve`; None for other models
 

@@ -867,7 +867,7 @@ def _check_listed_values_of_key(
     medians: Mapping[str, Any],
     done: ShowProgressOfCheckedValues,
 ) -> None:
-    """Raise BadInput for a listed value of a key that is not allowed.
+    """Raise BadInput for a listed value that is not allowed for its key.
 
     A value is allowed if the base brake can have it, or if the brake of the first case with this
     value can have it. If the key allows all numbers of an interval

@@ -18,7 +18,10 @@ Their cases are not solved anew for this check: one case takes as long as many c
 """
 
 MOST_CASES_WHOSE_KEY_VALUES_ARE_READ = 1000
-"""Largest number of cases whose values of a key are read, evenly among all; reading takes time."""
+"""Largest number of cases, evenly spaced among all cases, whose values of a key are read.
+
+More cases would take more time.
+"""
 
 MOST_KEY_VALUES_TRIED_WITH_LAW = 4
 """Largest number of values of a key with which a law is solved anew.
@@ -90,7 +93,7 @@ def _have_cases_that_differ_in_key_equal_results(
     """Whether all solved cases of a law that differ in one key alone have equal results.
 
     `rows` are the results of the cases. The key may have an effect only with some values of other
-    keys: the direction of a force has none where the force is zero.
+    keys: the direction of a force has no effect if the force is zero.
     """
     first_rows: dict[str, CaseResultsByName] = {}
     for case, row in zip(cases, rows, strict=True):

@@ -103,9 +103,9 @@ def solve_sweep_with_journal(
 ) -> TableWriterReturnType:
     """Solve a sweep and write its table; a journal beside the table keeps each finished case.
 
-    If the sweep was stopped, the next call of this function solves the missing cases only. The
-    journal is deleted once the table is written, if all cases have lasting results, and if the
-    journal has no other cases. No other run can write the journal or the table meanwhile.
+    If the sweep was stopped, the next call of this function solves the missing cases only. Once the
+    table is written, the journal is deleted, unless a case failed for a reason that may pass or the
+    journal has cases of another sweep. No other run can write the journal or the table meanwhile.
 
     Parameters
     ----------

@@ -30,11 +30,11 @@ class ColumnStatistics(NamedTuple):
 
     Attributes
     ----------
-    column : heading of the column, with the SI unit in brackets
+    column : heading of the column, with its unit in brackets
     model : name of the model whose cases are counted
     cases : number of cases
     mean : arithmetic mean
-        deviation : standard deviation (sum of squares divided by cases - 1); nan for one case
+    deviation : standard deviation (sum of squares divided by cases - 1); nan for one case
     low, high : quantiles of 5 % and of 95 %, linear between two neighbouring cases
     smallest, largest : extreme values
     """
@@ -63,7 +63,7 @@ STATISTICS_HEADINGS = ("", "mean", "spread", "5 %", "95 %", "least", "most")
 
 
 class HeadingAndUnitFactorOfShownColumn(NamedTuple):
-    """A column of the table as people read it.
+    """The heading of a column of the displayed table, and the factor to its displayed unit.
 
     Attributes
     ----------
@@ -222,7 +222,7 @@ class SweepTable(Sequence[CaseResultsByName]):
         return [row for row in self.rows if row["model"] == model and row["status"] == "solved"]
 
     def _headings_of_main_results(self) -> list[str]:
-        """The headings of the columns whose statistics are shown."""
+        """The headings of the columns whose statistics are shown by default."""
         main = {"torque", "braking_force", "brake_factor", "peak_pressure"}
         found = []
         for heading in self.headings:
@@ -369,7 +369,7 @@ class SweepTable(Sequence[CaseResultsByName]):
 def _value_unless_result_of_unsolved_case(
     row: CaseResultsByName, heading: str, given: Collection[str]
 ) -> Any:
-    """The value of a row under a heading; None for a number that is no answer of the case.
+    """The value of a row under a heading; None for a number that results from an unsolved case.
 
     A case that has not converged has numbers as results, too. `given` are the headings of values
     that are no results.

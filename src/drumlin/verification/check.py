@@ -62,7 +62,8 @@ class DeviationOfCurveFromReference(NamedTuple):
     Attributes
     ----------
     shoe : name of the shoe
-    distance : L2 distance of the curve's pressure from the reference, relative to the reference
+    distance : L2 norm of the difference of p from the reference, relative to the L2 norm of the
+        reference
     largest : largest difference of p, relative to the peak pressure of the reference
     at : angle or place of the largest difference, as text
     torque : torque [N m] that the curve gives by the trapezoidal rule, on a plane surface the
@@ -355,7 +356,8 @@ def _deviation_of_pressure_curve_from_reference(
     off = np.interp(theta, *curve) - p
     worst = int(np.abs(off).argmax())
     require_friction_independent_of_pressure(brake, "check")
-    # The torque is mu b R^2 times the integral of p over theta; `lever` is the factor mu b R^2.
+    # The torque is mu b R^2 times the integral of p over theta. `lever` is the factor mu b R^2; R is
+    # 1 on a plane.
     lever = (
         brake.friction_coefficient_of_shoe_at_zero_pressure(spec)
         * spec.lining.width
@@ -426,7 +428,7 @@ def text_lines_on_errors_of_pressure_table(
     tolerance: float,
     surface: FrictionSurface = FRICTION_SURFACE_OF_DRUM,
 ) -> list[str]:
-    """The verdicts as text: one line for each shoe, then whether all are within the tolerance.
+    """The deviations as text: a line for each shoe, then whether all are within the tolerance.
 
     The friction surface of the brake, drum or plane, gives the name and the unit of the torque.
     """

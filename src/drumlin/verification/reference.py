@@ -435,9 +435,9 @@ def _whole_degree_angles_or_millimetre_positions_on_lining(shoe: Shoe) -> Floats
 def _largest_relative_distance_from_cited_pressure(
     brake: Brake, cited: ShoeResponse, others: Sequence[ShoeResponse]
 ) -> float:
-    """The largest relative L2 distance of pressure curves `others` of a shoe from the cited one.
+    """The largest relative L2 distance of the pressure curves `others` from the cited one.
 
-    A lining without any pressure has no relative distance; 0 is returned for it.
+    A shoe without any pressure has no relative distance; 0 is returned for it.
     """
     if not cited.pressure.any():
         return 0.0

@@ -65,8 +65,8 @@ class RingCondensedToLiningNodes(NamedTuple):
     Attributes
     ----------
     compliance : (2m, 2m) displacements of the m nodes under unit forces on the m nodes [m/N]
-    of : for each lining with n nodes, the positions (n,) of the opposite ring nodes among the m
-        nodes
+    of : for the lining face of each shoe, the positions (n,) among the m nodes of the ring nodes
+        opposite to the n nodes of the face
     """
 
     compliance: Floats
@@ -88,7 +88,7 @@ class NodesAndSupportsInContactAtStart(NamedTuple):
     def contact_at_start_of_some_shoes(
         self, members: Sequence[int]
     ) -> "NodesAndSupportsInContactAtStart":
-        """The nodes and supports in contact at the start, for the shoes numbered `members` only."""
+        """The nodes and supports in contact at the start, for the shoes of indices `members`."""
         return NodesAndSupportsInContactAtStart([self.nodes[i] for i in members], self.supports)
 
 
@@ -98,8 +98,8 @@ class ContactForcesAndRigidMotions(NamedTuple):
     Attributes
     ----------
     force : (n,) nodal contact forces along the normals [N], 0 at open nodes
-    motions : (k,) generalised coordinates of the rigid-body modes of the shoes. Before a solution
-        is split by shoes, the forces [N] of the supports that bear follow these coordinates.
+    motions : (k,) generalised coordinates of the rigid-body modes of the shoes. Until the solution
+        is split by shoes, the forces [N] of the bearing supports come after these coordinates.
     active : (n,) whether a node is in contact
     supports : forces of the one-sided supports of one shoe
     """
@@ -361,7 +361,7 @@ def _contact_forces_for_assumed_friction_senses(
     weight = np.concatenate([one.weight for one in own])
     # The gaps at one lining also change by the displacements of the ring under every lining.
     if rim is not None:
-        # The numbers of the x and y displacements of the ring's nodes under each lining.
+        # The indices of the x and y displacements of the ring's nodes under each shoe's linings.
         under = [(2 * nodes[:, None] + np.arange(2)).ravel() for nodes in rim.of]
         for i, j in np.ndindex(len(faces), len(faces)):
             compliance = rim.compliance[np.ix_(under[i], under[j])]

@@ -113,7 +113,7 @@ class NodesOfTriangleMesh:
 
     Attributes
     ----------
-    of : (m, n) numbers of the nodes of each triangle
+    of : (m, n) indices of the nodes of each triangle
     at : (N, 2) coordinates s and d of each node; at a node where the grid of a closed ring begins
         and ends, s is one of its two values
     xy : (N, 2) positions of the nodes [m]
@@ -292,7 +292,7 @@ class CondensedStiffnessOfBodyPart(NamedTuple):
 
     Attributes
     ----------
-    dofs : (k,) numbers of the remaining unknowns, in growing order. An unknown remains because it
+    dofs : (k,) indices of the remaining unknowns, in growing order. An unknown remains because it
         belongs to a kept node or to triangles of parts that are not added yet.
     triangles : (k,) number of triangles of the part around each remaining unknown
     K : (k, k) stiffness [N/m]
@@ -313,7 +313,7 @@ class _BodyToCondense(NamedTuple):
     Attributes
     ----------
     K : (m, 2n, 2n) stiffness of each triangle [N/m]
-    dofs : (m, 2n) numbers of the unknowns of each triangle
+    dofs : (m, 2n) indices of the unknowns of each triangle
     centres : (m, 2) centre of the nodes of each triangle [m]
     held : (2N,) whether a displacement is fixed to 0
     triangles : (2N,) number of triangles around each unknown. For an unknown that is kept the
@@ -343,7 +343,7 @@ def condense_body_to_kept_nodes(
     K : (m, 2n, 2n) stiffness of each triangle [N/m]
     nodes : nodes of the triangles
     held : (2N,) whether a displacement is fixed to 0
-    kept : numbers of the nodes that remain
+    kept : indices of the nodes that remain
     loads : (2N, l) nodal forces of l loads [N]
 
     Raises
@@ -372,7 +372,7 @@ def condense_body_to_kept_nodes(
 def _schur_complement_of_triangles(
     body: _BodyToCondense, members: Ints
 ) -> CondensedStiffnessOfBodyPart:
-    """The Schur complement of the part of the body with the triangles numbered `members`."""
+    """The Schur complement of the part of the body with the triangles of indices `members`."""
     # A small part is assembled from its triangles, a larger one from its two halves.
     if len(members) <= MOST_TRIANGLES_ELIMINATED_WITHOUT_HALVING:
         parts = [

@@ -87,7 +87,7 @@ fine."""
 
 
 def indices_of_shoes_pressed_on_drum(brake: Brake) -> list[int]:
-    """Numbers of the shoes that the actuation presses on the drum.
+    """Indices of the shoes that the actuation presses on the drum.
 
     A shoe on a hinge is pressed on the drum if the moment of its actuation closes the gap at some
     angle. Shoes on other supports, and all shoes of a brake with a cam or struts, always count as

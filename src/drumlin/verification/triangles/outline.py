@@ -97,7 +97,7 @@ class OutlineOfLayeredBody:
 
     @property
     def number_of_first_layer_of_shoe_body(self) -> int:
-        """Number of the first layer of the shoe's body; the body begins at this coordinate d."""
+        """Index of the first layer of the shoe's body; the body begins at d = this index."""
         return len(self.layers) - self.plates
 
     @property
@@ -112,7 +112,8 @@ class OutlineOfLayeredBody:
 def make_shoe_outline(shoe: Shoe, R: float) -> OutlineOfLayeredBody:
     """The outline of a shoe on a drum of radius R [m].
 
-    Raises BadInput for a shoe that has a mesh of its own or a beam without a constant section.
+    Raises BadInput for a shoe with a mesh file, and for a shoe with a beam if the beam has no
+    constant section, if no block carries the lining, or if a layer is heated.
     """
     if shoe.mesh is not None:
         raise BadInput(f"shoe {shoe.name!r} has a mesh of its own")

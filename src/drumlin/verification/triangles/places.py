@@ -17,11 +17,11 @@ if TYPE_CHECKING:
     from drumlin.verification.triangles.face import BodyMeshedByTriangles
 
 FORCE_SPREAD_DEVIATION_OVER_BODY_THICKNESS = 0.5
-"""Standard deviation of the length over which a force is spread, divided by the body's thickness.
+"""Standard deviation of a spread force along the body, divided by the body's thickness.
 
-The finite elements that are verified spread forces over the same length, see
-`load_places.FORCE_SPREAD_RELATIVE_TO_BODY_THICKNESS`. With another value the triangles would solve
-a different load.
+A normal distribution along the body spreads each force. The finite elements that are verified use
+the same ratio, see `load_places.FORCE_SPREAD_RELATIVE_TO_BODY_THICKNESS`. With another value the
+triangles would solve a different load.
 """
 
 

@@ -29,8 +29,8 @@ It is far below the error of the meshes, 1e-6 of the torque. A smaller value cos
 MOST_SOLVES_AT_FIXED_NODAL_FRICTION = 60
 """Largest number of solves at fixed friction coefficients before the solver raises NoAnswer.
 
-Each solve multiplies the error of the coefficients by about p mu'(p)/mu times the amplification of
-the brake by friction. If this product is 0.6, 45 solves are needed. If it is above 1, the
+Each solve multiplies the error of the coefficients by about p mu'(p)/mu times the factor by which
+friction raises the pressures. If this product is 0.6, 45 solves are needed. If it is above 1, the
 coefficients do not settle.
 """
 
@@ -46,7 +46,8 @@ def solve_until_friction_fits_pressures(
 ) -> tuple[list[Shoe], list[ShoeCondensedToLiningFace], list[ContactForcesAndRigidMotions]]:
     """Solve a brake until the friction at each node fits the pressure there.
 
-    Returns the shoes under their actuation, their faces with the friction, and the contact forces.
+    Returns the shoes under their actuation forces, the faces with friction coefficients that fit
+    the pressures, and the contact forces.
     A brake whose friction does not depend on the pressure is solved once.
 
     Parameters

@@ -354,7 +354,7 @@ def _ring_nodes_opposite_linings_and_their_positions(
 ) -> tuple[Ints, list[Ints]]:
     """The ring's nodes that lie opposite the nodes of the linings' faces.
 
-    Returned are the numbers (m,) of these ring nodes and, for the face of each shoe, the positions
+    Returned are the indices (m,) of these ring nodes and, for the face of each shoe, the positions
     (n,) of its opposite nodes among the m. No node is opposite to a slot between two linings.
     """
     xy = ring.nodes.xy[ring.surface]
