@@ -67,7 +67,7 @@ BISECTIONS_TO_LIMIT_OF_SOLVABLE_KEY_VALUES = 16
 This value is then known to 1e-5 of the distance between two of the first trials.
 """
 RELATIVE_KEY_STEP_OF_DIFFERENCE_QUOTIENT = 1e-2
-"""Step of the key's value, up and down, for the slope of torque or peak pressure by differences.
+"""Step of the key's value, up and down, for the difference quotient of torque or peak pressure.
 
 The step is relative to the value of the key, or to the range of an angle or a coordinate. The slope
 turns an error of the torque into an error of the key; the slope itself has an error of some 1 %.

@@ -82,9 +82,10 @@ def smallest_pressure_exponent_at_corners(brake: Brake) -> float:
 def error_summary_rows_by_kind(rows: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
     """Summarise rows of errors in a table with a row for each kind of brake and each tolerance.
 
-    A row has the number of brakes, the fraction that reaches the tolerance, and the smallest and
-    the median ratio of stated to true error of p. Below the kinds follow rows for all brakes, and
-    for the brakes whose exponent is at least SMALLEST_JUDGED_PRESSURE_EXPONENT.
+    A row has the number of brakes, the fraction that reaches the tolerance, the number of brakes
+    with a known ratio of stated to true error of p, and the smallest and the median of this ratio.
+    Below the kinds follow rows for all brakes, and for the brakes whose exponent is at least
+    SMALLEST_JUDGED_PRESSURE_EXPONENT.
     """
     kinds: dict[str, list[Mapping[str, Any]]] = {}
     for kind in sorted(set(values_of_key_in_rows(rows, "kind"))):

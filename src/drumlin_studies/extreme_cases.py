@@ -53,7 +53,7 @@ class ExtremeCase:
     Attributes
     ----------
     knob : str
-        Name of the sweep to which the case belongs.
+        Name of the sweep, grid or sample to which the case belongs.
     shoes : int
         1, or 2 for a second shoe that is the mirror image of the first.
     assisted : bool

@@ -106,7 +106,7 @@ def _have_cases_that_differ_in_key_equal_results(
 
 
 def _are_results_equal(row: CaseResultsByName, other: CaseResultsByName) -> bool:
-    """Whether two cases have the same results but for round-off; their balances are round-off."""
+    """Whether two cases have the same results but for round-off; "balance" is not compared."""
     return row.keys() == other.keys() and all(
         _are_values_equal(row, other, name) for name in row if name != "balance"
     )
