@@ -1,11 +1,11 @@
 """Find the value of a key of a brake file at which a brake has a wanted torque or peak pressure.
 
-The search begins at the value of the file, with the exact slope of the torque by the key where the
-finite elements have one. Each further value follows from a rational function through the last
-answers. If this search finds no value, some values from the whole range of the key are tried, and
-the rational function is used between two neighbours that enclose the wanted quantity. The search
-does not go beyond values at which there is no answer (a brake that locks itself, a geometry that is
-not allowed), and a refusal names the reason.
+The search begins at the value of the file. It uses the exact derivative of the torque by the key if
+the finite elements give one. Each next value of the key follows from a rational function through
+earlier answers. If this search finds no value, some values from the whole range of the key are
+tried, and the rational function is used between two neighbours that enclose the wanted quantity.
+The search does not go beyond values of the key at which there is no answer (a brake that locks
+itself, a geometry that is not allowed). A refusal names the reason.
 """
 
 import math
@@ -62,9 +62,10 @@ If the torque crosses the wanted torque twice between two neighbours, this is no
 take more time.
 """
 BISECTIONS_TO_LIMIT_OF_SOLVABLE_KEY_VALUES = 16
-"""Number of bisections that find the value of the key at which answers end, as at self-locking.
+"""Number of bisections to find the value of the key beyond which the brake has no answer.
 
-This value is then known to 1e-5 of the distance between two of the first trials.
+The brake may lock itself there, for example. The value is then known to 1e-5 of the distance
+between two of the first trials.
 """
 RELATIVE_KEY_STEP_OF_DIFFERENCE_QUOTIENT = 1e-2
 """Step of the key's value, up and down, for the difference quotient of torque or peak pressure.
@@ -204,9 +205,9 @@ class SizingQuestion:
         return low, high
 
     def key_values_to_try_first(self) -> list[float]:
-        """The values that are tried first, in growing order; the value of the file is among them.
+        """The values of the key that are tried first, ascending, with the value of the file.
 
-        Lengths, forces and moduli are spaced by equal factors.
+        Lengths, forces and moduli are spaced by equal factors, other values by equal distances.
         """
         low, high = self.ends_of_key_range
         spaced = np.geomspace if self.does_key_keep_one_sign and low * high > 0 else np.linspace

@@ -123,7 +123,7 @@ class SelfLockingFactor(NamedTuple):
 
     Attributes
     ----------
-    key : key of the brake file by which friction depends on the pressure
+    key : key of the brake file that makes friction depend on the pressure
     elastic : the shoes that lock first by finite elements, and the factor at which they lock, in
         place of mu_lock; None if the factor was not sought
     sought : factor up to which the limit was sought; 0 if it was not sought

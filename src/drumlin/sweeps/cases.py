@@ -56,7 +56,7 @@ The limit is a judgement: most cases take far less.
 """
 
 SECONDS_OF_WORK_PER_CHUNK_OF_CASES = 0.1
-"""Seconds of work in a chunk: a number of cases that a worker gets in one message.
+"""Seconds that a chunk should take: the cases that a worker gets in one message.
 
 With longer chunks more work is lost when the sweep is killed. Shorter chunks need more messages
 between the processes.

@@ -390,7 +390,7 @@ def _contact_forces_with_bearing_supports_by_trial(
 
     Sets of bearing supports are tried until no support of the set pulls and no other support
     overlaps its shoe. The set of an earlier solution is tried first. Shoes without one-sided
-    supports are solved at once.
+    supports are solved without trials.
 
     Parameters
     ----------

@@ -127,7 +127,7 @@ def edge_shape_function_values_and_derivatives(degree: int, at: Floats) -> tuple
 def gauss_points_lengths_and_shape_functions_on_curved_edges(
     xy: Floats, degree: int
 ) -> tuple[Floats, Floats, Floats]:
-    """The Gauss rule on k curved edges: shape functions, points and lengths at its q points.
+    """Shape functions, points and lengths of a Gauss rule with q points on each of k curved edges.
 
     The nodes of the edges are xy (k, degree + 1, 2) [m]. Returned are the values (degree + 1, q) of
     the shape functions, the points (k, q, 2) [m], and the lengths ds (k, q) [m], which include the
@@ -223,8 +223,8 @@ def _nodal_forces_of_one_newton_by_each_support(
 ) -> list[Floats]:
     """Nodal forces (2N,) [N] of a push of 1 N by each one-sided support of a shoe.
 
-    The forces are 0 if a support pushes at the fixed end of the shoe, which belongs to the rigid
-    frame.
+    The forces are 0 if the support pushes at the fixed end of the shoe, or if the shoe is fixed at
+    its back: such a push does not deform the shoe.
     """
     loads = []
     for push in unit_forces_of_one_sided_supports_on_shoe(brake, shoe.name):

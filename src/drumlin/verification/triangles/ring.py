@@ -170,7 +170,7 @@ def _ring_angles_of_lining_ends(
 def _ring_angles_of_lining_grid_lines(
     lining: _PlaceOfLiningFaceOnRing, draft: ShoeMeshOfTriangleCorners
 ) -> Floats:
-    """Angles [rad], growing, of a lining's grid lines, which the ring's mesh has as well."""
+    """Ascending angles [rad] of a lining's grid lines; the ring's mesh has the same grid lines."""
     face = draft.shape.layers[0]
     within = (draft.s > face.start - LARGEST_DIFFERENCE_OF_EQUAL_ANGLES) & (
         draft.s < face.end + LARGEST_DIFFERENCE_OF_EQUAL_ANGLES
