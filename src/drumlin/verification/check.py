@@ -356,8 +356,7 @@ def _deviation_of_pressure_curve_from_reference(
     off = np.interp(theta, *curve) - p
     worst = int(np.abs(off).argmax())
     require_friction_independent_of_pressure(brake, "check")
-    # The torque is mu b R^2 times the integral of p over theta. `lever` is the factor mu b R^2;
-    # R is 1 on a plane.
+    # The torque is mu b R^2 times the integral of p over theta; `lever` is the factor mu b R^2.
     lever = (
         brake.friction_coefficient_of_shoe_at_zero_pressure(spec)
         * spec.lining.width
