@@ -1,11 +1,11 @@
 """Find the value of a key of a brake file at which a brake has a wanted torque or peak pressure.
 
-The search begins at the value of the file, with the exact slope of the torque by the key where the
-finite elements have one. Each further value follows from a rational function through the last
-answers. If this search finds no value, some values from the whole range of the key are tried, and
-the rational function is used between two neighbours that enclose the wanted quantity. The search
-does not go beyond values at which there is no answer (a brake that locks itself, a geometry that is
-not allowed), and a refusal names the reason.
+The search begins at the value of the file. It uses the exact derivative of the torque by the key if
+the finite elements give one. Each next value of the key follows from a rational function through
+earlier answers. If this search finds no value, some values from the whole range of the key are
+tried, and the rational function is used between two neighbours that enclose the wanted quantity.
+The search does not go beyond values of the key at which there is no answer (a brake that locks
+itself, a geometry that is not allowed). A refusal names the reason.
 """
 
 import math
@@ -39,7 +39,7 @@ from drumlin.models import model_with_name_that_applies_to_brake
 from drumlin.response.response import Response
 
 WORD_FOR_LARGEST_TORQUE = "largest"
-"""The value of --torque that asks for the largest torque of the range."""
+"""The value of --torque that asks for the largest torque in the range of the key."""
 
 DEFAULT_FACTOR_FROM_FILE_VALUE_TO_RANGE_END = 10.0
 """Factor between a quantity in the file and each end of its range, if no range is given.
@@ -62,28 +62,30 @@ If the torque crosses the wanted torque twice between two neighbours, this is no
 take more time.
 """
 BISECTIONS_TO_LIMIT_OF_SOLVABLE_KEY_VALUES = 16
-"""Number of bisections that find the value of the key at which answers end, as at self-locking.
+"""Number of bisections to find the value of the key beyond which the brake has no answer.
 
-This value is then known to 1e-5 of the distance between two of the first trials.
+The brake may lock itself there, for example. The value is then known to 1e-5 of the distance
+between two of the first trials.
 """
 RELATIVE_KEY_STEP_OF_DIFFERENCE_QUOTIENT = 1e-2
-"""Change of the key's value between two solves that give the slope of torque or peak pressure.
+"""Step of the key's value, up and down, for the difference quotient of torque or peak pressure.
 
-It is relative to the value of the key, or to the range of an angle or a coordinate. The slope turns
-an error of the torque into an error of the key; the slope itself has an error of some 1 %. With a
-smaller change the errors of the two torques would disturb the slope.
+The step is relative to the value of the key, or to the range of an angle or a coordinate. The slope
+turns an error of the torque into an error of the key; the slope itself has an error of some 1 %.
+With a smaller step the errors of the two torques would disturb the slope.
 """
 KEY_TOLERANCE_AT_EXTREME_QUANTITY = 1e-4
 """Tolerance of the key's value at which a quantity has its maximum or minimum.
 
 It is relative to the distance of the two values of the key between which the maximum is sought.
-Near a maximum the torque is quadratic: its error is then some 1e-8 of its rise between these two
-values. A smaller tolerance takes more time.
+Near a maximum the torque is quadratic: the error of the torque is then some 1e-8 of the torque's
+rise between these two values. A smaller tolerance takes more time.
 """
 SEARCH_TOLERANCE_OVER_STATED_ERROR = 0.01
 """Fraction of the stated error of a torque or peak pressure at which the search for it ends.
 
-The search ends when the quantity differs from its wanted value by less than this fraction.
+The search ends when the quantity differs from its wanted value by less than this fraction of its
+stated error.
 """
 
 MOST_TRIALS_TO_ENCLOSE_WANTED_VALUE = 12
@@ -95,9 +97,9 @@ whole range is tried, which takes more time.
 RELATIVE_DIFFERENCE_AT_DISCONTINUITY = 1e-9
 """Relative difference from the wanted value above which a quantity counts as discontinuous there.
 
-The limit is used when two values of the key that differ by round-off only enclose the wanted value.
-A larger stated error replaces it. The round-off of a solve is some 1e-12: with a much smaller limit
-round-off would count as a jump.
+The limit is used when two values of the key enclose the wanted value and differ only by round-off.
+If the stated error is larger, the stated error replaces the limit. The round-off of a solve is some
+1e-12: with a much smaller limit round-off would count as a jump.
 """
 SEARCH_TOLERANCE_WITHOUT_STATED_ERROR = 1e-14
 """Relative difference from the wanted value at which the search ends if no error is stated.
@@ -142,8 +144,8 @@ class SizingQuestion:
     say : called with a line of text before each trial
     cache : store of condensed shoe bodies, so that a body is not condensed again in each trial
     trials : the trials that are solved already, by the value of the key
-    last_model : the prepared model of the last solve in plane stress, by the value of the key; with
-        it the slope of the torque needs no further solve
+    last_model : the prepared model of the last solve in plane stress, by the value of the key; the
+        exact slope of the torque is computed with it
     """
 
     brake: Brake
@@ -203,9 +205,9 @@ class SizingQuestion:
         return low, high
 
     def key_values_to_try_first(self) -> list[float]:
-        """The values that are tried first, in growing order; the value of the file is among them.
+        """The values of the key that are tried first, ascending, with the value of the file.
 
-        Lengths, forces and moduli are spaced by equal factors.
+        Lengths, forces and moduli are spaced by equal factors, other values by equal distances.
         """
         low, high = self.ends_of_key_range
         spaced = np.geomspace if self.does_key_keep_one_sign and low * high > 0 else np.linspace
@@ -235,7 +237,7 @@ class SizingQuestion:
         if self.model == "fem":
 
             def keep_model(scene: PreparedModel, _: Response) -> None:
-                """Keep the prepared model of this solve alone."""
+                """Keep the prepared model of this solve in place of an earlier model."""
                 self.last_model.clear()
                 self.last_model[value] = scene
 
@@ -276,7 +278,7 @@ class SizingResult:
     torque : torque [N m], on a plane braking force [N]
     peak_pressure : largest peak pressure of the shoes [Pa]
     slope : derivative of the wanted quantity by the key [SI], exact where it is known; None where
-        the torque is largest
+        the torque is largest, or where the values of the key next to it have no answer
     errors : error of the value [SI] that follows from the stated error of the finite elements
         ("elements") and of plane stress itself ("plane_stress"); unknown errors are left out
     range : ends of the range that was searched [SI]
@@ -461,7 +463,7 @@ def _find_trials_at_crossings_of_wanted_value(
 
 
 def _quantity_minus_wanted_value(trial: TriedKeyValue, name: str, wanted: float) -> float:
-    """A trial's quantity minus the wanted value; 0 if that is a small part of its stated error."""
+    """A trial's quantity minus the wanted value; 0 if this is a small part of the stated error."""
     off = float(getattr(trial, name) - wanted)
     close = (
         max(
@@ -546,7 +548,7 @@ def _closest_trials_around_wanted_value(
 def _nearer_of_two_almost_equal_trials(
     question: SizingQuestion, ends: tuple[TriedKeyValue, TriedKeyValue], name: str, wanted: float
 ) -> TriedKeyValue:
-    """The trial nearer to the wanted value, of two trials whose keys differ by round-off only.
+    """Of two trials whose keys differ only by round-off, the trial nearer to the wanted value.
 
     Raises NoAnswer if the quantity of this trial differs from the wanted value by more than its
     stated error and more than RELATIVE_DIFFERENCE_AT_DISCONTINUITY: then the quantity jumps between
@@ -573,7 +575,7 @@ def _nearer_of_two_almost_equal_trials(
 def _key_value_by_rational_interpolation(
     known: Sequence[TriedKeyValue], name: str, wanted: float
 ) -> float | None:
-    """The value x of the key at which a rational function y(x) has the wanted quantity.
+    """The value x of the key at which a rational function y(x) equals the wanted quantity.
 
     The function y = (a + b x)/(1 + c x) goes through the three trials whose quantities are nearest
     to the wanted one. It is exact for a torque that is proportional to a force, and for the torque
@@ -599,11 +601,11 @@ def _key_value_by_rational_interpolation(
 def _find_trial_with_wanted_value_near_file_value(
     question: SizingQuestion, name: str, wanted: float
 ) -> TriedKeyValue | None:
-    """The trial at which a quantity has a wanted value, sought from the value in the file on.
+    """The trial with the wanted value of a quantity, by a search that starts at the file's value.
 
-    The result is None if the wanted value is not found: then the whole range must be searched. It
-    is also None for angles and coordinates, since the torque often has the same value at two of
-    them.
+    The result is None if this search does not find the wanted value: then the whole range must be
+    searched. It is also None for angles and coordinates, because the torque often has the same
+    value at two angles or coordinates.
     """
     (low, high), start = question.ends_of_key_range, question.value_of_file
     if start == 0 or not (question.does_key_keep_one_sign and low <= start <= high):
@@ -660,11 +662,11 @@ def _is_wanted_value_enclosed(known: Sequence[TriedKeyValue], name: str, wanted:
 def _key_value_to_try_after_first_trial(
     trial: TriedKeyValue, name: str, wanted: float, slope: float | None
 ) -> float:
-    """The second value of the key to try: by the slope of the quantity, or in proportion to it.
+    """The second value of the key to try: from the slope of the quantity, or by proportion.
 
-    `slope` is the derivative of the quantity by the key, or None. It is not used if it gives a
-    value of another sign than the proportional value, or one that differs from it by more than the
-    factor DEFAULT_FACTOR_FROM_FILE_VALUE_TO_RANGE_END.
+    `slope` is the derivative of the quantity by the key, or None. It is not used if its value of
+    the key has another sign than the proportional value, or differs from the proportional value by
+    more than the factor DEFAULT_FACTOR_FROM_FILE_VALUE_TO_RANGE_END.
     """
     quantity = float(getattr(trial, name))
     proportional = (
@@ -712,7 +714,7 @@ def _exact_torque_slope_at_key_value(
 def _add_trials_at_limits_of_solvable_key_values(
     question: SizingQuestion, trials: list[TriedKeyValue]
 ) -> None:
-    """Find by bisection at which values of the key the answers end, and add these trials."""
+    """Find by bisection the values of the key at which answers end; add the trials to `trials`."""
     for before, after in list(pairwise(trials)):
         if bool(before.failure) == bool(after.failure):
             continue
@@ -729,11 +731,11 @@ def _add_trials_at_limits_of_solvable_key_values(
 def _add_trial_with_largest_or_smallest_quantity(
     question: SizingQuestion, trials: list[TriedKeyValue], name: str, wanted: float
 ) -> None:
-    """Add the trial with the largest or smallest quantity near the best of the trials.
+    """Add a trial at the maximum or minimum of the quantity, sought between two solved trials.
 
-    The largest quantity is sought if all trials are below the wanted value, and else the smallest.
-    It is sought between the two neighbours of the best trial; without an answer at both of them
-    nothing is added.
+    The maximum is sought if all trials are below the wanted value, else the minimum. The two trials
+    are the neighbours of the trial with the largest (or smallest) quantity so far. If one of these
+    neighbours has no answer, nothing is added.
     """
     solved = [trial for trial in trials if not trial.failure]
     sign = 1 if all(getattr(trial, name) < wanted for trial in solved) else -1

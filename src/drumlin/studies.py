@@ -31,25 +31,26 @@ FOLDER_OF_INSTALLED_OR_SOURCE_STUDIES_AND_MESHES = (
     if FOLDER_OF_INSTALLED_STUDIES_AND_MESHES.is_dir()
     else Path(__file__).resolve().parents[2]
 )
-"""The folder that has studies/ and meshes/: that of the installed package or the source's."""
+"""The folder with studies/ and meshes/: in an installed drumlin or in the source."""
 
 DRUMLIN_STUDIES_PACKAGE_FOLDER = Path(__file__).resolve().parents[1] / "drumlin_studies"
 """The folder of the package `drumlin_studies`, which studies import.
 
-The results of a study depend on the source of this package, so that the checksum in the journal of
-a study covers it.
+The results of a study depend on the source of this package. Therefore the checksum in a study's
+journal covers it.
 """
 
 
 OPTIONAL_PACKAGE_BY_STUDY_NAME = {"manual": "sphinx"}
-"""For studies that need optional packages: one of these packages, by the name of the study.
+"""An optional package that a study needs, by the name of the study.
 
-If it is missing, the user is told to install the extra drumlin[NAME] with the study's name.
+If the package is missing, the user is told to install the extra drumlin[NAME], where NAME is the
+name of the study.
 """
 
 
 def paths_of_example_brakes() -> dict[str, Path]:
-    """The paths of the example brake files by the names of the examples.
+    """The path of each example brake file, by the name of the example.
 
     A file brake.toml gets the name of its folder. Another file in the same folder gets the names of
     folder and file, joined by an underscore. Any other file keeps its own name.
@@ -70,7 +71,7 @@ def paths_of_example_brakes() -> dict[str, Path]:
 
 
 def paths_of_example_sweeps() -> dict[str, Path]:
-    """The paths of the example sweep files by the names of the examples.
+    """The path of each example sweep file, by the name of the example.
 
     The name of an example is ``sweep_`` and the name of its file without the suffix.
     """
@@ -84,7 +85,7 @@ def paths_of_example_sweeps() -> dict[str, Path]:
 
 
 def paths_of_example_notebooks() -> dict[str, Path]:
-    """The paths of the example notebooks by the names of the examples.
+    """The path of each example notebook, by the name of the example.
 
     The name of an example is ``notebook_`` and the name of its file without the suffix.
     """
@@ -201,7 +202,7 @@ def _add_files_of_example(texts: dict[str, str], target: str, text: str, base: P
 
 
 def paths_of_drumlin_studies() -> dict[str, Path]:
-    """The paths study.py of drumlin's own studies by their names."""
+    """The path of the file study.py of each of drumlin's own studies, by the study's name."""
     files = sorted(
         (FOLDER_OF_INSTALLED_OR_SOURCE_STUDIES_AND_MESHES / "studies").glob("*/study.py")
     )
@@ -211,7 +212,7 @@ def paths_of_drumlin_studies() -> dict[str, Path]:
 def docstring_first_lines_of_drumlin_studies() -> dict[str, str]:
     """The first line of the docstring of each of drumlin's own studies, by name.
 
-    The studies are read and not run.
+    The files of the studies are read; the studies do not run.
     """
     found = {}
     for name, file in paths_of_drumlin_studies().items():

@@ -1,13 +1,15 @@
 """Barecki's iteration, which finds the contact and the displacements of a post brake.
 
-A post is a beam whose lining is divided into sectors; each sector is a spring between the beam and
+A post is a beam whose lining is divided into sectors. Each sector is a spring between the beam and
 the elastic ring of the drum. The stations are the places along the beam at which its deflection is
 computed. The unknowns are the deflection w of the beam and the displacement z of the ring's rim.
-The equations are (12) for each station inside the beam, (17) for each sector, and M_0 = 0 (19), the
-moment about the hinge. By (20) a sector has the stiffness k* = k if it is compressed, t = w
-cos(theta) - z - Delta > 0 with the gap Delta, and else k* = 0. This module gives the terms in z and
-Delta the signs that follow from t; the paper prints them with the sign of the terms in w. The set
-of compressed sectors is revised until it agrees with the displacements.
+
+The numbers of equations are those of Barecki & Scieszka (1987). The equations are (12) for each
+station inside the beam, (17) for each sector, and (19): the moment M_0 about the hinge is zero. By
+(20) a sector has the stiffness k* = k if its compression t = w cos(theta) - z - Delta is positive,
+and else k* = 0. Delta is the gap. This module gives the terms in z and Delta the signs that follow
+from t; the paper prints them with the sign of the terms in w. The set of compressed sectors is
+revised until it agrees with the displacements.
 """
 
 from typing import NamedTuple

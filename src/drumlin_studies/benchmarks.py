@@ -1,4 +1,4 @@
-"""Benchmarks of drumlin's speed and model sizes, kept over the commits in a file of JSON lines.
+"""Benchmarks of drumlin's speed and model sizes, stored by commit in a file of JSON lines.
 
 `make benchmarks` measures the figures and adds a line to PATH_OF_BENCHMARK_HISTORY. Every time is
 divided by the time of a fixed calculation or of fixed imports in the same run. This ratio hardly

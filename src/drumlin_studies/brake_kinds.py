@@ -139,7 +139,7 @@ def row_of_errors_of_rigid_shoe_law(
     size = new.effect
 
     def largest_pressure_error_of_law_on_any_shoe(by: Response) -> float:
-        """Largest relative L2 distance, over all shoes, from the pressure in `by` to the law's."""
+        """Largest relative L2 distance, over all shoes, of the law's pressure from that in `by`."""
         # A shoe without contact has no pressure to which a distance could be relative.
         pairs = zip(found.law.shoes, by.shoes, strict=True)
         return max(
@@ -169,7 +169,7 @@ def row_of_errors_of_rigid_shoe_law(
 
 
 def torque_error_rows_of_models_besides_law(found: BrakeSolvedByAllModels) -> list[dict[str, Any]]:
-    """Rows of a table, one for each other model, with the relative errors of its torque.
+    """Rows of a table with the relative errors of the torque of each model besides the law.
 
     The errors are relative to finite elements with new and with worn-in linings.
     """
@@ -191,8 +191,8 @@ def torque_error_rows_of_models_besides_law(found: BrakeSolvedByAllModels) -> li
 def brake_factor_of_cam_brake(brake: Brake) -> float:
     """Brake factor T/(F R) = 4 B1 B2/(B1 + B2) of an S-cam brake with rigid worn-in shoes.
 
-    The cam moves the loaded ends of both shoes by the same distance. B1 and B2 are the shoe factors
-    T/(F R) of the two shoes, each actuated alone.
+    The cam moves the loaded ends of both shoes by the same distance. F is the mean of the two
+    forces of the cam. B1 and B2 are the shoe factors T/(F R) of the two shoes, each actuated alone.
     """
 
     def shoe_factor_of_shoe_alone_in_brake(shoe: Shoe) -> float:

@@ -181,8 +181,8 @@ def true_errors_and_estimates_on_each_mesh(
     The true error of a quantity is nan if drumlin itself says that the quantity is not known, such
     as the peak of a pressure without bound.
     """
-    # drumlin gets stated errors of zero for all quantities. An error that it returns larger than 0
-    # then marks a quantity that it calls unknown, such as a peak without bound.
+    # drumlin gets stated errors of zero for all quantities. If it returns an error above zero, it
+    # calls the quantity unknown, such as a peak without bound.
     nothing = EstimatedErrors.brake_errors_from_torque_and_shoe_errors(
         0.0, [dict.fromkeys(QUANTITIES_WITH_STATED_ERROR, 0.0)] * len(brake.shoes)
     )

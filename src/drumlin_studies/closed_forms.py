@@ -1,8 +1,8 @@
 """Closed-form solutions of elasticity, contact, friction and wear, as references for drumlin.
 
-The benchmark ladder compares drumlin with these solutions. They hold for plane stress and, unless a
-docstring says otherwise, for unit width. They use no code of drumlin, so that they are independent
-of it.
+The study `verification` compares drumlin with these solutions. They hold for plane stress and,
+unless a docstring says otherwise, for unit width. They use no code of drumlin, so that they are
+independent of drumlin.
 """
 
 import math
@@ -58,7 +58,7 @@ def dimensionless_persson_pressure_of_disc_in_hole(b: float, theta: Floats) -> F
 
 
 def westergaard_pressure_of_wavy_surface(mean: float, full: float, psi: Floats) -> Floats:
-    """Pressure [Pa] between a wavy elastic half-plane and a flat rigid one (Westergaard 1939).
+    """Pressure [Pa] between a wavy elastic half-plane and a flat rigid surface (Westergaard 1939).
 
     Parameters
     ----------

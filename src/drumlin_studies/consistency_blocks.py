@@ -54,7 +54,7 @@ POWERS_OF_TEN_OF_STEP_DEPTH_OVER_COMPRESSION = (-1.0, 1.0)
 TOLERANCE_OF_FINER_SOLUTION_WITH_BLOCKS = 2.5e-3
 """Relative tolerance of the finer solution from which true errors are taken.
 
-The meshes of this solution are refined until p changes by a tenth of the tolerance.
+The meshes of this solution are refined until p changes by less than a tenth of the tolerance.
 """
 KINDS_OF_RANDOM_BRAKES_WITH_BLOCKS = (
     *random_brake.FUNCTIONS_THAT_DRAW_BRAKE_DATA_BY_SHAPE_KIND,

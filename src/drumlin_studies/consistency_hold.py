@@ -28,9 +28,9 @@ from drumlin_studies.random_kinds import draw_random_brake_of_kind
 NAME_OF_CHECK_OF_HOLD = "hold's end = solve"
 """Name of this check in tables."""
 ROTATION_INCREMENTS_OF_HOLD_CHECK = 4
-"""Number of increments of the rotation. The state at full slip does not depend on it."""
+"""Number of increments of the rotation. It does not change the state at full slip."""
 ELEMENTS_PER_LINING_OF_HOLD_CHECK = 12
-"""Number of elements along a lining. `hold` and `solve` share the mesh, so its error cancels."""
+"""Number of elements along a lining. `hold` and `solve` have the same mesh: its error cancels."""
 KINDS_OF_RANDOM_BRAKES_FOR_HOLD_CHECK = (
     *random_kinds.FUNCTIONS_THAT_DRAW_BRAKE_DATA_BY_SUPPORT_KIND,
     *random_brake.FUNCTIONS_THAT_DRAW_BRAKE_DATA_BY_SHAPE_KIND,

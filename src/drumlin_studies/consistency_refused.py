@@ -25,7 +25,7 @@ With a larger spread the meshes are too coarse for the contact, and do not tell 
 has an equilibrium.
 """
 SOLVED_BRAKES_PER_ONE_CHECKED_ON_UNIFORM_MESHES = 10
-"""Of this many brakes that the default solve can solve, one is also solved on the uniform meshes.
+"""Number of brakes solved by the default solve, of which one is also solved on uniform meshes.
 
 The uniform meshes take about one second for a brake. A brake that the default solve refuses is
 always solved on them.
@@ -35,8 +35,8 @@ always solved on them.
 def rows_comparing_default_solve_with_meshes(seed: int) -> list[TwoPathComparison]:
     """Compare the default solve with three uniform meshes for the random brake of a seed.
 
-    Returns one row. It returns none if the default solve succeeds and the meshes are left out or
-    disagree with each other.
+    Returns one row. There is no row if the default solve succeeds and the uniform meshes are left
+    out or disagree with each other.
     """
     brake = draw_random_brake_for_refusal_check(seed)
     found = _solve_brake_or_return_refusal_message(brake, None)

@@ -95,7 +95,7 @@ class PrintedTorqueSlope(NamedTuple):
 
 
 class TorqueWithMeshAndContactSet(NamedTuple):
-    """A torque, with data by which two solves are seen to share the mesh and the contact set.
+    """A torque, with data that show whether two solves have the same mesh and the same contact set.
 
     Attributes
     ----------
@@ -397,7 +397,8 @@ KINDS_OF_RANDOM_BRAKES_FOR_SLOPE_CHECK = (
 def draw_random_brake_with_friction_and_name_of_kind(seed: int) -> tuple[str, Brake]:
     """The name of a kind of brakes, and the random brake with friction, that a seed gives.
 
-    In half of the brakes the shoe's body and the ring have a bending stiffness given by number.
+    In half of the brakes the bending stiffness of the first shoe and of the ring is given as a
+    number.
     """
     kind = KINDS_OF_RANDOM_BRAKES_FOR_SLOPE_CHECK[
         seed % len(KINDS_OF_RANDOM_BRAKES_FOR_SLOPE_CHECK)
@@ -413,9 +414,9 @@ def draw_random_brake_with_friction_and_name_of_kind(seed: int) -> tuple[str, Br
 
 
 def _brake_with_random_bending_stiffness(brake: Brake, rng: np.random.Generator) -> Brake:
-    """A copy of the brake whose first shoe and ring have a bending stiffness given by number.
+    """A copy of the brake with numbers as bending stiffness of the first shoe and of the ring.
 
-    Each number is drawn near the bending stiffness that the part already has.
+    Each number is drawn near the bending stiffness that the shoe or the ring already has.
     """
     changes: dict[str, Any] = {}
     body = brake.shoes[0].body
@@ -434,8 +435,8 @@ def rows_comparing_torque_slopes_of_random_brake(
 ) -> list[TwoPathComparison]:
     """Compare the torque's printed derivatives with central differences, for a random brake.
 
-    The seed gives the brake. Returns a row for each derivative. At most `most` derivatives are
-    compared, or all if it is None.
+    The seed gives the brake. Returns a row for each compared derivative. At most `most` derivatives
+    are compared, or all if `most` is None.
     """
     kind, brake = draw_random_brake_with_friction_and_name_of_kind(seed)
     on_hp_elements = bool(seed // len(KINDS_OF_RANDOM_BRAKES_FOR_SLOPE_CHECK) // 2 % 2)

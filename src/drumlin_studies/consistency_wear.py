@@ -245,7 +245,7 @@ def _torque_and_pressure_by_rigid_law(setup: WearSetup) -> _TorqueAndPressureOfW
 def _rows_comparing_wear_and_solve_after_reversal(
     name: str, setup: WearSetup, backward: WearSetup, scene: PreparedModel, s: float
 ) -> list[TwoPathComparison]:
-    """Compare worn linings with `solve` at the moment when the drum begins to turn back.
+    """Compare worn linings with `solve` at the instant when the drum begins to turn back.
 
     Parameters
     ----------

@@ -29,8 +29,8 @@ SEED_OF_FIRST_CORNER_BRAKE = 420_000
 Other brakes were used for development: the seeds 400000 to 400099 for the rules at corners, and
 those from `calibration.FIRST_CORNER` on for the safety factors."""
 SMALLEST_JUDGED_PRESSURE_EXPONENT = -0.3
-"""Exponent a of the pressure p ~ x^a at a corner. Below this value no solution reaches an error of
-0.1 % of p.
+"""Exponent a of the pressure p ~ x^a at the distance x from a corner. Below this value no solution
+reaches an error of 0.1 % of p.
 
 The limit exists because angles are floating-point numbers. The smallest element has 1e-12 rad
 (`corner.LENGTH_OF_PRESSURE_PIECE_AT_CORNER`), which is 1e-10 of a contact of half a degree. In this
@@ -82,9 +82,10 @@ def smallest_pressure_exponent_at_corners(brake: Brake) -> float:
 def error_summary_rows_by_kind(rows: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
     """Summarise rows of errors in a table with a row for each kind of brake and each tolerance.
 
-    A row has the number of brakes, the fraction that reaches the tolerance, and the smallest and
-    the median ratio of stated to true error of p. Below the kinds follow rows for all brakes, and
-    for the brakes whose exponent is at least SMALLEST_JUDGED_PRESSURE_EXPONENT.
+    A row has the number of brakes, the fraction that reaches the tolerance, the number of brakes
+    with a known ratio of stated to true error of p, and the smallest and the median of this ratio.
+    Below the kinds follow rows for all brakes, and for the brakes whose exponent is at least
+    SMALLEST_JUDGED_PRESSURE_EXPONENT.
     """
     kinds: dict[str, list[Mapping[str, Any]]] = {}
     for kind in sorted(set(values_of_key_in_rows(rows, "kind"))):

@@ -53,7 +53,7 @@ class ExtremeCase:
     Attributes
     ----------
     knob : str
-        Name of the sweep to which the case belongs.
+        Name of the sweep, grid or sample to which the case belongs.
     shoes : int
         1, or 2 for a second shoe that is the mirror image of the first.
     assisted : bool
@@ -218,9 +218,9 @@ class ExtremeCase:
 def _shoe_mesh_of_aspect_ratio(case: ExtremeCase, shoe: Shoe, radius: float) -> Any:
     """The mesh of a shoe whose elements at the heel have the case's aspect ratio at the surface.
 
-    Each further element is ten times as large as the element before. For ratios from 1 on the
-    elements grow through the lining; for smaller ratios they grow along the lining, within the
-    first element of the usual mesh.
+    Each further element is ten times as large as the element before. For a ratio of 1 or
+    more the elements grow through the lining. For a smaller ratio they grow along the lining,
+    within the first element of the usual mesh.
     """
     # A ratio of 1 or more makes the elements at the surface flatter; a smaller ratio makes the
     # elements at the heel shorter.

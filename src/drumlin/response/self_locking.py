@@ -89,9 +89,9 @@ class SelfLocking(NamedTuple):
         return f"friction {self.friction:g} is {share} of mu_lock = {limit.friction:.4g} {whose}"
 
     def warnings(self) -> Iterator[str]:
-        """Yield a warning for each mu_lock that the friction comes near.
+        """Yield a warning for each limit mu_lock that is close to the friction coefficient.
 
-        It comes near from WARNED_FRACTION_OF_LOCKING_FRICTION times mu_lock on.
+        It is close if friction/mu_lock is above WARNED_FRACTION_OF_LOCKING_FRICTION.
         """
         if (
             self.elastic is not None
@@ -123,7 +123,7 @@ class SelfLockingFactor(NamedTuple):
 
     Attributes
     ----------
-    key : key of the brake file by which friction depends on the pressure
+    key : key of the brake file that makes friction depend on the pressure
     elastic : the shoes that lock first by finite elements, and the factor at which they lock, in
         place of mu_lock; None if the factor was not sought
     sought : factor up to which the limit was sought; 0 if it was not sought
@@ -139,7 +139,7 @@ class SelfLockingFactor(NamedTuple):
         return {"factor": _finite_or_none(factor), "factor_sought_up_to": self.sought}
 
     def line(self) -> str:
-        """A line that states the factor on the friction at which the brake locks itself."""
+        """A line that states the factor on all frictions at which the brake locks itself."""
         if self.elastic is None:
             return f"self-locking: not sought for {self.key}; drumlin.self_locking finds it"
         if math.isinf(self.elastic.friction):
@@ -153,9 +153,9 @@ class SelfLockingFactor(NamedTuple):
         )
 
     def warnings(self) -> Iterator[str]:
-        """Yield a warning if the friction comes near to that which locks the brake.
+        """Yield a warning if the friction is close to the friction at which the brake locks itself.
 
-        It comes near from WARNED_FRACTION_OF_LOCKING_FRICTION of the locking friction on.
+        It is close above the fraction WARNED_FRACTION_OF_LOCKING_FRICTION of the locking friction.
         """
         if (
             self.elastic is not None

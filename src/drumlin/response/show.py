@@ -18,7 +18,7 @@ More points do not change a small plot.
 """
 
 TOP_OVER_PEAK = 1.12
-"""Upper end of the axis of a plot, over the largest peak pressure: figures of reports have it."""
+"""Upper end of the pressure axis, relative to the largest peak pressure, as in reports."""
 
 
 def text_of_contact_arcs(shoe: "ShoeResponse", surface: FrictionSurface) -> str:

@@ -56,7 +56,7 @@ The limit is a judgement: most cases take far less.
 """
 
 SECONDS_OF_WORK_PER_CHUNK_OF_CASES = 0.1
-"""Seconds of work in a chunk: a number of cases that a worker gets in one message.
+"""Seconds that a chunk should take: the cases that a worker gets in one message.
 
 With longer chunks more work is lost when the sweep is killed. Shorter chunks need more messages
 between the processes.
@@ -120,8 +120,8 @@ class ResultOfAttemptAtCase(NamedTuple):
     Attributes
     ----------
     row : results of the case, or the reason of its failure
-    is_kept_in_journal : whether a further attempt would give the same row; only then the journal
-        keeps it
+    is_kept_in_journal : whether the journal keeps the row, because a further attempt would give
+        the same row
     again : whether the case is tried again, because a further attempt may succeed
     """
 
@@ -140,8 +140,8 @@ def solve_case_and_return_brake_and_response(
     Parameters
     ----------
     case : the case
-    cache : the models "fem" and "solid" take the condensed stiffness of a shoe from it if an equal
-        shoe was condensed before, and else store it there
+    cache : store of condensed stiffnesses; the models "fem" and "solid" take the stiffness of an
+        equal shoe from it, and add the stiffness of each new shoe
     use_first_level : called by the model "fem" with the response on its first level, see
         `drumlin.fem.solve.solve`; None for other models
 
@@ -184,9 +184,9 @@ def solve_case_without_raising(
 def _solve_case_and_return_results(
     case: SweepCase, cache: CacheOfCondensedBodies | None
 ) -> CaseResultsByName:
-    """The results of a case by name; one of them says whether its errors come from a sample."""
-    # A case with a certificate is solved on the first level. If the sample has no case of its kind,
-    # it is solved on all levels.
+    """The results of a case by name; with a certificate, also where its stated errors come from."""
+    # A case that takes its errors from the sample is solved on the first level only. If the sample
+    # has no case of the same kind, the case is solved on all levels.
     if isinstance(case.certify, SampleErrorsForCasesOutsideSample):
         brake = _brake_of_case(case)
         by_sample = response_with_errors_certified_by_sample(
@@ -302,8 +302,9 @@ def solve_all_cases_of_sweep(
 ) -> list[CaseResultsByName]:
     """Solve the cases of a sweep; returns the row of results of each case, in the same order.
 
-    A failure because of missing memory or a dead worker may not occur again. Such a case is tried
-    twice more, alone. If it still fails, its row says why, and the journal does not keep this row.
+    A failure because of missing memory or a dead worker may not occur again. A case with this
+    failure is tried twice more, alone in a message to a worker. If the case still fails, its row
+    says why, and the journal does not keep this row.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Certificates of a sweep: what the cases of its sample tell about its other cases.
+"""Certificates of a sweep: the errors of a sample of its cases, used for its other cases.
 
 The finite elements solve a case on two or more levels, divisions into finer and finer elements, and
 state its errors from the differences between the levels. If a sweep is certified by sample, some of
@@ -56,7 +56,7 @@ class MarkOfSampleCaseSolvedOnAllLevels(NamedTuple):
 
 
 class SampleErrorsForCasesOutsideSample(NamedTuple):
-    """What the sample tells about the cases that are solved on the first level only.
+    """The kinds and the errors of the sample's cases, for cases solved on the first level only.
 
     Attributes
     ----------
@@ -126,7 +126,7 @@ def response_with_errors_certified_by_sample(
     ----------
     brake : the brake with its changed values
     changes : the changed values, by key of the brake file
-    certificate : what the sample tells
+    certificate : kinds of cases in the sample, and errors of their first level
     options : options of the finite elements
     cache : keeps the condensed bodies of earlier solves
 

@@ -830,7 +830,7 @@ def _combinations_of_listed_values(
 def _numbers_of_cases_until_next_value_of_each_key(
     combine: str, lengths: Sequence[int], draws_per_combination: int
 ) -> list[int]:
-    """For each listed key, the number m of cases after which its next value comes.
+    """For each listed key, the number m of cases that have one value before its next value comes.
 
     The first case that has value k of the key is case k m, counted from 0.
 
@@ -867,7 +867,7 @@ def _check_listed_values_of_key(
     medians: Mapping[str, Any],
     done: ShowProgressOfCheckedValues,
 ) -> None:
-    """Raise BadInput for a listed value of a key that is not allowed.
+    """Raise BadInput for a listed value that is not allowed for its key.
 
     A value is allowed if the base brake can have it, or if the brake of the first case with this
     value can have it. If the key allows all numbers of an interval

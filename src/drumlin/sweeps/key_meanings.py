@@ -1,4 +1,4 @@
-"""What each key of a sweep file means, in words, beside what its type says."""
+"""The meaning of each key of a sweep file, in words; the type of a key says what it may hold."""
 
 from drumlin.brake.key_meanings import KeyMeaningsOfPart
 from drumlin.sweeps.file import Normal, Range, SweepFile, Triangular, TruncatedNormal, Uniform

@@ -1,7 +1,7 @@
-"""Which varied keys of a sweep change no result of a law.
+"""Find the varied keys of a sweep that change no result of a pressure law.
 
-A law of rigid shoes knows no clearance, no body and often no modulus. A sweep of such a key by a
-law has the same results in all cases, which looks like an answer.
+A pressure law is a model with rigid shoes. It uses no clearance, no shoe body and often no modulus.
+If a sweep varies such a key, all cases by the law have the same results. This looks like an answer.
 """
 
 import json
@@ -12,25 +12,29 @@ from typing import Any
 from drumlin.sweeps.cases import CaseResultsByName, SweepCase, solve_case_without_raising
 
 MODELS_WHOSE_RESULTS_DEPEND_ON_ALL_KEYS = {"fem", "solid"}
-"""Models whose results depend on all geometry, loads and stiffnesses of a brake.
+"""Models whose results depend on all geometry, loads and stiffnesses; they are not checked.
 
-They are not solved anew for the question, because one case takes as long as many cases of a law.
+Their cases are not solved anew for this check: one case takes as long as many cases of a law.
 """
 
 MOST_CASES_WHOSE_KEY_VALUES_ARE_READ = 1000
-"""Largest number of cases whose values of a key are read, evenly among all; reading takes time."""
+"""Largest number of cases, evenly spaced among all cases, whose values of a key are read.
+
+More cases would take more time.
+"""
 
 MOST_KEY_VALUES_TRIED_WITH_LAW = 4
 """Largest number of values of a key with which a law is solved anew.
 
-A key may have an effect only from some value on, such as the threshold of a cylinder. Two values
-could both lie below. More values cost time, some milliseconds each.
+A key may have an effect only above some value, such as the threshold of a cylinder. Two values
+could both lie below it. More values cost time, some milliseconds each.
 """
 
 RELATIVE_DIFFERENCE_OF_EQUAL_LAW_RESULTS = 1e-9
-"""Relative difference of two results of a law up to which they are equal but for round-off.
+"""Largest relative difference of two results of a law that counts as round-off.
 
-Round-off of the laws is some 1e-12. A key with an effect below a billionth has none for a user.
+Round-off of the laws is some 1e-12. A key that changes a result by less than a billionth has no
+effect for a user.
 """
 
 
@@ -89,7 +93,7 @@ def _have_cases_that_differ_in_key_equal_results(
     """Whether all solved cases of a law that differ in one key alone have equal results.
 
     `rows` are the results of the cases. The key may have an effect only with some values of other
-    keys: the direction of a force has none where the force is zero.
+    keys: the direction of a force has no effect if the force is zero.
     """
     first_rows: dict[str, CaseResultsByName] = {}
     for case, row in zip(cases, rows, strict=True):
@@ -102,7 +106,7 @@ def _have_cases_that_differ_in_key_equal_results(
 
 
 def _are_results_equal(row: CaseResultsByName, other: CaseResultsByName) -> bool:
-    """Whether two cases have the same results but for round-off; their balances are round-off."""
+    """Whether two cases have the same results but for round-off; "balance" is not compared."""
     return row.keys() == other.keys() and all(
         _are_values_equal(row, other, name) for name in row if name != "balance"
     )

@@ -1,7 +1,7 @@
 """Turn the arguments of `drumlin.sweep` in Python into the data of a sweep file.
 
-A number in Python is in SI units, while a sweep file has a unit on every quantity. The values get
-their units here, so that files and Python go the same way from then on.
+A number in Python is in SI units, while a sweep file has a unit on every quantity. This module adds
+the units, so that sweeps from Python and from files are then checked and solved by the same code.
 """
 
 from collections.abc import Mapping, Sequence

@@ -27,14 +27,14 @@ ShowSweepMessage = Callable[[str], None]
 """A function that shows a line of text to the user."""
 
 MakeProgressBar = Callable[[str], AbstractContextManager[Callable[[int, int], None]]]
-"""A function that makes a context manager, which shows a progress bar with the given title.
+"""A function that takes a title and returns a context manager that shows a progress bar.
 
-The `with` statement gives a function, to be called with the number of finished cases and the number
-of all cases.
+Its `with` statement gives a function that updates the bar. This function takes the number of
+finished cases and the number of all cases.
 """
 
 TableWriterReturnType = TypeVar("TableWriterReturnType")
-"""The type of the value that the function returns which writes the table of a sweep."""
+"""The type of the value returned by the function that writes the table of a sweep."""
 
 
 def solve_sweep_in_memory(
@@ -103,9 +103,9 @@ def solve_sweep_with_journal(
 ) -> TableWriterReturnType:
     """Solve a sweep and write its table; a journal beside the table keeps each finished case.
 
-    If the sweep was stopped, the next call of this function solves the missing cases only. The
-    journal is deleted once the table is written, if all cases have lasting results, and if the
-    journal has no other cases. No other run can write the journal or the table meanwhile.
+    If the sweep was stopped, the next call of this function solves the missing cases only. Once the
+    table is written, the journal is deleted, unless a case failed for a reason that may pass or the
+    journal has cases of another sweep. No other run can write the journal or the table meanwhile.
 
     Parameters
     ----------

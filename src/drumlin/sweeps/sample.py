@@ -1,4 +1,4 @@
-"""The sample of a sweep: the cases that are solved on all levels, and what follows for the others.
+"""The sample of a sweep: cases solved on all levels, whose errors serve for the other cases.
 
 A level is a division of the shoes into finite elements; each level is finer than the level before.
 The sample has a case of each N successive cases, drawn at random, and the cases with the smallest
@@ -37,7 +37,7 @@ CERTIFY_VALUE_FOR_OWN_ERRORS_OF_EACH_CASE = "every case"
 """The value of the key `certify` with which each case states its own errors."""
 
 PATTERN_OF_CERTIFY_VALUE_EVERY_NTH = "every [0-9]{1,6}(st|[nr]d|th)"
-"""The pattern of values of the key `certify` such as "every 10th": a case of each 10 is drawn."""
+"""The pattern of values of the key `certify` such as "every 10th": one of 10 cases is drawn."""
 
 FEM_OPTIONS_ALLOWED_WITH_SAMPLE = {"penalty", "model_error"}
 """Options of the finite elements that a sweep certified by sample may have.
@@ -108,7 +108,8 @@ def _check_sample_can_state_errors_of_cases(
 ) -> None:
     """Raise BadInput if a sample cannot state the errors of the cases by finite elements.
 
-    It cannot for a mesh from a file and for other options than FEM_OPTIONS_ALLOWED_WITH_SAMPLE.
+    A sample cannot do so for a mesh from a file, and for options that are not in
+    FEM_OPTIONS_ALLOWED_WITH_SAMPLE.
     `own` are the positions of the cases by finite elements, and `shown` is the key in the error
     message.
     """
@@ -174,7 +175,8 @@ def solve_sample_cases_and_then_all_others(
     sample : positions of the cases in the sample, see `positions_of_sample_cases`
     journal : file that keeps the row of each finished case; None: they are kept in memory
     done : called with the number of finished cases and the number of all cases
-    say : called with a line when the sweep waits for workers, and if the sample is useless
+    say : called with a line when the sweep waits for workers, and if no errors of the sample may be
+        used for other cases
     options : further arguments of `solve_all_cases_of_sweep`, which also says what is raised
     """
     journal = JournalOfCaseResults() if journal is None else journal

@@ -19,10 +19,10 @@ from drumlin.sweeps.cases import CaseResultsByName
 from drumlin.sweeps.table import check_table_file_is_writable, write_table_file
 
 MOST_SHOWN_ROWS_OF_SWEEP_TABLE = 10
-"""Number of cases that are shown of a table. All of them would fill the screen."""
+"""Largest number of cases that a displayed table shows; all cases would fill the screen."""
 
 MOST_SHOWN_REASONS_OF_FAILED_CASES = 3
-"""Number of reasons for failed cases that are shown, the most frequent first."""
+"""Largest number of reasons for failed cases that are shown, the most frequent first."""
 
 
 class ColumnStatistics(NamedTuple):
@@ -30,11 +30,11 @@ class ColumnStatistics(NamedTuple):
 
     Attributes
     ----------
-    column : heading of the column, with the SI unit in brackets
+    column : heading of the column, with its unit in brackets
     model : name of the model whose cases are counted
     cases : number of cases
     mean : arithmetic mean
-    deviation : standard deviation of a sample (divided by cases - 1); nan for one case
+    deviation : standard deviation (sum of squares divided by cases - 1); nan for one case
     low, high : quantiles of 5 % and of 95 %, linear between two neighbouring cases
     smallest, largest : extreme values
     """
@@ -63,7 +63,7 @@ STATISTICS_HEADINGS = ("", "mean", "spread", "5 %", "95 %", "least", "most")
 
 
 class HeadingAndUnitFactorOfShownColumn(NamedTuple):
-    """A column of the table as people read it.
+    """The heading of a column of the displayed table, and the factor to its displayed unit.
 
     Attributes
     ----------
@@ -79,8 +79,8 @@ class HeadingAndUnitFactorOfShownColumn(NamedTuple):
         """The shown column for a heading of the table, such as "peak_pressure [Pa]"."""
         name, unit = name_and_unit_of_column(heading)
         shown, factor = PRINTED_UNIT_AND_FACTOR_BY_SI_UNIT.get(unit, (unit, 1.0))
-        # Keys of shoes, such as "shoe[0].lining.thickness", stay as they are. In all other names a
-        # point or an underscore becomes a space.
+        # A name that begins with "shoe", such as "shoe[0].lining.thickness" or "shoe_factor", stays
+        # as it is. In all other names a point or an underscore becomes a space.
         words = name if name.startswith("shoe") else name.replace(".", " ").replace("_", " ")
         return cls(f"{words} [{shown}]" if shown else words, factor)
 
@@ -105,8 +105,8 @@ class SweepTable(Sequence[CaseResultsByName]):
     `table[0]` is the first row, with values by heading. `table["torque"]` is a column: an array of
     numbers, with nan for the results of cases that are not solved, or a list of texts. A row, and
     the file of the table, keep the numbers of a case that has not converged beside its status. The
-    unit of a heading may be left out. All numbers are in SI units, unless the sweep file asks for
-    others.
+    unit of a heading may be left out. All numbers are in SI units, but a sweep file may ask for
+    stresses in MPa.
 
     Parameters
     ----------
@@ -175,7 +175,7 @@ class SweepTable(Sequence[CaseResultsByName]):
         return names[name]
 
     def _headings_of_case_inputs(self) -> set[str]:
-        """The headings of the columns that are given for each case, and are no results."""
+        """The headings of the columns that are given for each case and are not results."""
         return {"case", *map(self.heading_of_column, self.varied)}
 
     @property
@@ -222,7 +222,7 @@ class SweepTable(Sequence[CaseResultsByName]):
         return [row for row in self.rows if row["model"] == model and row["status"] == "solved"]
 
     def _headings_of_main_results(self) -> list[str]:
-        """The headings of the columns whose statistics are shown."""
+        """The headings of the columns whose statistics are shown by default."""
         main = {"torque", "braking_force", "brake_factor", "peak_pressure"}
         found = []
         for heading in self.headings:
@@ -369,7 +369,7 @@ class SweepTable(Sequence[CaseResultsByName]):
 def _value_unless_result_of_unsolved_case(
     row: CaseResultsByName, heading: str, given: Collection[str]
 ) -> Any:
-    """The value of a row under a heading; None for a number that is no answer of the case.
+    """The value of a row under a heading; None for a number that results from an unsolved case.
 
     A case that has not converged has numbers as results, too. `given` are the headings of values
     that are no results.
@@ -396,7 +396,7 @@ def _statistics_of_values(heading: str, model: str, values: Floats) -> ColumnSta
 
 
 def function_that_prints_progress() -> Callable[[int, int], None]:
-    """A function that prints the progress of a sweep as one line, which it prints over itself.
+    """A function that shows the progress of a sweep in one line; each call overwrites the line.
 
     The line goes to standard error. It looks the same in a terminal and in a notebook.
     """

@@ -155,9 +155,9 @@ class _ProcessPool(Executor):
     Three existing pools were tried (pebble 5.2.3, loky 3.7.0, concurrent.futures of Python 3.11).
     In each of them the processes share one pipe. In all three pools the death of a process that was
     sending its answer was not noticed within 40 s. In pebble and concurrent.futures, work submitted
-    afterwards had no answer within 20 s. In loky a process that died at its work took the work of
-    another process with it, and the whole pool. The pool of concurrent.futures was unusable after
-    the death of a process.
+    afterwards had no answer within 20 s. In loky the death of a working process also ended the work
+    of another process and made the whole pool unusable. The pool of concurrent.futures was unusable
+    after the death of a process.
     """
 
     def __init__(self, number: int) -> None:

@@ -62,7 +62,8 @@ class DeviationOfCurveFromReference(NamedTuple):
     Attributes
     ----------
     shoe : name of the shoe
-    distance : L2 distance of the curve's pressure from the reference, relative to the reference
+    distance : L2 norm of the difference of p from the reference, relative to the L2 norm of the
+        reference
     largest : largest difference of p, relative to the peak pressure of the reference
     at : angle or place of the largest difference, as text
     torque : torque [N m] that the curve gives by the trapezoidal rule, on a plane surface the
@@ -392,8 +393,8 @@ def _integral_of_pressure_over_theta_on_linings(shoe: Shoe, curve: PressureCurve
     """The integral of p over theta along all linings [Pa rad], by the trapezoidal rule.
 
     The points of the rule are the curve's points inside each lining, and the two ends of the
-    lining. At a slot the pressure has its value at the lining's nearest point. A lining without a
-    point has no pressure.
+    lining. At an end beside a slot the pressure is that of the lining's nearest point. A lining
+    without a point counts as a lining without pressure.
     """
     total = 0.0
     slots = shoe.lining.slots
@@ -420,7 +421,7 @@ def text_lines_on_errors_of_pressure_table(
     tolerance: float,
     surface: FrictionSurface = FRICTION_SURFACE_OF_DRUM,
 ) -> list[str]:
-    """The verdicts as text: one line for each shoe, then whether all are within the tolerance.
+    """The deviations as text: a line for each shoe, then whether all are within the tolerance.
 
     The friction surface of the brake, drum or plane, gives the name and the unit of the torque.
     """

@@ -49,7 +49,7 @@ UNKNOWNS_OF_SHOE_BY_ROW_OF_COST_TABLE = (20_000, 50_000, 100_000, 200_000, 500_0
 """Number of unknowns of a shoe for each row of the table of cost by size."""
 
 DEGREES_ACROSS_WIDTH_BY_ROW_OF_COST_TABLE = (1, 2, 3, 4, 5)
-"""Degree across the width for each row of the table of cost of solid shoes."""
+"""Polynomial degree across the width for each row of the table of cost of solid shoes."""
 
 MOST_UNKNOWNS_OF_ROW_IN_FIT_OF_TIME = 600_000
 """Number of unknowns above which a row of the cost table is not used to fit time ~ unknowns^k.
@@ -109,7 +109,8 @@ def measure_time_and_memory_of_fem(
     brake : the brake
     elements : number of elements along each lining
     penalty : contact penalty
-    repeats : number of times that each task is timed; with 1 the time of the first solve counts
+    repeats : number of times that each task is timed (the further load case at least 3 times); with
+        1 the time of the first solve counts
     mesher : function that meshes a shoe; None: drumlin's own mesher
     """
     mesh_and_solve = partial(_mesh_and_solve_brake, brake, elements, penalty, mesher)
@@ -318,7 +319,7 @@ def time_and_memory_report_lines(
     Parameters
     ----------
     brake : the brake
-    model : "fem" for plane shoes, "solid" for three-dimensional ones, which always give a table
+    model : "fem" for plane shoes; "solid" for three-dimensional shoes, whose cost is always a table
     by_size : True: a table of the cost by number of unknowns; False: the cost of this brake
     options : `elements` and `penalty` of the finite elements; not allowed with a table
 

@@ -199,7 +199,7 @@ def _brake_response_by_curved_triangle_elements(
 
 
 def _which_nodes_are_on_linings(shoe: Shoe, theta: Floats) -> Bools:
-    """Whether growing nodes (n,) [rad] are on a lining, and not in a slot between two linings."""
+    """Whether the nodes at growing angles theta (n,) [rad] are on a lining, and not in a slot."""
     on_lining = np.ones(len(theta), dtype=bool)
     for start, end in shoe.lining.slots:
         # The last node on the lining before the slot and the first one behind it are on linings.
@@ -342,8 +342,8 @@ def compute_reference_values(
     for name in PACKAGES_WITH_VERSION_IN_REFERENCE_VALUES:
         versions[name] = importlib.metadata.version(name)
     shoes = tuple(_reference_values_of_shoe(brake, i, trio) for i in range(len(brake.shoes)))
-    # The errors of the shoes may have the same sign, so that the uncertainties of their torques are
-    # added.
+    # The errors of the shoes may have the same sign. Therefore the uncertainties of their torques
+    # are added.
     torque = UncertainValue(trio.value.torque, math.fsum(shoe.torque.uncertainty for shoe in shoes))
     method = (
         REFERENCE_METHOD_TEXT_WITHOUT_TRIANGLES
@@ -435,9 +435,9 @@ def _whole_degree_angles_or_millimetre_positions_on_lining(shoe: Shoe) -> Floats
 def _largest_relative_distance_from_cited_pressure(
     brake: Brake, cited: ShoeResponse, others: Sequence[ShoeResponse]
 ) -> float:
-    """The largest relative L2 distance of pressure curves `others` of a shoe from the cited one.
+    """The largest relative L2 distance of the pressure curves `others` from the cited one.
 
-    A lining without any pressure has no relative distance; 0 is returned for it.
+    A shoe without any pressure has no relative distance; 0 is returned for it.
     """
     if not cited.pressure.any():
         return 0.0

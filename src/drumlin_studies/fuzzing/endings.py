@@ -267,7 +267,7 @@ def _describe_fault_of_successful_run(
 
 
 def _shoe_names_like_non_finite_numbers(given: FilesAndCommandLineOfBrokenInput) -> list[str]:
-    """Names of shoes in the brake file that look like an infinite number, such as "inf mm"."""
+    """Names of shoes in the brake file that contain a non-finite number, such as "inf mm"."""
     try:
         shoes = tomllib.loads(given.files.get("b.toml", b"").decode()).get("shoe", [])
         names = {str(shoe.get("name")) for shoe in shoes}
@@ -296,7 +296,7 @@ def _describe_fault_of_written_file(name: str, data: bytes, names: Sequence[str]
     data : bytes
         Content of the file.
     names : sequence of str
-        Names of shoes that look like an infinite number; in a table they are no fault.
+        Names of shoes that contain a non-finite number; in a table they are no fault.
     """
     if Path(name).name.startswith(".drumlin-"):
         return f"a temporary file is left: {name}"

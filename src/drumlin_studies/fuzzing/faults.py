@@ -305,7 +305,8 @@ NAMES_OF_SLOW_OR_ENDLESS_COMMANDS = {
 }
 """Commands that take long, or run until they are stopped.
 
-They are only run with wrong options, by `make_input_with_wrong_command`, so that they end at once.
+`make_input_with_wrong_command` runs them with wrong options, so that they end at once. Only `hold`
+is also run with random options, on few elements.
 """
 
 

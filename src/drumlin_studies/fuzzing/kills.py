@@ -1,4 +1,4 @@
-"""Sweeps of brakes that are killed at random moments and resumed.
+"""Sweeps that are killed at random moments and resumed.
 
 After the last resumption a sweep must write the table of an undisturbed run. No case may be solved
 twice.
@@ -201,7 +201,7 @@ def _lock_open_file(handle: int) -> None:
 
 
 def _keys_of_cases_in_sweep_journal(journal: Path) -> list[str]:
-    """The keys of the solved cases in the journal of a sweep. Each line below the first has one."""
+    """The keys of the solved cases in a sweep's journal. Each line below the first has one key."""
     return [
         json.loads(line)["key"] for line in journal.read_text(encoding="utf-8").splitlines()[1:]
     ]

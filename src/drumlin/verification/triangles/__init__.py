@@ -1,9 +1,10 @@
 """A second solver for brakes: curved triangles of high degree with contact node by node.
 
 This solver shares nothing with drumlin's hp elements but the brake. The sizes of the triangles
-shrink geometrically towards every corner of lining, backing, shoe and beam, towards the kinks of
-the gap and the ends of the contact, and in the drum's ring towards the points opposite the lining's
-ends. Coarser meshes are solved first to find the ends of the contact.
+shrink geometrically towards the points where the stress is not smooth. These points are the corners
+of lining, backing, shoe and beam, the kinks of the gap, and the ends of the contact. In the drum's
+ring they are the points opposite the lining's ends and opposite such points of the lining's face.
+Coarser meshes are solved first to find the ends of the contact.
 
 Contact is enforced exactly at every node of the lining's face. A node is either open, or it lies on
 the drum (or on the opposite node of an elastic ring) and carries a force with Coulomb friction at

@@ -65,8 +65,8 @@ class RingCondensedToLiningNodes(NamedTuple):
     Attributes
     ----------
     compliance : (2m, 2m) displacements of the m nodes under unit forces on the m nodes [m/N]
-    of : for each lining with n nodes, the positions (n,) of the opposite ring nodes among the m
-        nodes
+    of : for the lining face of each shoe, the positions (n,) among the m nodes of the ring nodes
+        opposite to the n nodes of the face
     """
 
     compliance: Floats
@@ -88,7 +88,7 @@ class NodesAndSupportsInContactAtStart(NamedTuple):
     def contact_at_start_of_some_shoes(
         self, members: Sequence[int]
     ) -> "NodesAndSupportsInContactAtStart":
-        """The nodes and supports in contact at the start, for the shoes numbered `members` only."""
+        """The nodes and supports in contact at the start, for the shoes of indices `members`."""
         return NodesAndSupportsInContactAtStart([self.nodes[i] for i in members], self.supports)
 
 
@@ -98,8 +98,8 @@ class ContactForcesAndRigidMotions(NamedTuple):
     Attributes
     ----------
     force : (n,) nodal contact forces along the normals [N], 0 at open nodes
-    motions : (k,) generalised coordinates of the rigid-body modes of the shoes. Before a solution
-        is split by shoes, the forces [N] of the supports that bear follow these coordinates.
+    motions : (k,) generalised coordinates of the rigid-body modes of the shoes. Until the solution
+        is split by shoes, the forces [N] of the bearing supports come after these coordinates.
     active : (n,) whether a node is in contact
     supports : forces of the one-sided supports of one shoe
     """
@@ -115,10 +115,11 @@ def solve_contact_complementarity(
 ) -> ContactForcesAndRigidMotions:
     """Solve w = q + A f + B y >= 0, f >= 0, w f = 0, C f + G y = h for f and y.
 
-    At each node the gap w or the force f is zero; the last equation is the equilibrium of the
-    shoes. A node in contact is called active. All nodes with a tensile force or a penetration
-    change at once between open and active. If their number does not fall, only one of them changes
-    at a time. `first` (n,) tells whether each node is active at the start.
+    See `ContactEquations` for the symbols. At each node the gap w or the force f is zero; the last
+    equation is the equilibrium of the shoes. A node in contact is called active. All nodes with
+    a tensile force or a penetration change at once between open and active. If their number does
+    not fall, only one node changes at a time. `first` (n,) tells whether each node is active at the
+    start.
 
     Raises
     ------
@@ -360,7 +361,7 @@ def _contact_forces_for_assumed_friction_senses(
     weight = np.concatenate([one.weight for one in own])
     # The gaps at one lining also change by the displacements of the ring under every lining.
     if rim is not None:
-        # The numbers of the x and y displacements of the ring's nodes under each lining.
+        # The indices of the x and y displacements of the ring's nodes under each shoe's linings.
         under = [(2 * nodes[:, None] + np.arange(2)).ravel() for nodes in rim.of]
         for i, j in np.ndindex(len(faces), len(faces)):
             compliance = rim.compliance[np.ix_(under[i], under[j])]
@@ -389,7 +390,7 @@ def _contact_forces_with_bearing_supports_by_trial(
 
     Sets of bearing supports are tried until no support of the set pulls and no other support
     overlaps its shoe. The set of an earlier solution is tried first. Shoes without one-sided
-    supports are solved at once.
+    supports are solved without trials.
 
     Parameters
     ----------

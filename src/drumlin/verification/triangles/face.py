@@ -29,7 +29,7 @@ class BodyMeshedByTriangles(NamedTuple):
     mesh : triangles of the body
     nodes : nodes of these triangles
     K : (m, 2n, 2n) stiffness matrix of each triangle [N/m]
-    surface : numbers of the nodes on the friction surface d = 0, in the order of growing s
+    surface : indices of the nodes on the friction surface d = 0, in the order of growing s
     degree : polynomial degree of the triangles
     """
 
@@ -66,8 +66,8 @@ class ShoeCondensedToLiningFace:
         width [m^2]
     compliance : (2n, 2n) displacements of the nodes under unit forces on them [m/N]
     loaded : (2n,) displacements of the nodes under the actuation and other loads, without heat [m]
-    elastic_actuation_work : work [N m] of these loads on the elastic displacements that they cause
-        by themselves
+    elastic_actuation_work : work [N m] of these loads on the elastic displacements due to these
+        loads alone
     displacements_under_unit_pushes : (2n, m) displacements of the nodes under a push of 1 N by each
         of the m one-sided supports of the shoe [m/N]
     push_travel : (m,) displacement [m] of the shoe at the point of each of these pushes, along the
@@ -101,9 +101,9 @@ class ShoeCondensedToLiningFace:
 def node_numbers_along_edges(
     nodes: NodesOfTriangleMesh, tri: Ints, edge: Ints, degree: int
 ) -> Ints:
-    """Numbers (k, degree + 1) of the nodes along one edge of each of k triangles.
+    """Indices (k, degree + 1) of the nodes along one edge of each of k triangles.
 
-    `tri` (k,) are the numbers of the triangles, `edge` (k,) the numbers 0 to 2 of their edges.
+    `tri` (k,) are the indices of the triangles, `edge` (k,) the indices 0 to 2 of their edges.
     """
     inner = 3 + edge[:, None] * (degree - 1) + np.arange(degree - 1)
     local = np.concatenate([edge[:, None], inner, ((edge + 1) % 3)[:, None]], axis=1)
@@ -127,7 +127,7 @@ def edge_shape_function_values_and_derivatives(degree: int, at: Floats) -> tuple
 def gauss_points_lengths_and_shape_functions_on_curved_edges(
     xy: Floats, degree: int
 ) -> tuple[Floats, Floats, Floats]:
-    """The Gauss rule on k curved edges: shape functions, points and lengths at its q points.
+    """Shape functions, points and lengths of a Gauss rule with q points on each of k curved edges.
 
     The nodes of the edges are xy (k, degree + 1, 2) [m]. Returned are the values (degree + 1, q) of
     the shape functions, the points (k, q, 2) [m], and the lengths ds (k, q) [m], which include the
@@ -222,8 +222,8 @@ def _nodal_forces_of_one_newton_by_each_support(
 ) -> list[Floats]:
     """Nodal forces (2N,) [N] of a push of 1 N by each one-sided support of a shoe.
 
-    The forces are 0 if a support pushes at the fixed end of the shoe, which belongs to the rigid
-    frame.
+    The forces are 0 if the support pushes at the fixed end of the shoe, or if the shoe is fixed at
+    its back: such a push does not deform the shoe.
     """
     loads = []
     for push in unit_forces_of_one_sided_supports_on_shoe(brake, shoe.name):
@@ -260,7 +260,7 @@ def _mass_matrix_of_face(body: BodyMeshedByTriangles, kept: Ints, width: float) 
     Parameters
     ----------
     body : the meshed shoe
-    kept : numbers (n,) of the nodes of the face
+    kept : indices (n,) of the nodes of the face
     width : width of the lining [m]
     """
     nodes = body.nodes

@@ -113,7 +113,7 @@ class NodesOfTriangleMesh:
 
     Attributes
     ----------
-    of : (m, n) numbers of the nodes of each triangle
+    of : (m, n) indices of the nodes of each triangle
     at : (N, 2) coordinates s and d of each node; at a node where the grid of a closed ring begins
         and ends, s is one of its two values
     xy : (N, 2) positions of the nodes [m]
@@ -236,7 +236,7 @@ def nodal_forces_of_heated_triangles(
 
     The forces are the integral of B^T Q^T D eps_0 (Cook et al., Concepts and Applications of Finite
     Element Analysis, section 8.2), with the free strains eps_0 in the directions of the layer. The
-    free strains are linear from the near to the far face of the layer. N is the number of nodes.
+    free strains are linear across the thickness of the layer. N is the number of nodes.
     """
     values, slopes, weights = triangle_shape_functions_gradients_and_weights(degree)
     forces = np.zeros_like(nodes.xy)
@@ -249,8 +249,8 @@ def nodal_forces_of_heated_triangles(
         G = np.einsum("ndq,mqdc->mncq", slopes, np.linalg.inv(J))
         area = np.abs(np.linalg.det(J)) * weights
         points = np.einsum("mnc,nq->cmq", x, values)
-        # The coordinate across the layers counts layers. From the near face to the far face of this
-        # layer it grows from `number` to `number` + 1.
+        # The coordinate d counts the layers from the friction surface. In this layer d rises
+        # from `number` to `number` + 1; the near face of the layer is the face at `number`.
         through = np.einsum("mn,nq->mq", nodes.at[of, 1], values) - number
         near, far = layer.free_strains[:, :, None, None].swapaxes(0, 1)
         strains = near + (far - near) * through
@@ -290,7 +290,7 @@ class CondensedStiffnessOfBodyPart(NamedTuple):
 
     Attributes
     ----------
-    dofs : (k,) numbers of the remaining unknowns, in growing order. An unknown remains because it
+    dofs : (k,) indices of the remaining unknowns, in growing order. An unknown remains because it
         belongs to a kept node or to triangles of parts that are not added yet.
     triangles : (k,) number of triangles of the part around each remaining unknown
     K : (k, k) stiffness [N/m]
@@ -311,7 +311,7 @@ class _BodyToCondense(NamedTuple):
     Attributes
     ----------
     K : (m, 2n, 2n) stiffness of each triangle [N/m]
-    dofs : (m, 2n) numbers of the unknowns of each triangle
+    dofs : (m, 2n) indices of the unknowns of each triangle
     centres : (m, 2) centre of the nodes of each triangle [m]
     held : (2N,) whether a displacement is fixed to 0
     triangles : (2N,) number of triangles around each unknown. For an unknown that is kept the
@@ -341,7 +341,7 @@ def condense_body_to_kept_nodes(
     K : (m, 2n, 2n) stiffness of each triangle [N/m]
     nodes : nodes of the triangles
     held : (2N,) whether a displacement is fixed to 0
-    kept : numbers of the nodes that remain
+    kept : indices of the nodes that remain
     loads : (2N, l) nodal forces of l loads [N]
 
     Raises
@@ -370,7 +370,7 @@ def condense_body_to_kept_nodes(
 def _schur_complement_of_triangles(
     body: _BodyToCondense, members: Ints
 ) -> CondensedStiffnessOfBodyPart:
-    """The Schur complement of the part of the body with the triangles numbered `members`."""
+    """The Schur complement of the part of the body with the triangles of indices `members`."""
     # A small part is assembled from its triangles, a larger one from its two halves.
     if len(members) <= MOST_TRIANGLES_ELIMINATED_WITHOUT_HALVING:
         parts = [

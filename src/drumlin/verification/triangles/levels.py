@@ -87,7 +87,7 @@ fine."""
 
 
 def indices_of_shoes_pressed_on_drum(brake: Brake) -> list[int]:
-    """Numbers of the shoes that the actuation presses on the drum.
+    """Indices of the shoes that the actuation presses on the drum.
 
     A shoe on a hinge is pressed on the drum if the moment of its actuation closes the gap at some
     angle. Shoes on other supports, and all shoes of a brake with a cam or struts, always count as
@@ -128,8 +128,8 @@ def solve_brake_on_one_triangle_mesh(
     ----------
     brake : the brake
     level : degree and grading of the triangles
-    before : an earlier solution of each shoe, to the ends of whose contact the triangles are
-        graded; if None, the solver starts with the whole lining in contact
+    before : an earlier solution of each shoe; the triangles are graded to the ends of the contact
+        in this solution. If None, the solver starts with the whole lining in contact
 
     Raises
     ------

@@ -1,9 +1,9 @@
 """One-sided supports in the contact equations: anchors, abutments and struts that only push.
 
-A support with the force s opens by v = v_0 + D f + E s + V y under nodal contact forces f and in
-rigid-body motions y. A support that bears has the opening v = 0, and an open support the force s =
-0. Each support that bears adds an unknown, its force, and an equation, v = 0, to the contact
-equations.
+The openings of the supports are v = v_0 + D f + E s + V y, with the nodal contact forces f, the
+forces s of the supports, and the rigid-body motions y. A support that bears has the opening 0. An
+open support has the force 0. Each support that bears adds an unknown to the contact equations, its
+force, and an equation: its opening is 0.
 """
 
 from typing import NamedTuple
@@ -63,7 +63,7 @@ def one_sided_supports_of_shoes(brake: Brake, shoes: list[Shoe]) -> tuple[OneSid
 
 
 class ShoeAndItsPlacesInContactEquations(NamedTuple):
-    """A shoe with its condensed face and its places in the contact equations.
+    """A shoe with its condensed face and the positions of its unknowns in the contact equations.
 
     Attributes
     ----------

@@ -97,7 +97,7 @@ class OutlineOfLayeredBody:
 
     @property
     def number_of_first_layer_of_shoe_body(self) -> int:
-        """Number of the first layer of the shoe's body; the body begins at this coordinate d."""
+        """Index of the first layer of the shoe's body; the body begins at d = this index."""
         return len(self.layers) - self.plates
 
     @property
@@ -112,7 +112,8 @@ class OutlineOfLayeredBody:
 def make_shoe_outline(shoe: Shoe, R: float) -> OutlineOfLayeredBody:
     """The outline of a shoe on a drum of radius R [m].
 
-    Raises BadInput for a shoe that has a mesh of its own or a beam without a constant section.
+    Raises BadInput for a shoe with a mesh file, and for a shoe with a beam if the beam has no
+    constant section, if no block carries the lining, or if a layer is heated.
     """
     if shoe.mesh is not None:
         raise BadInput(f"shoe {shoe.name!r} has a mesh of its own")
@@ -173,7 +174,10 @@ def _layers_and_thicknesses_of_arc_shoe(
     heated = {layer.key: layer for layer in heated_layers_of_shoe(shoe)}
 
     def free_thermal_strains_at_layer_faces(key: str, part_thickness: float) -> Floats | None:
-        """Free strains (2, 2) of a layer, at its near and its far face; None without heat."""
+        """Free strains (2, 2) of a layer at its face nearer to the drum and at its other face.
+
+        The result is None for a layer without heat.
+        """
         near = sum(thickness)
         faces = np.array([near, near + part_thickness])
         return (

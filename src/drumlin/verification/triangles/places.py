@@ -1,4 +1,4 @@
-"""Forces at places of a shoe's body and on its mass, as nodal forces on triangles.
+"""Nodal forces on triangles from point forces, gravity and rotation that act on a shoe's body.
 
 A force is spread over the body by the same rule as in `drumlin.fem.preparation.load_places`.
 The places along the body, its thickness and all integrals come from the outline and the triangles.
@@ -17,11 +17,11 @@ if TYPE_CHECKING:
     from drumlin.verification.triangles.face import BodyMeshedByTriangles
 
 FORCE_SPREAD_DEVIATION_OVER_BODY_THICKNESS = 0.5
-"""Standard deviation of the length over which a force is spread, divided by the body's thickness.
+"""Standard deviation of a spread force along the body, divided by the body's thickness.
 
-The finite elements that are verified spread forces over the same length, see
-`load_places.FORCE_SPREAD_RELATIVE_TO_BODY_THICKNESS`. With another value the triangles would solve
-a different load.
+A normal distribution along the body spreads each force. The finite elements that are verified use
+the same ratio, see `load_places.FORCE_SPREAD_RELATIVE_TO_BODY_THICKNESS`. With another value the
+triangles would solve a different load.
 """
 
 
@@ -90,7 +90,8 @@ def _force_density_of_spread_point_force(
     body, points : the meshed shoe and its quadrature points
     shoe : the shoe
     force : the force with its point
-    more : (3,) a further force x, y [N] and moment about the drum's centre [N m] at this place
+    more : (3,) further force in x and y [N] and moment about the drum's centre [N m], spread over
+        the same length of the body
     """
     at = np.array(force.point)
     along = body.shape.layers[-1].elastic.along

@@ -1,8 +1,9 @@
 """Friction coefficients mu(p) that depend on the pressure, for the solver on curved triangles.
 
-The friction stress mu(p) p is a polynomial on each edge of a triangle, as the pressure is. Both
-agree at the nodes. The brake is solved at fixed coefficients of all nodes, again and again, with
-the coefficients that belong to the pressures of the solution before (fixed-point iteration).
+On each edge of a triangle the friction stress is a polynomial, like the pressure p. At the nodes
+the friction stress equals mu(p) p. The brake is solved repeatedly with fixed coefficients at all
+nodes: each solve takes the coefficients at the pressures of the solution before (fixed-point
+iteration).
 """
 
 from collections.abc import Callable
@@ -28,8 +29,9 @@ It is far below the error of the meshes, 1e-6 of the torque. A smaller value cos
 MOST_SOLVES_AT_FIXED_NODAL_FRICTION = 60
 """Largest number of solves at fixed friction coefficients before the solver raises NoAnswer.
 
-Each solve multiplies the error of the coefficients by about p mu'(p)/mu times the amplification of
-the brake by friction. If this product is 0.6, 45 solves are needed; above 1 they do not settle.
+Each solve multiplies the error of the coefficients by about p mu'(p)/mu times the factor by which
+friction raises the pressures. If this product is 0.6, 45 solves are needed. If it is above 1, the
+coefficients do not settle.
 """
 
 
@@ -44,7 +46,8 @@ def solve_until_friction_fits_pressures(
 ) -> tuple[list[Shoe], list[ShoeCondensedToLiningFace], list[ContactForcesAndRigidMotions]]:
     """Solve a brake until the friction at each node fits the pressure there.
 
-    Returns the shoes under their actuation, their faces with the friction, and the contact forces.
+    Returns the shoes under their actuation forces, the faces with friction coefficients that fit
+    the pressures, and the contact forces.
     A brake whose friction does not depend on the pressure is solved once.
 
     Parameters
@@ -100,9 +103,9 @@ def _friction_forces_at_pressures_of_solution(
 def _change_of_friction_forces_over_normal_force(
     brake: Brake, shoe: Shoe, one: ShoeCondensedToLiningFace, found: ContactForcesAndRigidMotions
 ) -> float:
-    """The change of the friction forces from those of a face to those that fit its solution.
+    """The change from a face's friction forces to the forces at the pressures of its solution.
 
-    It is the sum of the absolute changes at all nodes, relative to the normal force.
+    The result is the sum of the absolute changes at all nodes, relative to the normal force.
     """
     assert one.friction is not None
     fitting = _friction_forces_at_pressures_of_solution(brake, shoe, one, found)

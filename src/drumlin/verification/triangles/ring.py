@@ -45,7 +45,7 @@ FULL_CIRCLE_IN_RADIANS = 2 * math.pi
 
 
 class _PlaceOfLiningFaceOnRing(NamedTuple):
-    """Where the places s on the face of a lining lie on the ring.
+    """The position of the face of a shoe's lining on the ring.
 
     Attributes
     ----------
@@ -94,7 +94,7 @@ def mesh_drum_ring_and_refine_shoe_meshes_to_match(
 def _positions_of_linings_on_one_turn_of_ring(
     brake: Brake, drafts: list[ShoeMeshOfTriangleCorners]
 ) -> list[_PlaceOfLiningFaceOnRing]:
-    """Where each lining lies on the ring, with all linings on one turn."""
+    """The position of each lining on the ring, with all linings within one turn."""
     first = min(shoe.lining.start for shoe in brake.shoes)
     return [
         _PlaceOfLiningFaceOnRing(
@@ -170,7 +170,7 @@ def _ring_angles_of_lining_ends(
 def _ring_angles_of_lining_grid_lines(
     lining: _PlaceOfLiningFaceOnRing, draft: ShoeMeshOfTriangleCorners
 ) -> Floats:
-    """Angles [rad], growing, of a lining's grid lines, which the ring's mesh has as well."""
+    """Ascending angles [rad] of a lining's grid lines; the ring's mesh has the same grid lines."""
     face = draft.shape.layers[0]
     within = (draft.s > face.start - LARGEST_DIFFERENCE_OF_EQUAL_ANGLES) & (
         draft.s < face.end + LARGEST_DIFFERENCE_OF_EQUAL_ANGLES
@@ -213,7 +213,7 @@ def _halve_edges_of_ring_and_linings_until_ends_match(
     meshes: list[TriangleMeshInBodyCoordinates],
     linings: list[_PlaceOfLiningFaceOnRing],
 ) -> tuple[TriangleMeshInBodyCoordinates, list[TriangleMeshInBodyCoordinates]]:
-    """Halve edges on the friction surface until ring and linings have the same ends of edges.
+    """Halve edges on the friction surface until edges of ring and linings end at the same angles.
 
     Halving one edge may halve other edges, too. Therefore ring and linings are refined in turn
     until neither of them changes.
@@ -354,7 +354,7 @@ def _ring_nodes_opposite_linings_and_their_positions(
 ) -> tuple[Ints, list[Ints]]:
     """The ring's nodes that lie opposite the nodes of the linings' faces.
 
-    Returned are the numbers (m,) of these ring nodes and, for the face of each shoe, the positions
+    Returned are the indices (m,) of these ring nodes and, for the face of each shoe, the positions
     (n,) of its opposite nodes among the m. No node is opposite to a slot between two linings.
     """
     xy = ring.nodes.xy[ring.surface]

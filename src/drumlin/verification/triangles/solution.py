@@ -38,7 +38,7 @@ class ShoeSolution:
     theta : (n,) growing angles [rad] of the nodes of p, the Gauss-Lobatto points of the pieces
     pressure : (n,) p at these angles, 0 where the lining is open [Pa]
     order : polynomial degree of the pieces of p
-    torque : brake torque of the shoe on the drum [N m]
+    torque : magnitude of the brake torque of the shoe on the drum [N m]
     normal_force : magnitude of the resultant of the pressure [N]
     hinge_reaction : (2,) force of the pin on the shoe [N]; for a shoe on anchors, the sum of the
         forces in `supports`
@@ -90,8 +90,8 @@ def shoe_solution_from_contact_forces(
 ) -> ShoeSolution:
     """The solution of a shoe, computed from its nodal contact forces.
 
-    The pressure is equivalent to the nodal forces: on the shape function of every node in contact
-    both do the same work.
+    The pressure is equivalent to the nodal forces: the pressure and the forces do the same work on
+    the shape function of each node in contact.
     """
     p = nodal_pressures_equivalent_to_contact_forces(one, found)
     theta, p, active = _insert_open_nodes_in_slots(shoe, one, p, found.active)
@@ -194,8 +194,8 @@ def _angle_at_which_contact_arc_begins(theta: Floats, p: Floats, node: int, degr
         return float(theta[node])
     psi, _ = edge_shape_function_values_and_derivatives(degree, 0.5 + 0.5 * FACE_GAUSS)
     weight = psi @ (0.5 * FACE_WEIGHTS)
-    # F are the forces per width [N/m] from the beginning of the contact up to the nodes near and
-    # far.
+    # F are the integrals of p over theta [Pa rad] from the beginning of the contact up to the
+    # nodes near and far.
     F = np.cumsum(
         [
             (theta[b] - theta[b - degree]) * float(weight @ p[b - degree : b + 1])

@@ -1,9 +1,9 @@
 """Meshes whose triangles shrink geometrically towards given points of a layered body.
 
 The coordinate s runs along the body and d across its layers: layer j fills j <= d <= j + 1.
-Triangles are halved by newest-vertex bisection, which bounds their angles (Mitchell 1989; hanging
-nodes are avoided as by Funken, Praetorius & Wissgott 2011), until each triangle is short enough for
-its distance from the nearest of the given points.
+Triangles are halved by newest-vertex bisection, which bounds their angles (Mitchell 1989). Hanging
+nodes are avoided as by Funken, Praetorius & Wissgott (2011). The halving ends when each triangle is
+short enough for its distance from the nearest of the given points.
 """
 
 from collections.abc import Callable, Sequence
@@ -37,7 +37,7 @@ class LayerOfTriangulatedBody:
     elastic : elastic constants of the layer, with directions in the brake's frame
     slots : first and last s of each gap in the layer, such as a slot between two linings
     free_strains : (2, 2) free strains of a heated layer: the rows are strains along and through it,
-        the columns its near and its far face; None for a layer without heat
+        the columns its faces nearer to and farther from the friction surface; None without heat
     """
 
     start: float
@@ -60,9 +60,9 @@ class TriangleMeshInBodyCoordinates:
 
     Attributes
     ----------
-    vertices : (m, 3) numbers of the corners; bisection halves the edge between the first two
+    vertices : (m, 3) indices of the corners; bisection halves the edge between the first two
     at : (m, 3, 2) coordinates s and d of the corners
-    layer : (m,) number of the layer in which each triangle lies
+    layer : (m,) index of the layer in which each triangle lies
     """
 
     vertices: Ints
@@ -71,7 +71,7 @@ class TriangleMeshInBodyCoordinates:
 
     @property
     def indices_of_triangle_edges_on_friction_surface(self) -> tuple[Ints, Ints]:
-        """Numbers (k,) of the triangles with an edge on the surface d = 0, and of these edges.
+        """Indices (k,) of the triangles with an edge on the surface d = 0, and of these edges.
 
         Edge 0 goes from corner 0 to 1, edge 1 from 1 to 2, edge 2 from 2 to 0.
         """
@@ -117,7 +117,7 @@ def triangulate_grid_of_layered_body(
     i, j, layer = i[there], j[there], layer[there]
 
     def node_numbers_and_coordinates_of_cell_corners(a: int, b: int) -> tuple[Ints, Floats]:
-        """Numbers (n,) and coordinates s, d (n, 2) of the corner (i + a, j + b) of all cells."""
+        """Indices (n,) and coordinates s, d (n, 2) of the corner (i + a, j + b) of all cells."""
         at = np.stack([s[i + a], depths[j + b]], axis=1)
         return ((i + a) % count) * len(depths) + j + b, at
 
@@ -140,9 +140,9 @@ def triangulate_grid_of_layered_body(
 
 
 def edges_of_mesh_and_of_each_triangle(mesh: TriangleMeshInBodyCoordinates) -> tuple[Ints, Ints]:
-    """The k edges of a mesh, and the numbers (m, 3) of the edges of each triangle.
+    """The k edges (k, 2) of a mesh, and the indices (m, 3) of the edges of each triangle.
 
-    An edge (2,) is given by the numbers of its two ends, the smaller first.
+    An edge is given by the indices of its two ends, the smaller first.
     """
     pairs = np.sort(np.stack([mesh.vertices, np.roll(mesh.vertices, -1, axis=1)], axis=2), axis=2)
     flat = pairs.reshape(-1, 2)
