@@ -110,8 +110,9 @@ def richardson_limit_from_changes_between_meshes(
     """Estimate the limit of a value as meshes are refined, by Richardson extrapolation.
 
     The extrapolation needs two changes of the same sign, of which the second is smaller than the
-    first. Otherwise the value on the finest mesh is taken as the limit, and the larger change as
-    its uncertainty. The order is nan if the second change is not smaller than the first.
+    first. If the changes are not of this kind, the value on the finest mesh is taken as the limit,
+    and the larger change as its uncertainty. The order is nan if the second change is not smaller
+    than the first.
 
     Parameters
     ----------
@@ -506,7 +507,8 @@ class ResultsOnRefinedMeshes:
         the finest mesh from its limit. It is extrapolated from the distances between successive
         meshes.
         """
-        # With 0 as the value on the finest mesh, the limit is its distance from this mesh.
+        # Distances are extrapolated as values of which the finest mesh has the value 0. The
+        # uncertainty of their limit is then the distance of the finest mesh from the limit.
         first, last = self.relative_pressure_distances_between_meshes(shoe)[-2:]
         limit = richardson_limit_from_changes_between_meshes(0.0, first, last)
         return limit.order, limit.uncertainty

@@ -146,9 +146,9 @@ def read_text(path: Path, most: int, what: str) -> str:
 def check_output_files_are_writable(*paths: Path | None) -> None:
     """Raise BadInput if one of the output files must not or cannot be written.
 
-    It is called before a long computation, whose result would be lost. It refuses a folder, a disk,
-    an input file (see `protect_input_files_within_block`), a path that two outputs share, and any
-    .toml file, because users write brake and sweep files by hand.
+    Commands call the function before a long computation, whose result would otherwise be lost. The
+    function refuses a folder, a disk, an input file (see `protect_input_files_within_block`), a
+    path that two outputs share, and any .toml file, because users write these files by hand.
     """
     targets = []
     for path in filter(None, paths):

@@ -78,7 +78,7 @@ def _command_word_with_path_cut_to_file_name(word: str) -> str:
 
 
 def value_as_text(value: object) -> str:
-    """A value as the text of an error line; an integer that Python cannot write is described."""
+    """A value as text for an error line, or a remark if it is an integer of too many digits."""
     try:
         return repr(value)
     except ValueError:
@@ -129,8 +129,8 @@ def check_numbers_have_few_digits(text: str) -> None:
 def check_integers_have_few_digits(where: str, value: object) -> None:
     """Raise ValueError if a value, or a value in its lists and tables, is too large an integer.
 
-    An integer may have MAX_CONSECUTIVE_DIGITS_OF_NUMBER digits. `where` is the name of the value in
-    the message.
+    An integer may have at most MAX_CONSECUTIVE_DIGITS_OF_NUMBER digits. `where` is the name of the
+    value in the message.
     """
     if isinstance(value, int):
         if abs(value) >= _SMALLEST_TOO_LARGE_INTEGER:
@@ -152,8 +152,8 @@ def check_integers_have_few_digits(where: str, value: object) -> None:
 def check_toml_parses_quickly(text: str) -> None:
     """Raise ValueError if a TOML text has a number or a dotted key that takes long to parse.
 
-    A number may have MAX_CONSECUTIVE_DIGITS_OF_NUMBER digits, and a key MAX_PARTS_OF_DOTTED_KEY
-    parts.
+    A number may have at most MAX_CONSECUTIVE_DIGITS_OF_NUMBER digits, and a key at most
+    MAX_PARTS_OF_DOTTED_KEY parts.
     """
     check_numbers_have_few_digits(text)
     for match in _PATTERN_OF_TOML_KEY_OR_COMMENT.finditer(text):

@@ -53,7 +53,7 @@ class ShoeFrame(NamedTuple):
 
     In their own frames a shoe and its mirror image have the same coordinates. On a drum phi is a
     polar angle about O. The coordinate of a point along the surface of drum or plane is
-    q = origin + sense * unit * phi, see `drumlin.brake.surface`.
+    q = origin + sense * surface_coordinate_per_phi * phi, see `drumlin.brake.surface`.
 
     Attributes
     ----------
@@ -137,7 +137,7 @@ class Shoe(ShoeWithOptionalMeshFile):
         )
 
     def reason_if_several_linings_are_not_allowed(self, what: str) -> str | None:
-        """Why the computation `what` does not apply to a shoe with several linings; else None.
+        """Why the computation `what` does not take this shoe; None if the shoe has one lining.
 
         Linings that touch, without a slot between them, count as one lining.
         """
@@ -236,13 +236,17 @@ class Shoe(ShoeWithOptionalMeshFile):
     @property
     @abstractmethod
     def angle_of_direction_in_which_lining_closes_gap(self) -> float:
-        """Direction [rad] in which the middle of the lining moves straight towards the surface."""
+        """Angle [rad] of the normal from the middle of the lining towards the surface.
+
+        A motion of the shoe in this direction closes the gap there.
+        """
 
     @abstractmethod
     def gaps_due_to_ground_lining_radius_and_offset(self, theta: Floats, size: float) -> Floats:
         """Gap [m] of a lining that is ground to a circle, at coordinates theta, same shape.
 
-        It is the part of the misfit that follows from `misfit.radius` and `misfit.offset`.
+        This gap follows from the keys `misfit.radius` and `misfit.offset`; the rest of the misfit
+        is not included.
         """
 
     def middle_of_supported_or_loaded_end_face_of_body(
@@ -311,8 +315,8 @@ class Shoe(ShoeWithOptionalMeshFile):
             / self.length_along_shoe_back_per_unit_of_phi(size)
         )
         half = min(wanted, 0.3 * (end - start))
-        # Its middle has the coordinate of the pivot, or of the lining's middle if there is no
-        # pivot. It is moved if it would lie too near to an end of the lining.
+        # The middle of the interval has the coordinate of the pivot, or of the lining's middle if
+        # there is no pivot. The interval is moved if it would be too near to an end of the lining.
         phi = self.frame.phi_of_surface_coordinates(np.array(place))
         at = float(np.clip(phi, start + 1.5 * half, end - 1.5 * half))
         return at - half, at + half
@@ -448,8 +452,8 @@ class Brake(PartOfInputFile):
     def radial_deviation_of_drum_surface(self, theta: Floats) -> Floats | None:
         """Radial deviation [m] of a drum that is out of round, at angles theta, same shape.
 
-        It is positive where the friction surface lies outside the drum's circle. The result is None
-        for a round drum and for a plane.
+        The deviation is positive where the friction surface lies outside the drum's circle. The
+        result is None for a round drum and for a plane.
         """
         return None
 
@@ -646,7 +650,7 @@ class Brake(PartOfInputFile):
             raise BadInput(f"fem does not apply to this brake: {reason}")
 
     def reason_if_several_linings_are_not_allowed(self, what: str) -> str | None:
-        """Why the computation `what` does not take shoes with several linings; else None."""
+        """Why the computation `what` does not take this brake; None if each shoe has one lining."""
         for shoe in self.shoes:
             reason = shoe.reason_if_several_linings_are_not_allowed(what)
             if reason is not None:

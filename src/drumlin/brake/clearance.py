@@ -7,8 +7,9 @@ model that has a clearance (finite elements, foundation), and the condensed stif
 does not depend on it. The closed-form laws assume that lining and surface fit each other. A misfit
 across the width (coning, bell-mouthing) is neglected in plane stress.
 
-The slope of a misfit is neglected: pressure acts along the normals of the drum's circle. For
-harmonics of order n and amplitude a this changes the torque by a fraction of at most n a/(mu R).
+The slope of a misfit is neglected: pressure acts along the normals of the drum's circle. If a drum
+of radius R is out of round by a harmonic of order n and amplitude a, the neglect changes the torque
+by a fraction of at most n a/(mu R).
 """
 
 from collections.abc import Callable, Sequence
@@ -179,7 +180,7 @@ def lining_radii_by_key_for_radius_mismatch(brake: Brake, mismatch: float) -> di
 
 
 def lining_circle_offsets_towards_hinge_by_key(brake: Brake, size: float) -> dict[str, float]:
-    """New offsets of the lining circles, for `vary`: each is moved by `size` [m] towards the hinge.
+    """New offsets of the lining circles, for `vary`: each circle moves by `size` [m] to the hinge.
 
     The circle to which the lining is ground moves along the line from the drum's centre to the
     shoe's hinge. The result has x and y of the offset [m] by their keys in the brake file.

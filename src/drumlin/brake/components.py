@@ -123,7 +123,8 @@ def _cross_section_or_none_if_unknown(
         return None
     if EI is None:
         known = part.width is not None and part.material is not None
-        return RectangularCrossSection(part.thickness, part.width, part.material) if known else None  # type: ignore[arg-type]
+        return RectangularCrossSection(part.thickness, part.width, part.material) if known else None
+        # type: ignore[arg-type]
     # The width and material may be arbitrary, since the width is scaled to the bending stiffness.
     section = RectangularCrossSection(
         part.thickness, part.width or 1.0, part.material or STEEL_OF_PARTS_WITHOUT_GIVEN_MATERIAL
@@ -409,7 +410,7 @@ def did_you_mean_hint_for_angles_of_arc(start: float, end: float) -> str:
 
     `start` and `end` are the angles [rad] as the user wrote them. An angle of more than two turns
     is taken as degrees that were written as radians. One turn is subtracted from the start if the
-    arc is then less than half a turn, as from 290 deg to 55 deg. Otherwise the hint is "".
+    arc is then less than half a turn, as from 290 deg to 55 deg. In all other cases the hint is "".
     """
     meant = [math.radians(angle) if abs(angle) > 4 * math.pi else angle for angle in (start, end)]
     if meant != [start, end] and 0 < meant[1] - meant[0] < 2 * math.pi:

@@ -43,7 +43,8 @@ def _quantity_of_brake_key_in_si(
     Parameters
     ----------
     value : a number, or a text with its unit
-    info : pydantic's state of the validation; its context "unit_required" refuses plain numbers
+    info : pydantic's state of the validation; numbers without unit are refused if the entry
+        "unit_required" of its context is true
     si : the SI unit
     key : key of the quantity in the error message; "" leaves it out
     """
@@ -133,7 +134,7 @@ class PartOfInputFile(BaseModel):
         frozen=True, extra="forbid", allow_inf_nan=False, populate_by_name=True, defer_build=True
     )
 
-    # For keys that people write in place of a known key, the words of the error message.
+    # Hints for the error message, by wrong keys that people write in place of an allowed key.
     hints_on_other_keys: ClassVar[Mapping[str, str]] = {}
 
     # Text that the error message adds if a file has a list of tables in place of one table.
@@ -224,9 +225,9 @@ class Material(PartOfInputFile):
 
     @property
     def young_modulus_of_equivalent_half_plane(self) -> float:
-        """Young's modulus [Pa] of an isotropic half-plane whose surface deflects as this material.
+        """Young's modulus [Pa] of the isotropic half-plane with the same surface compliance.
 
-        For an isotropic material it is E.
+        For an isotropic material the result is the material's own E.
         """
         return self.E
 
@@ -439,8 +440,8 @@ class Point(PartOfInputFile):
 def _point_from_polar_coordinates(data: object, info: ValidationInfo) -> object:
     """Convert a point given in polar coordinates { radius, angle } to a `Point`.
 
-    Data with neither of these keys are returned unchanged. Raises ValueError if one of the keys is
-    missing or there are further keys, and for a negative radius.
+    Data with neither of these keys are returned unchanged. Raises ValueError if one of the two keys
+    is missing, for any other key, and for a negative radius.
     """
     if not isinstance(data, Mapping) or not {"radius", "angle"} & set(data):
         return data

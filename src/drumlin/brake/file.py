@@ -347,7 +347,7 @@ def first_key_in_which_two_brakes_differ(
 def _first_differing_key_of_data(one: Any, other: Any, key: str) -> str | None:
     """The first key in which two nested data differ by more than round-off; None if they do not.
 
-    `key` is the dotted key of the two data themselves, with which the result begins.
+    `key` is the dotted key under which both data stand; the result begins with this key.
     """
     # Tables and lists are compared entry by entry, other values directly.
     if isinstance(one, dict) and isinstance(other, dict):
@@ -396,7 +396,7 @@ def _set_value_of_key_in_nested_data(data: Any, steps: list[str], value: Any, ke
     """
     head, *rest = steps
     if isinstance(data, list | tuple):
-        # An index or a name leads to one shoe; otherwise all shoes are changed.
+        # An index or a shoe's name leads to one shoe. Any other word is a key of all shoes.
         named = [
             part
             for part in data

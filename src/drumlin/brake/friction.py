@@ -38,7 +38,7 @@ FrictionCoefficient = Annotated[
 ]
 """The type of a friction coefficient. A value below SMALLEST_NONZERO_NUMBER_IN_SI is set to 0.
 
-This holds for all quantities of a brake.
+The same limit holds for all other quantities of a brake.
 """
 
 FrictionCoefficientInTable = Annotated[
@@ -250,8 +250,9 @@ def first_key_of_pressure_dependent_friction(brake: "Brake") -> str | None:
 
 
 def reason_if_friction_depends_on_pressure(brake: "Brake", what: str) -> str | None:
-    """Why a computation does not apply if friction depends on the pressure; None if it does not.
+    """Why a computation does not apply to friction that depends on the pressure.
 
+    The result is None if the friction of the brake does not depend on the pressure.
     `what` names the computation in the text.
     """
     key = first_key_of_pressure_dependent_friction(brake)
@@ -266,10 +267,10 @@ def require_friction_independent_of_pressure(brake: "Brake", what: str) -> None:
 
 
 def check_friction_tables_have_sliding_speed(brake: "Brake", key: str, given: bool) -> None:
-    """Raise ValueError if a friction table needs a sliding speed that is not given, or vice versa.
+    """Raise ValueError if a friction table needs a sliding speed that is not given.
 
-    A speed that no table uses is an error as well. `key` is the key of the speed in the brake file,
-    and `given` whether the file has this key.
+    A sliding speed that no table uses is an error as well. `key` is the key of the speed in the
+    brake file, and `given` whether the file has this key.
     """
     over_speed = [
         name for name, table in friction_tables_by_brake_file_key(brake).items() if table.speed

@@ -209,8 +209,8 @@ def brake_with_loads_assigned_to_shoes(brake: Any, pulls: Sequence[float] | None
     Raises
     ------
     ValueError
-        if a spring or lever names no shoe of the brake, for gravity or a speed without masses, or
-        for masses without both
+        if a spring or lever names no shoe of the brake, if gravity or a speed of the shoes is given
+        without masses, or if masses are given with neither gravity nor a speed
     """
     _check_loads_have_known_shoes_and_masses(brake)
     if pulls is None:
@@ -251,9 +251,10 @@ def brake_with_springs_of_constant_pull(brake: Any, pulls: Sequence[float]) -> A
 
 
 def brake_with_all_loads_moved_to_actuation(brake: Any) -> Any:
-    """A copy of the brake on which finite elements let all loads act where the actuations act.
+    """A copy of the brake in which all loads on a shoe act where its actuation acts.
 
-    Elements in three dimensions can load the nodes of the actuation only.
+    The copy is for finite elements, which otherwise apply each load at its own point. Elements in
+    three dimensions can load the nodes of the actuation only.
     """
     shoes = tuple(shoe.shoe_with_all_loads_moved_to_actuation() for shoe in brake.shoes)
     return brake.model_copy(update={"shoes": shoes})

@@ -149,7 +149,8 @@ def _thermal_expansion_coefficient_of_drum(drum: Drum) -> float | None:
 def radial_growth_of_heated_drum(drum: Drum, sign: int) -> float:
     """Growth [m] of the radius of the friction surface by the heat of the drum.
 
-    A rigid drum grows by alpha T R. A ring of the radii a < b in plane stress has the displacement
+    With the coefficient of expansion alpha and the temperature rise T a rigid drum of radius R
+    grows by alpha T R. A ring of the radii a < b in plane stress has the displacement
 
         u(r) = alpha (1 + nu)/r Int_a^r T s ds + C_1 r + C_2/r
 
@@ -204,8 +205,8 @@ def brake_with_heat_only_in_given_parts(brake: "Brake", keys: Collection[str]) -
         parts = {}
         for layer in heated_layers_of_shoe(shoe):
             if layer.key not in keys:
-                # A shoe with several linings has one part "lining" here. The copy is cold in all of
-                # them.
+                # If the shoe has several linings, `part` stands for all of them, and the copy has
+                # no heat in any of them.
                 part = layer.part
                 is_lining = isinstance(part, Lining)
                 changed = (

@@ -28,9 +28,10 @@ of an equilibrium, 1e-12, and far below any force in a brake file.
 LARGEST_SINGULAR_VALUE_OF_REDUNDANT_SUPPORT = 1e-9
 """Singular value [m] at or below which one of the bearing supports of a shoe is redundant.
 
-It is the smallest singular value of the matrix that has the opening of each bearing support in each
-rigid-body motion; each motion displaces points by about 1 m. With a larger value c supports hold c
-independent motions. The limit is a judgement: far above round-off, below any lever arm of a brake.
+The value is the smallest singular value of a matrix. The matrix has the opening of each bearing
+support in each rigid-body motion, and each motion displaces points by about 1 m. If the value is
+above the limit, c supports prevent c independent motions. The limit is a judgement: far above
+round-off, below any lever arm of a brake.
 """
 
 
@@ -57,7 +58,8 @@ class OneSidedSupport(NamedTuple):
     Attributes
     ----------
     name : text that names the support in messages
-    sides : the push on each shoe that bears on it: one for a fixed face, two for a strut
+    sides : the push on each shoe that bears on the support: one push for a fixed face, two for a
+        strut
     clearance : opening of the support while nothing acts [m]
     """
 
@@ -141,7 +143,7 @@ def _force_of_one_newton_at_point(point: Point, direction: float) -> Actuation:
 
 
 class OneSidedSupportForce(NamedTuple):
-    """The force of a one-sided support on a shoe in a solution; 0 if the shoe has left it.
+    """The force of a one-sided support on a shoe in a solution; 0 if the shoe has left the support.
 
     `name` is the text that names the support, `push` the force [N] with its line of action.
     """

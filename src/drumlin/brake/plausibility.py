@@ -69,8 +69,8 @@ A note questions the modulus of a lining that is stiffer than a shoe of such a m
 LARGEST_USUAL_LINING_MODULUS = 2e10
 """Largest usual modulus [Pa] of a lining's material; organic linings have 1e8 to 5e9 Pa.
 
-If a lining has the modulus of a metal, and its shoe at most this one, a note asks whether the two
-materials were exchanged.
+If a lining has the modulus of a metal, and its shoe at most LARGEST_USUAL_LINING_MODULUS, a note
+asks whether the two materials were exchanged.
 """
 LARGEST_USUAL_TEMPERATURE_RISE = 1200.0
 """Temperature rise [K] above which a note asks whether it is meant. Cast iron melts at 1400 K."""
@@ -81,10 +81,11 @@ Steel has 1.2e-5 1/K, rubber 2e-4 1/K. A coefficient in 1e-6/K that was written 
 times too large.
 """
 LARGEST_USUAL_UNIFORM_CLEARANCE_OVER_RADIUS = 1e-3
-"""Clearance along a whole lining, relative to the drum's radius, above which a note explains it.
+"""Clearance along a whole lining over the drum's radius, above which a note explains the key.
 
-Linings that do not fit are some 50 micrometres off drums of 150 mm, 3e-4 of the radius. Adjusters
-leave gaps of 0.2 to 0.5 mm, more than 1e-3, and are not meant by the key.
+Linings that do not fit are some 50 micrometres off drums of radius 150 mm, 3e-4 of the radius.
+Adjusters leave gaps of 0.2 to 0.5 mm, more than 1e-3 of the radius. The key `clearance` does not
+mean the gap that an adjuster leaves.
 """
 USUAL_RANGE_OF_CYLINDER_PRESSURE = (1e4, 1e9)
 """A note questions the unit of a wheel cylinder's pressure [Pa] outside these two limits.
@@ -380,8 +381,9 @@ def _notes_on_too_stiff_linings(brake: Brake) -> Iterator[str]:
 def _notes_on_large_uniform_clearance(brake: Brake) -> Iterator[str]:
     """Yield a note on each lining of a hinged shoe with a large clearance that is one number.
 
-    People write the gap that an adjuster leaves at rest. A hinged shoe closes this gap by a turn
-    about its pin, whereas a clearance along the whole lining is a lining of another radius.
+    Such a number is often the gap that an adjuster leaves at rest, written under the wrong key. A
+    hinged shoe closes the adjuster's gap by a turn about its pin. A clearance along the whole
+    lining, in contrast, describes a lining of another radius.
     """
     if brake.surface.is_plane_and_not_drum:
         return

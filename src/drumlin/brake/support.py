@@ -64,9 +64,9 @@ MOTION_TEXTS_BY_KIND_OF_SUPPORT = {
 """How a shoe moves on each support, for error messages, by `SupportedShoe.kind_of_support`."""
 
 SENSE_VALUE_OF_ABUTMENT_THAT_DOES_NOT_ACT = 2
-"""Value of `sense` for a support's rigid-body modes with which the abutment does not act.
+"""Value of `sense`, in `SupportedShoe.rigid_body_modes_of_support`, that removes the abutment.
 
-The foot of the shoe may then slide along the abutment and leave it.
+Without abutment the foot of the shoe may slide along the abutment's face and leave the face.
 """
 
 LARGEST_ROUND_OFF_EXCESS_OF_FOOT_FRICTION = 1e-9
@@ -502,9 +502,10 @@ class SupportedShoe(PartOfInputFile):
     ) -> dict[str, tuple[RigidBodyModeDerivativesByDatum, ...]]:
         """Exact derivatives of the rigid-body modes with respect to the data of the support.
 
-        The result has a tuple by the key of each datum: two derivatives, by x and y [per m], for a
-        point; one derivative [per rad] for a direction, and one for a friction coefficient. `sense`
-        is the sense of the friction, as in `rigid_body_modes_of_support`.
+        The result has a tuple for each datum, by the datum's key. For a point the tuple has two
+        derivatives, by x and by y [per m]. For a direction it has one derivative [per rad], and for
+        a friction coefficient also one. `sense` is the sense of the abutment's friction, as in
+        `rigid_body_modes_of_support`.
         """
         k = len(self.rigid_body_modes_of_support(sense).names)
         if self.guide is not None:
@@ -663,8 +664,8 @@ def check_rigid_body_modes_close_gap_differently(
 ) -> None:
     """Raise ValueError if the two rigid-body modes of a shoe close its gap in the same way.
 
-    Some combination of the two modes would then not change the gap, so that contact could not
-    resist this motion. A shoe with another number of modes is not checked.
+    Some combination of the two modes would then leave the gap as it is, and contact could not
+    resist this motion. A shoe with one mode or with three modes is not checked.
 
     Parameters
     ----------

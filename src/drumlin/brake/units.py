@@ -18,8 +18,8 @@ from drumlin.base.written_numbers import (
 
 # A quantity is a number and a unit. A unit consists of words, each with a power of one digit at
 # most, joined by a blank, a point, a hyphen, * or /. The last denominator may be in brackets. Other
-# texts are refused before pint, the package for units, gets them: it would compute a unit such as
-# m^9^9^9 for ever.
+# texts are refused before pint, the package for units, reads them: pint would compute a unit such
+# as m^9^9^9 for ever.
 _PATTERN_OF_UNIT_WORD = r"[A-Za-zµμ°%][\wµμ°%]{0,30}\.?(?: ?(?:\^|\*\*) ?-?\d(?!\d))?"
 _PATTERN_OF_UNIT = (
     rf"(?:1 ?/ ?)?{_PATTERN_OF_UNIT_WORD}(?:[ */-]{{0,3}}(?<![\wµμ°%]){_PATTERN_OF_UNIT_WORD})"

@@ -168,8 +168,9 @@ def _exclude_current_folder_from_imports() -> None:
     os.environ["MPLBACKEND"] = "agg"
     if not sys.flags.safe_path and _is_current_folder_searched_first(sys.path[:1]):
         del sys.path[0]
-        # If Python found drumlin in the current folder, it would no longer find drumlin's further
-        # modules. The folder is therefore added again, at the end of the search path.
+        # If Python found drumlin in the current folder, it would no longer find those modules of
+        # drumlin that are not yet imported. The folder of drumlin is therefore added again, at the
+        # end of the search path.
         root = str(Path(__file__).parents[2])
         if root not in sys.path:
             sys.path.append(root)

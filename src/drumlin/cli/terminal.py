@@ -67,7 +67,7 @@ def print_line_folded_to_terminal_width(line: str, *, at_once: bool = False) -> 
 
 
 def print_names_beside_texts(texts: Mapping[str, str]) -> None:
-    """Print each name of `texts` with its text beside it, the texts below each other."""
+    """Print a line for each name in `texts`: the name, then its text in an aligned column."""
     wide = max(map(len, texts))
     for name, text in texts.items():
         print_line_folded_to_terminal_width(f"{name:{wide}}  {text}")
@@ -265,7 +265,8 @@ def print_table_fitted_to_terminal(
 def _lines_of_printed_table(columns: Collection[PrintedColumn]) -> list[str]:
     """The lines of a printed table without ruled lines, with two spaces between the columns.
 
-    Headings of fewer lines than others stand low, cells of fewer lines stand high.
+    A heading with few lines stands at the bottom of the row of headings. A cell with few lines
+    stands at the top of its row.
     """
     rows = zip(*((column.heading, *column.cells) for column in columns), strict=True)
     lines: list[str] = []

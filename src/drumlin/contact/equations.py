@@ -53,10 +53,10 @@ class ContactProblem(NamedTuple):
     ----------
     A : compliance (n, n), by which nodal pressures open the weighted gaps; unsymmetric with
         friction
-    q : weighted gaps (n,) of the unloaded contact
+    q : weighted gaps (n,) at zero pressure and without rigid-body motion
     B : changes (n, k) of the weighted gaps per unit of each rigid-body mode
     C : generalised forces (k, n) of unit nodal pressures in the equilibrium of each mode
-    h : generalised forces (k,) of the actuation
+    h : (k,), minus the generalised forces of the loads, so that C p = h is the equilibrium
     """
 
     A: Floats

@@ -47,10 +47,11 @@ LARGEST_STEP_OF_GROWING_FRICTION = 0.05
 """Largest step of the friction coefficient mu while mu grows from 0 up to self-locking.
 
 The contact is solved after each step. Above mu = 1 the step is relative to mu. The step affects the
-computing time, not the result: a step over which the contact set changes is halved until the
-contact force grows by less than LARGEST_CONTACT_FORCE_GROWTH_PER_STEP, and while the contact set
-stays, the determinant shows the limit. On 30 brakes the number of factorisations is 1.07 times as
-large with a step of 0.025, the same with a step of 0.1, and 1.1 times as large with a step of 0.4.
+computing time, not the result. A step over which the contact set changes is halved until the
+contact force grows by less than LARGEST_CONTACT_FORCE_GROWTH_PER_STEP. While the contact set stays
+the same, the limit is the mu at which the matrix of its equations is singular. On 30 brakes the
+number of factorisations is 1.07 times as large with a step of 0.025, the same with a step of 0.1,
+and 1.1 times as large with a step of 0.4.
 """
 
 TEST_DISTANCE_BELOW_SINGULAR_FRICTION = 1e-8
@@ -325,14 +326,15 @@ def solve_contact_reached_from_zero_friction(
     rigid_law_limit: float,
     brake_words: str,
 ) -> ContactSolution:
-    """Find the contact at a friction coefficient that friction growing from mu = 0 leads to.
+    """Find the contact that is reached as friction grows from 0 to a friction coefficient.
 
     The contact problem is first solved directly at this friction. The solution is taken if it is
     stable, if the friction is below the limit of the rigid shoe, and if the contact force grows by
     at most LARGEST_CONTACT_FORCE_GROWTH_PER_STEP from half of the friction on. Up to half of
-    mu_lock all of this holds. Otherwise the solution is followed in small steps of friction, from
-    half of the friction if the solution there is certain. Other stable solutions do not count: near
-    the limit and beyond it some exist that no friction growing from 0 reaches. Above
+    mu_lock all three conditions hold. If one of them does not hold, the solution is followed in
+    small steps of friction, from mu = 0 or, if the solution at half of the friction is certain,
+    from there. Other stable solutions do not count: near mu_lock and beyond it there are stable
+    solutions that friction never reaches as it grows from 0. Above
     NODES_ABOVE_WHICH_FRICTION_PATH_IS_COARSE nodes the solution on every other node is followed, at
     a fraction of the cost.
 

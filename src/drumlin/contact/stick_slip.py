@@ -9,8 +9,9 @@ ds = s - s_0 and the traction by dt = t - t_0 since the last converged increment
                                             where it slips
     C_p p + C_t t = h
 
-Here w (n,) are the weighted gaps and s (n,) the slips of the drum against the lining. Q (n, n) is
-the compliance of a tangential penalty, or zero.
+Here w (n,) are the weighted gaps and s (n,) the weighted slips of the drum against the lining: the
+integrals of gap or slip times each node's shape function. Q (n, n) is the compliance of a
+tangential penalty, or zero.
 
 A node has one of four states: open, stick, slip forward and slip backward. The contact law of the
 node is linear in each state. Two conditions limit each state, and a node that violates one of them
@@ -75,7 +76,7 @@ class StickSlipProblem(NamedTuple):
     """The equations of a load increment of contact that sticks and slips.
 
     The n nodes have pressures p and tangential tractions t. The shoes have k rigid-body modes. The
-    equations themselves stand in the docstring of the module.
+    equations are those at the beginning of this module.
 
     Attributes
     ----------
@@ -85,7 +86,7 @@ class StickSlipProblem(NamedTuple):
         (n, k)
     C_p, C_t : generalised forces (k, n) in the equilibria, per pressure and per traction
     q_w, q_s : weighted gaps and slips (n,) without pressures, tractions and motions
-    h : generalised forces (k,) of the actuation
+    h : (k,), minus the generalised forces of the loads: C_p p + C_t t = h is the equilibrium
     Q : compliance (n, n) of the tangential penalty, or zero
     """
 
