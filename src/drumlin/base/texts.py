@@ -13,7 +13,7 @@ from pathlib import PurePath
 MAX_CHARACTERS_OF_ERROR_MESSAGE = 600
 """Longest error message in characters. A longer message is printed without its middle."""
 MAX_CHARACTERS_OF_QUANTITY_TEXT = 100
-"""Longest text of a number with its unit in a brake file, in characters; longer is refused."""
+"""Longest text of a number with its unit, in characters; a longer text is refused."""
 MAX_CONSECUTIVE_DIGITS_OF_NUMBER = 308
 """Largest number of consecutive digits of a number in a file, and of an integer in Python.
 
@@ -82,7 +82,8 @@ def value_as_text(value: object) -> str:
     try:
         return repr(value)
     except ValueError:
-        # Python refuses to write integers of more than some 4300 digits, which takes it long.
+        # Python refuses to write integers of more than some 4300 digits, because writing them would
+        # take long.
         return f"(more than {sys.get_int_max_str_digits()} digits)"
 
 
@@ -110,8 +111,8 @@ def error_text_in_percent(error: float) -> str:
 def did_you_mean_hint(name: str, names: Iterable[str]) -> str:
     """The hint "(did you mean ...?)" for an error message about an unknown name.
 
-    The hint shows the allowed name, out of `names`, that is most like the unknown `name`. It is
-    empty if no allowed name is similar.
+    The hint shows the allowed name, out of `names`, that is most like the unknown `name`. The
+    result is "" if no allowed name is similar.
     """
     close = difflib.get_close_matches(name, list(names), n=1)
     return f" (did you mean {close[0]!r}?)" if close else ""

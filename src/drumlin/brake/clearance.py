@@ -63,9 +63,10 @@ def gaps_between_unloaded_lining_and_surface(brake: Brake, shoe: Shoe, theta: Fl
 def gaps_due_to_block_heights(lining: Lining, theta: Floats) -> Floats:
     """Gap [m] due to the different heights of a lining's blocks, at coordinates theta, same shape.
 
-    The face of each block lies back by the depth of the block, and the gap changes smoothly over
-    the length `lining.step` from one block to the next. On a drum of radius R, a difference h of
-    the depths gives the smallest radius of curvature (R step)^2/(6 h).
+    The face of each block lies back by the depth of the block. From one block to the next the gap
+    changes smoothly over the angle `lining.length_of_step_between_blocks`, here called step. On a
+    drum of radius R, a difference h of the depths gives the smallest radius of curvature
+    (R step)^2/(6 h).
     """
     gap, before = np.zeros(np.shape(theta)), 0.0
     for begin, depth in lining.misfit.blocks:
@@ -93,8 +94,8 @@ def coordinates_of_clearance_table_rows(lining: Lining) -> list[float]:
     """Coordinates (angles on a drum) of the rows of a lining's table of clearances.
 
     The clearance is linear between the rows. The list is empty if the clearance is a number. For
-    several linings on a shoe it has the rows of one lining after the other, without rows beyond
-    the ends of their own lining.
+    several linings on a shoe the list has the rows of one lining after the other, without rows
+    beyond the ends of their own lining.
     """
     return [angle for angle, _ in _clearance_table_rows_and_slope_changes(lining)]
 
@@ -197,8 +198,9 @@ def point_coordinate_changes_per_metre_along_hinge_radius(
 ) -> dict[str, float]:
     """Changes of x and y of a point that moves by 1 m along the line from drum centre to hinge.
 
-    The result has them by their keys in the brake file. The point is a datum of the shoe with this
-    index, under the key `key`, such as "lining.misfit.offset". The hinge is the same shoe's hinge.
+    The result has the two changes by their keys in the brake file. The point stands under the key
+    `key`, such as "lining.misfit.offset", of the shoe with the index `index`. The hinge is the
+    hinge of this shoe.
     """
     hinge = brake.shoes[index].pin
     # The two values are the components of the unit vector from the drum's centre to the hinge.

@@ -256,8 +256,9 @@ A misfit is added to the gap along the drum's radii, which is right for small mi
 ANGLE_OF_ROUNDED_STEP_BETWEEN_BLOCKS = math.radians(1.0)
 """Length [rad] over which the face of a lining rises smoothly from one block to the next.
 
-On a plane it is relative to the lining's length. The edges of blocks are rounded because under a
-sharp edge the pressure would be infinite: its peak would grow with every refinement of the mesh.
+On a plane the length is this number times the lining's length. The edges of blocks are rounded
+because under a sharp edge the pressure would be infinite: its peak would grow with every refinement
+of the mesh.
 """
 
 

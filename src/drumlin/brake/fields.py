@@ -1,8 +1,8 @@
 """The types of a brake's data: quantities, tables of numbers, points and materials.
 
 The data are in SI units. A brake file must give the unit of each quantity, and the validators
-convert it. Data that a program gives may be plain numbers in SI units. The validation context
-"unit_required" of pydantic tells the two cases apart.
+convert it. Data that a program gives may be plain numbers in SI units. The entry "unit_required" of
+pydantic's validation context is true for a brake file.
 """
 
 import math
@@ -642,8 +642,8 @@ def make_validator_that_tabulates_function_along_lining() -> BeforeValidator:
     """Make the validator that turns a function of the lining's coordinate into a table of rows.
 
     The coordinate is the angle [rad] on a drum, and x [m] on a plane. The function takes a
-    coordinate and returns a value in SI. It becomes rows at equal distances from the lining's start
-    to its end.
+    coordinate and returns a value in SI. The rows of the table stand at equal distances from the
+    lining's start to its end.
     """
     return BeforeValidator(_table_rows_of_function_along_lining)
 

@@ -238,8 +238,8 @@ def brake_with_loads_assigned_to_shoes(brake: Any, pulls: Sequence[float] | None
 def brake_with_springs_of_constant_pull(brake: Any, pulls: Sequence[float]) -> Any:
     """A copy of the brake in which the pull of each spring is constant, one of `pulls` [N].
 
-    They are the pulls in a solved brake, which depend on the motions of the shoes. Without pulls
-    the brake itself is returned.
+    `pulls` are the spring forces in a solved brake, where they depend on the motions of the shoes.
+    Without pulls the brake itself is returned.
     """
     if not pulls:
         return brake

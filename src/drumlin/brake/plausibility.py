@@ -40,7 +40,7 @@ SMALLEST_USUAL_THICKNESS_OVER_BRAKE_SIZE = 1e-4
 The thicknesses of random brakes are at least 0.001 of the size.
 """
 USUAL_RANGE_OF_DRUM_RADIUS = (1e-3, 30.0)
-"""A note questions the unit of a drum's radius [m] outside these two limits.
+"""Smallest and largest usual radius of a drum [m]; outside them a note questions the unit.
 
 Drums have radii of some 20 mm to 5 m.
 """
@@ -73,7 +73,10 @@ If a lining has the modulus of a metal, and its shoe at most LARGEST_USUAL_LININ
 asks whether the two materials were exchanged.
 """
 LARGEST_USUAL_TEMPERATURE_RISE = 1200.0
-"""Temperature rise [K] above which a note asks whether it is meant. Cast iron melts at 1400 K."""
+"""Temperature rise [K] above which a note says that the materials of a brake do not bear it.
+
+Cast iron melts at 1400 K.
+"""
 LARGEST_USUAL_THERMAL_EXPANSION = 1e-3
 """Coefficient of thermal expansion [1/K] above which a note questions its unit.
 
@@ -88,7 +91,7 @@ Adjusters leave gaps of 0.2 to 0.5 mm, more than 1e-3 of the radius. The key `cl
 mean the gap that an adjuster leaves.
 """
 USUAL_RANGE_OF_CYLINDER_PRESSURE = (1e4, 1e9)
-"""A note questions the unit of a wheel cylinder's pressure [Pa] outside these two limits.
+"""Smallest and largest usual pressure of a cylinder [Pa]; outside them a note questions the unit.
 
 Wheel cylinders have some 1 to 20 MPa, and vacuum brakes 5e4 Pa.
 """

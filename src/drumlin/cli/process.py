@@ -120,8 +120,8 @@ def run_command_line(words: Sequence[str]) -> int:
 def _usage_error_as_line(error: Any) -> str:
     """A usage error of the command line, such as a wrong option, as one line of text.
 
-    Where the value of an option is no number, the line names the option and its value: newer
-    versions of typer leave the value out.
+    Where the value of an option is no number, the line names the option and its value, because the
+    messages of newer versions of typer leave the value out.
     """
     from drumlin.brake.file import ALLOWED_VALUE_TEXT_BY_PYDANTIC_ERROR
 

@@ -109,7 +109,8 @@ def _turn_output_faults_into_drumlin_errors() -> Iterator[None]:
 def can_terminal_show_progress() -> bool:
     """Whether standard error is a terminal in which a line can be replaced by the next one.
 
-    A notebook seems to be a terminal to the commands in its cells, but prints their control codes.
+    A notebook seems to be a terminal to the commands in its cells, but it prints control codes as
+    text.
     """
     is_cell_of_notebook = "JPY_PARENT_PID" in os.environ
     return sys.stderr.isatty() and not is_cell_of_notebook
@@ -179,7 +180,7 @@ def show_progress_bar(words: str) -> Iterator[Callable[[int, int], None]]:
 
 @contextmanager
 def show_spinner_beside_words(words: str) -> Iterator[Callable[[str], None]]:
-    """Show a spinner beside `words` while the block runs, if `can_terminal_show_progress`.
+    """Show a spinner beside `words` while the block runs, if the terminal can show progress.
 
     The `with` statement gives a function that the block calls with new words for its next task.
     """
@@ -211,7 +212,7 @@ class PrintedColumn(NamedTuple):
 
     @property
     def width(self) -> int:
-        """Width of the widest line in the column's heading and cells, in cells of the terminal."""
+        """Width of the widest line in the column's heading and cells, in characters."""
         lines = [line for cell in (self.heading, *self.cells) for line in cell.split("\n")]
         return max(map(_width_on_terminal, lines))
 
@@ -222,9 +223,9 @@ class PrintedColumn(NamedTuple):
 
 
 def _width_on_terminal(text: str) -> int:
-    """The number of cells that a line of text takes on a terminal.
+    """The width of a line of text on a terminal, in widths of a Latin letter.
 
-    East Asian letters take two cells, and marks that combine with a letter take none.
+    East Asian letters count as two, and marks that combine with a letter as none.
     """
     width = 0
     for letter in text:

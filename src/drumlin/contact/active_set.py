@@ -207,7 +207,7 @@ def solve_contact_by_block_pivoting(
     start : contact set (n,) of the first step; by default the guess of
         `guess_contact_set_from_coarse_problem`
     most_steps : limit of the steps
-    scales_of : system whose scales are used, see `scale_contact_problem`
+    scales_of : earlier system whose scale factors are used, see `scale_contact_problem`
 
     Raises
     ------
@@ -412,7 +412,7 @@ def find_contact_set_and_step_count_by_closing_wide_gaps(
     Raises
     ------
     NoAnswer
-        if the path goes on for ever
+        if the path does not end within MAX_CONTACT_SET_CHANGES_PER_NODE changes per node
     """
     system = scale_contact_problem(problem)
     K, n = system.K, system.n
@@ -715,10 +715,8 @@ def _find_touching_nodes_that_balance_shoe_load(
 
     Parameters
     ----------
-    q : weighted gaps (n,)
-    B : gaps (n, k) per motion of a mode
-    C : equilibria (k, n) of the modes
-    h : loads (k,) on the modes
+    q, B, C : arrays of `ContactProblem` for all n nodes and the k modes of the shoe
+    h : (k,), the values that C p must have at pressures p in equilibrium
     moved : whether the modes move a node (n,)
 
     Raises

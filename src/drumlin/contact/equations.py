@@ -23,8 +23,8 @@ MAX_NODES_OF_CONTACT_PROBLEM = 3000
 """Largest number of contact nodes in one contact problem; a brake with more is refused.
 
 On a rigid drum each shoe is a problem of its own. An elastic ring couples the nodes of all shoes.
-The dense matrices of a contact problem, and those of the ring, have two rows for each node. With
-more nodes they take gigabytes of memory.
+The dense matrices of a contact problem, and those of the ring, have a row for the pressure of each
+node, and in some computations one for its friction. With more nodes they take gigabytes of memory.
 """
 
 SMALLEST_NORMAL_DOUBLE = np.finfo(float).tiny

@@ -10,7 +10,7 @@ of A and C per friction coefficient: A1 tau are the changes of the weighted gaps
 Newton's method replaces tau by its tangent tau(p_0) + tau'(p_0) (p - p_0) at the last pressures
 p_0. The next pressures then solve a contact problem with a friction coefficient tau' = mu + mu' p
 for each node, and with other gaps and forces (a sequence of linear complementarity problems:
-Josephy 1979). The error of a step is squared in the next step.
+Josephy 1979). The error of the next step is about the square of the error of the present one.
 
 If the steps do not converge, the friction law is changed in several parts, from a constant friction
 coefficient with a known solution to mu(p).
@@ -104,7 +104,7 @@ def find_largest_friction_factor_with_equilibrium(
 
     Parameters
     ----------
-    problem : the contact problem at every friction coefficient
+    problem : the contact problem as a linear function of the friction coefficient
     friction : function that returns the friction at nodal pressures, for the factor 1
     start : solution at the factor 1
     largest_factor : factor at which the search ends without a limit
@@ -134,9 +134,10 @@ def is_equilibrium_certain_up_to_friction_factor(
     factor: float,
     areas: Floats,
 ) -> bool:
-    """Whether there certainly is an equilibrium up to a factor on friction, by one single step.
+    """Whether a single step of the factor on friction proves an equilibrium up to `factor`.
 
-    The contact force must grow by little from the factor 1 on. The parameters are those of
+    The result is True if the solution at `factor` is stable and the contact force grows by at most
+    LARGEST_CONTACT_FORCE_GROWTH_PER_STEP from the factor 1 on. The other parameters are those of
     `find_largest_friction_factor_with_equilibrium`.
     """
     return (
@@ -157,7 +158,7 @@ def _continued_to_friction_factor_or_none(
     """
 
     def raised_friction(p: Floats) -> NodalFrictionAndSlope:
-        """The friction at pressures p, raised by the factor."""
+        """The friction of the nodes at pressures p, times the factor."""
         whole = friction(p)
         return NodalFrictionAndSlope(factor * whole.coefficient, factor * whole.slope)
 
@@ -234,7 +235,7 @@ def solve_contact_with_pressure_dependent_friction(
 
     Parameters
     ----------
-    problem : the contact problem at every friction coefficient
+    problem : the contact problem as a linear function of the friction coefficient
     friction : function that returns the friction at nodal pressures
     start : solution with the friction coefficients `base`
     base : constant friction coefficients (n,) of the nodes, independent of the pressure

@@ -4,13 +4,13 @@ In full slip the matrices of the contact problem grow linearly with the friction
 
     A(mu) = A0 + mu A1,   C(mu) = C0 + mu C1.
 
-On a contact set pressures and rigid-body motions solve K(mu) x = r with the bordered matrix K =
-[[A, B], [C, 0]]. They grow without bound as mu approaches a value at which K0 + mu K1 is singular.
-Such a value is an eigenvalue of the matrix pencil (K0, -K1); the smallest one above the present mu
-counts. The contact set changes as mu grows, and so does this eigenvalue. The solution is therefore
-followed from mu = 0. The limit mu_lock is the eigenvalue of a contact set that holds right up to
-the eigenvalue. Such a limit does not depend on force or clearance, which are negligible beside
-pressures that grow without bound.
+On a contact set the pressures and rigid-body motions x solve K(mu) x = r. Here K = K0 + mu K1 is
+the bordered matrix [[A, B], [C, 0]], and r holds gaps and loads. The pressures grow without bound
+as mu approaches a value at which K is singular. Such a value is an eigenvalue of the matrix pencil
+(K0, -K1); the smallest one above the present mu counts. The contact set changes as mu grows, and so
+does this eigenvalue. The solution is therefore followed from mu = 0. The limit mu_lock is the
+eigenvalue of a contact set that holds right up to the eigenvalue. Such a limit does not depend on
+force or clearance, which are negligible beside pressures that grow without bound.
 
 The path of solutions over mu may also end where it turns back: at a change of the contact set
 beyond which the determinant has the other sign. Beyond such an end there may be other solutions, to
@@ -169,7 +169,7 @@ def find_largest_friction_with_equilibrium(
 
     Parameters
     ----------
-    problem : the contact problem at every friction coefficient
+    problem : the contact problem as a linear function of the friction coefficient
     largest_friction : friction coefficient at which the search ends without a limit
     known_answer : a friction coefficient and its solution, from which the search starts in place of
         mu = 0
@@ -221,7 +221,7 @@ def stable_contact_continued_to_higher_friction_or_none(
 
     Parameters
     ----------
-    problem : the contact problem at every friction coefficient
+    problem : the contact problem as a linear function of the friction coefficient
     friction : the higher friction coefficient mu
     before : solution at the lower friction
     areas : areas (n,) of the nodes [m^2]

@@ -22,6 +22,8 @@ changes to another state:
     backward:  t = -mu p,   p > 0, otherwise it opens;  slip < 0, otherwise it sticks
     stick:     slip = 0,    |t| < mu p, otherwise it slips, forward or backward by the sign of t
 
+In a step of Newton's method an open node that closes may also stick at once.
+
 An increment is therefore one piecewise linear equation (Klarbring 1986; Alart & Curnier 1991).
 Newton's method solves this equation; in each step all nodes that violate a condition change their
 state. If Newton's method cycles, a path of solutions is followed (a continuation method): the load
@@ -316,9 +318,9 @@ NEXT_STATE_BY_STATE_AND_VIOLATED_CONDITION = np.array(
 """The next state of a contact node (4, 2), by its present state and the violated condition.
 
 Each state has two conditions, which are in the order of
-`_IncrementEquationsForGivenStates.distances_of_nodes_from_their_two_state_changes`. An open node
-that closes becomes FORWARD or BACKWARD by the sign of its slip. The table has FORWARD alone, and
-the code that uses the table corrects it.
+`_IncrementEquationsForGivenStates.distances_of_nodes_from_their_two_state_changes`. For an
+open node that closes, the table has FORWARD alone. The code that uses the table corrects this entry
+to BACKWARD by the sign of the slip, or in a step of Newton's method to STICK if the slip is small.
 """
 
 
@@ -494,7 +496,7 @@ def _follow_stick_slip_states_to_true_load(
     a margin. With `from_wide_gaps` the gap of each open node is widened by such a margin. Between
     two changes of state the solution is linear in r. One node changes at a time. The path may turn,
     so that r grows again. Returns the states at r = 0 with their solution. Raises NoAnswer if the
-    path goes on for ever.
+    path does not reach r = 0 within MAX_STICK_SLIP_CHANGES_PER_NODE changes per node.
     """
     state, r, direction, node, edge = state.copy(), 1.0, -1.0, -1, 0
     equations = _IncrementEquationsForGivenStates(system, state)
