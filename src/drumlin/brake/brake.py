@@ -81,10 +81,10 @@ class ShoeFrame(NamedTuple):
         return self.origin + self.sense * self.surface_coordinate_per_phi * np.asarray(phi)
 
     def distances_along_surface_from_pin(self, theta: Floats) -> Floats:
-        """Distance of the coordinates `theta` along the surface from the pin's coordinate.
+        """Signed distances along the surface from the pin's coordinate to the coordinates `theta`.
 
-        The result has the shape of `theta`. It is an angle [rad] on a drum and a length [m] on a
-        plane, positive towards the lining.
+        The result has the shape of `theta`. The distances are angles [rad] on a drum and lengths
+        [m] on a plane, positive towards the lining.
         """
         return self.sense * (np.asarray(theta) - self.origin)
 

@@ -181,9 +181,9 @@ def lining_radii_by_key_for_radius_mismatch(brake: Brake, mismatch: float) -> di
 
 
 def lining_circle_offsets_towards_hinge_by_key(brake: Brake, size: float) -> dict[str, float]:
-    """New offsets of the lining circles, for `vary`: each circle moves by `size` [m] to the hinge.
+    """Offsets that move the circles of the linings by `size` [m] towards the hinges, for `vary`.
 
-    The circle to which the lining is ground moves along the line from the drum's centre to the
+    The circle to which a lining is ground moves along the line from the drum's centre to the
     shoe's hinge. The result has x and y of the offset [m] by their keys in the brake file.
     """
     slopes = [

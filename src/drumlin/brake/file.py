@@ -192,7 +192,7 @@ def read_brake(path: Path, text: str | None = None) -> Brake:
 
 
 def vary(brake: BrakePartTypeVariable, changes: Mapping[str, Any]) -> BrakePartTypeVariable:
-    """Make a brake in which some keys have other values; it is checked like a brake file.
+    """Make a brake in which some keys have other values; the new brake is checked like a file.
 
     Parameters
     ----------

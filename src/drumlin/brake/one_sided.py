@@ -176,7 +176,7 @@ def forces_of_one_sided_supports_on_shoe(
     """The forces of the supports on which a shoe bears or could bear.
 
     `forces` (m,) [N] are the forces of all supports, and `shoe` is the index of the shoe. A
-    negative force would be a pull: it is a round-off error of zero, and is set to 0.
+    negative force would be a pull. Such a force is 0 with a round-off error, and is set to 0.
     """
     found = []
     for support, force in zip(supports, np.maximum(forces, 0.0).tolist(), strict=True):

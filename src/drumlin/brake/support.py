@@ -407,9 +407,9 @@ class SupportedShoe(PartOfInputFile):
     ) -> bool:
         """Whether an abutment can exert a given reaction on the foot.
 
-        It can if it presses on the foot, and if its friction opposes the slide of the foot or is
-        large enough to hold it. The result is always True for a shoe without abutment and for a
-        shoe on anchors.
+        It can if the reaction presses on the foot, and if the friction opposes the slide of the
+        foot or is large enough to hold the foot. The result is always True for a shoe without
+        abutment and for a shoe on anchors.
 
         Parameters
         ----------
@@ -464,8 +464,8 @@ class SupportedShoe(PartOfInputFile):
         if on_abutment and sense != 0:
             assert self.abutment is not None
             along = self.abutment.direction + math.pi / 2
-            # Friction rotates the test mode by the friction angle, so that it stays perpendicular
-            # to the reaction.
+            # Friction rotates the test mode by the friction angle, so that the test mode stays
+            # perpendicular to the reaction.
             leaning = (
                 (sense != SENSE_VALUE_OF_ABUTMENT_THAT_DOES_NOT_ACT)
                 * sense

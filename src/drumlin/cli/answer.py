@@ -77,7 +77,7 @@ class _NotesByPlaceInPrintout(NamedTuple):
     lines_above_table : lines on shoes without contact, printed above the table of shoes
     warnings : lines that begin with "warning:" or "note:", printed below the table
     lines_on_supports : lines on the supports of each body and on corrections of a mesh file,
-        printed last
+        printed below the estimated errors
     lines_of_verbose_answer : all other lines, printed with --verbose only
     """
 

@@ -301,7 +301,7 @@ def contact_problem_with_friction_tangent(
     """The contact problem in which tau(p) = mu(p) p is replaced by its tangent at pressures p."""
     A, q, B, C, h = problem.frictionless
     tangent = friction.coefficient + friction.slope * p
-    # At the pressure 0 the tangent has this stress. It acts as a constant load.
+    # `constant` is the friction stress of the tangent at the pressure 0, a constant load.
     constant = -friction.slope * p**2
     return ContactProblem(
         A + problem.A_per_friction * tangent,

@@ -346,10 +346,11 @@ def _find_stick_slip_states_by_slowed_newton(
 ) -> _StickSlipStatesAndSolutionOfIncrement:
     """Find the states of the nodes by Newton's method, made slow enough not to go in circles.
 
-    While the wrong states do not get fewer, only the node of the highest number changes its state
-    in a step (block principal pivoting, Judice and Pires 1994, Computers and Operations Research
-    21, page 587, with the single changes of Murty). Shoes on anchors need this: where all nodes
-    change at once, they may all slip, and the shoes turn with the drum until an anchor stops them.
+    While the number of wrong states does not fall, only the wrong node with the highest number
+    changes its state in a step (block principal pivoting, Judice and Pires 1994, Computers and
+    Operations Research 21, page 587, with the single changes of Murty). Shoes on anchors need this:
+    where all nodes change at once, they may all slip, and the shoes turn with the drum until an
+    anchor stops them.
     """
     state, fewest = start, 3 * len(start)
     for step in range(1, MAX_STICK_SLIP_CHANGES_PER_NODE * len(start) + 1):
@@ -464,7 +465,7 @@ def _find_stick_slip_states_from_widened_gaps(
             raise NoAnswer("no equilibrium: contact pressure cannot balance the actuation anywhere")
         turn = np.maximum(np.abs(system.B[:n, mode]), np.finfo(float).tiny)
         first = int(np.where(bearing, system.q[:n] / turn, np.inf).argmin())
-        # The node slips in the sense in which its friction does not lock the mode.
+        # The node slips in the sense in which its friction helps to balance the load on the mode.
         helps = system.C[mode, n + first] * load >= 0
         state[first] = FORWARD if helps else BACKWARD
     return _follow_stick_slip_states_to_true_load(system, state, from_wide_gaps=True)
