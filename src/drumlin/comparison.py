@@ -299,7 +299,7 @@ def _table_row_of_whole_brake(
 def length_of_uncompared_zone_at_lining_end(brake: Brake) -> float:
     """Length of the zone at each end of a lining in which pressures are not compared.
 
-    It is an angle [rad] on a drum and a length [m] on a plane.
+    The length is an angle [rad] on a drum and a length [m] on a plane.
     """
     return UNCOMPARED_EDGE_ZONE_IN_RADIANS * brake.surface_coordinate_per_phi
 
@@ -504,8 +504,8 @@ class ResultsOnRefinedMeshes:
         """Observed order of convergence of a shoe's pressure, and its error on the finest mesh.
 
         `shoe` is the index of the shoe. The error is the relative L2 distance of the pressure on
-        the finest mesh from its limit. It is extrapolated from the distances between successive
-        meshes.
+        the finest mesh from its limit. This distance is extrapolated from the distances between
+        successive meshes.
         """
         # Distances are extrapolated as values of which the finest mesh has the value 0. The
         # uncertainty of their limit is then the distance of the finest mesh from the limit.

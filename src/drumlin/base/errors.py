@@ -112,7 +112,7 @@ class AnswerLostToRoundOff(NoAnswer):
 class StoppedBySignal(BaseException):
     """The exception for a signal of the operating system that asks the process to end.
 
-    As an exception it lets `finally` blocks delete half-written files. It derives from
+    The exception lets `finally` blocks delete half-written files. The class derives from
     BaseException: code that handles ordinary exceptions (`except Exception`) must not catch it.
     """
 
@@ -130,7 +130,8 @@ def system_message_of_error(error: BaseException) -> str:
 def exception_for_unusable_file(path: object, doing: str, error: BaseException) -> DrumlinError:
     """Return the exception to raise for a file that cannot be read or written.
 
-    It is NoAnswer if disk, memory or the number of open files is exhausted, else BadInput.
+    The exception is NoAnswer if disk, memory or the number of open files is exhausted, else
+    BadInput.
 
     Parameters
     ----------

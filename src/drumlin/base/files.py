@@ -52,7 +52,7 @@ def protect_file_from_being_overwritten(path: Path) -> None:
     """Protect the file at `path` from being overwritten, even if it is never read.
 
     The protection lasts until the block of `protect_input_files_within_block` ends.
-    It covers all names of the file, such as links, because they share one number on the disk.
+    The protection covers all names of the file, such as links, which share one number on the disk.
     """
     inputs = _disk_statuses_of_protected_files.get()
     with suppress(OSError, ValueError):

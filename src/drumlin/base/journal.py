@@ -47,8 +47,8 @@ LIBRARIES_THAT_AFFECT_RESULTS = ("numpy", "scipy", "scikit-fem")
 def checksum_of_source_and_libraries(*folders: Path) -> str:
     """A checksum, 16 hexadecimal digits, of everything on which the results of a run depend.
 
-    It covers all Python and TOML files of drumlin and of the given folders, and the versions of the
-    libraries LIBRARIES_THAT_AFFECT_RESULTS.
+    The checksum covers all Python and TOML files of drumlin and of the given folders, and the
+    versions of the libraries LIBRARIES_THAT_AFFECT_RESULTS.
     """
     digest = hashlib.sha256()
     for name in LIBRARIES_THAT_AFFECT_RESULTS:

@@ -2,10 +2,10 @@
 
 A misfit is a lining ground to a circle of its own, a taper, steps between blocks of the lining, or
 a drum that is out of round. Each misfit is a gap along the drum's radius, or along the normal of
-the plane, and positive if open. It is added to the lining's `clearance`. It therefore acts in every
-model that has a clearance (finite elements, foundation), and the condensed stiffness of the shoes
-does not depend on it. The closed-form laws assume that lining and surface fit each other. A misfit
-across the width (coning, bell-mouthing) is neglected in plane stress.
+the plane, and positive if open. This gap is added to the lining's `clearance`. A misfit therefore
+acts in every model that has a clearance (finite elements, foundation), and the condensed stiffness
+of the shoes does not depend on the misfit. The closed-form laws assume that lining and surface fit
+each other. A misfit across the width (coning, bell-mouthing) is neglected in plane stress.
 
 The slope of a misfit is neglected: pressure acts along the normals of the drum's circle. If a drum
 of radius R is out of round by a harmonic of order n and amplitude a, the neglect changes the torque
@@ -25,7 +25,8 @@ from drumlin.brake.file import vary
 LARGEST_ROUND_OFF_CHANGE_OF_GAP_SLOPE = 1e-9
 """Largest change of the gap's slope, at a row of a clearance table, that counts as round-off.
 
-It is relative to the largest change of slope in the table. A larger change is a kink of the gap.
+The change is relative to the largest change of slope in the table. A larger change is a kink of the
+gap.
 """
 # The type of the result of a function that solves a brake.
 T = TypeVar("T")
@@ -81,8 +82,8 @@ def gaps_due_to_block_heights(lining: Lining, theta: Floats) -> Floats:
 def coordinates_of_gap_kinks(lining: Lining) -> list[float]:
     """Coordinates along the surface (angles on a drum) at which a lining's gap is not smooth.
 
-    It is not smooth at the rows of a clearance table, and where the rounded steps between blocks
-    begin and end.
+    The gap is not smooth at the rows of a clearance table, and where the rounded steps between
+    blocks begin and end.
     """
     return [
         *coordinates_of_clearance_table_rows(lining),
@@ -123,8 +124,8 @@ def gap_kinks_that_point_to_drum(lining: Lining) -> list[tuple[float, float]]:
 def clearance_slope_change_at_each_table_row(lining: Lining) -> Floats:
     """Change of the clearance's slope at each row of a lining's clearance table, (n,).
 
-    It is in metres per unit of the surface's coordinate (rad on a drum). The clearance is constant
-    beyond the table. The array is empty if the clearance is a number.
+    The change is in metres per unit of the surface's coordinate (rad on a drum). The clearance is
+    constant beyond the table. The array is empty if the clearance is a number.
     """
     return np.array([change for _, change in _clearance_table_rows_and_slope_changes(lining)])
 

@@ -183,7 +183,7 @@ class DrumRing(PartOfInputFile):
     def section(self) -> RectangularCrossSection | None:
         """The cross-section of the ring, with a width that gives the bending stiffness.
 
-        It is None if the brake file has the bending stiffness but no thickness.
+        The result is None if the brake file has the bending stiffness but no thickness.
         """
         return _cross_section_or_none_if_unknown(self, self.bending_stiffness)
 
@@ -616,7 +616,7 @@ class DrumLiningRow(Lining):
     def clearances_at_surface_coordinates(self, theta: Floats) -> Floats:
         """Clearance [m] of the linings at the angles `theta`, same shape; without the misfit.
 
-        At an angle in a slot it is the clearance of the lining before the slot.
+        At an angle in a slot the result is the clearance of the lining before the slot.
         """
         which = indices_of_linings_at_coordinates(self, theta)
         gaps = [part.clearances_at_surface_coordinates(theta) for part in self.parts]
@@ -814,8 +814,8 @@ class BeamBody(PartOfInputFile):
     def section(self) -> RectangularCrossSection | None:
         """The cross-section of the beam, with a width that gives the bending stiffness.
 
-        It is None if the bending stiffness varies along the beam, or if the brake file has the
-        bending stiffness but no thickness.
+        The result is None if the bending stiffness varies along the beam, or if the brake file has
+        the bending stiffness but no thickness.
         """
         EI = self.bending_stiffness
         return None if isinstance(EI, tuple) else _cross_section_or_none_if_unknown(self, EI)

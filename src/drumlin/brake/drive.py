@@ -1,11 +1,11 @@
 """Devices that push several shoes of a brake: a wheel cylinder, a cam or wedge, a strut.
 
-They give forces to shoes for which the brake file gives no force. A cylinder pushes every shoe with
-the same force. A cam or a wedge moves the loaded ends of two shoes by the same distance. The brake
-file gives the sum of the forces on both shoes, and the stiffnesses of the shoes decide how the sum
-is divided between the shoes. A strut lies between two shoes: one shoe pushes on it with its foot
-(the end away from the actuation), and the strut pushes the other shoe with the same force along the
-same line.
+These devices give forces to shoes for which the brake file gives no force. A cylinder pushes every
+shoe with the same force. A cam or a wedge moves the loaded ends of two shoes by the same distance.
+The brake file gives the sum of the forces on both shoes, and the stiffnesses of the shoes decide
+how the sum is divided between the shoes. A strut lies between two shoes: one shoe pushes on it with
+its foot (the end away from the actuation), and the strut pushes the other shoe with the same force
+along the same line.
 """
 
 import math
@@ -362,7 +362,7 @@ def reason_why_forces_follow_from_cam_or_strut(
 ) -> str | None:
     """Text for an error message that the forces on the shoes follow from a cam or a strut.
 
-    It is None if the force on each shoe is known before the solve.
+    The result is None if the force on each shoe is known before the solve.
     """
     by = ["a cam"] * (drive is not None and drive.is_cam_or_wedge) + ["a strut"] * bool(links)
     return f"its shoes share their forces by {' and '.join(by)}" if by else None

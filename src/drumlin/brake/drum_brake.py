@@ -243,8 +243,8 @@ class DrumBrake(Brake):
     def radial_deviation_of_drum_surface(self, theta: Floats) -> Floats | None:
         """Radial deviation [m] of a drum that is out of round, at angles theta [rad], same shape.
 
-        It is positive where the friction surface lies outside the drum's circle. The result is None
-        for a round drum.
+        The deviation is positive where the friction surface lies outside the drum's circle. The
+        result is None for a round drum.
         """
         harmonics = self.out_of_round_harmonics
         return radial_deviation_of_drum(harmonics, self.drum.angle, theta) if harmonics else None

@@ -333,7 +333,7 @@ class OrthotropicMaterial(PartOfInputFile):
     ) -> tuple[float, float]:
         """Lower and upper bound of nu_through_across, between which the strain energy is positive.
 
-        The compliance matrix is scaled to a unit diagonal. Its other entries are then -a, -b and
+        The compliance matrix is scaled to a unit diagonal. The other entries are then -a, -b and
         -c. Here a, b and c are Poisson's ratios along-through, along-across and through-across,
         each times the square root of the second Young's modulus divided by the first. The
         determinant 1 - a^2 - b^2 - c^2 - 2 a b c must be positive.
@@ -373,7 +373,7 @@ def _check_poisson_ratio_is_small_enough(
 ) -> None:
     """Raise ValueError if a Poisson's ratio is too large for a positive strain energy.
 
-    Its square must be less than the first Young's modulus divided by the second.
+    The square of Poisson's ratio must be less than the first Young's modulus divided by the second.
 
     Parameters
     ----------
@@ -470,8 +470,8 @@ def make_validator_of_number_or_table(
 ) -> BeforeValidator:
     """Make the validator of a quantity that is constant or varies along a coordinate.
 
-    It takes a number, or a table of rows (coordinate, value) with linear interpolation between the
-    rows.
+    The validator takes a number, or a table of rows (coordinate, value) with linear interpolation
+    between the rows.
 
     Parameters
     ----------
@@ -575,7 +575,8 @@ def _convert_table_rows_to_si(
 def si_unit_of_field_type(annotation: Any) -> str | None:
     """The SI unit of the quantity that a field of a part takes, found from the field's type.
 
-    It is "" for a field with a number without unit, and None for a field that takes no number.
+    The result is "" for a field with a number without unit, and None for a field that takes no
+    number.
     """
     unit: str | None = _validator_argument_in_field_type(annotation, "si", pure="")
     return unit

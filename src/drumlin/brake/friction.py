@@ -57,7 +57,8 @@ WORDS_FOR_FRICTION_TABLE_COLUMNS = {
 class FrictionOverPressureCurve(NamedTuple):
     """The friction coefficient as a function of pressure, at a given speed and temperature.
 
-    It is linear between two pressures, and constant beyond the first and the last pressure.
+    The coefficient is linear between two pressures, and constant beyond the first and the last
+    pressure.
 
     Attributes
     ----------
@@ -83,7 +84,7 @@ class FrictionOverPressureCurve(NamedTuple):
     def friction_slopes_at_pressures(self, p: Floats) -> Floats:
         """The derivative of the friction coefficient by the pressure [1/Pa] at p [Pa], same shape.
 
-        At a pressure of the table it is the slope on the side of higher pressures.
+        At a pressure of the table the result is the slope on the side of higher pressures.
         """
         return self.friction_slopes_between_table_rows[
             np.searchsorted(self.pressure, p, side="right")

@@ -127,7 +127,7 @@ class Spring(PartOfInputFile):
     def spring_or_lever_force_on_shoe(self, name: str, pull: float) -> ForceAtPoint | None:
         """Force on the shoe `name` of the spring with this pull [N].
 
-        It is None if the spring does not begin or end at this shoe.
+        The result is None if the spring does not begin or end at this shoe.
         """
         if name not in (self.shoe, self.to):
             return None
@@ -185,7 +185,7 @@ class Lever(FurtherForceOnShoe):
     def spring_or_lever_force_on_shoe(self, name: str) -> ForceAtPoint | None:
         """The force of the lever's pin, or of its strut, on the shoe `name`.
 
-        It is None if the lever neither turns on this shoe nor pushes it by the strut.
+        The result is None if the lever neither turns on this shoe nor pushes it by the strut.
         """
         strut = self.pushing_force_of_strut * self._unit_vector_along_strut
         if name == self.shoe:

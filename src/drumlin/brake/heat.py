@@ -238,7 +238,7 @@ def names_of_heated_parts(brake: "Brake") -> list[str]:
 def note_on_heated_parts_of_brake(brake: "Brake") -> str | None:
     """Note on the heated parts and the drum's growth, for results that include heat.
 
-    It is None for a brake without heated parts.
+    The result is None for a brake without heated parts.
     """
     names = names_of_heated_parts(brake)
     if not names:
@@ -253,7 +253,7 @@ def note_on_heated_parts_of_brake(brake: "Brake") -> str | None:
 def warning_that_law_neglects_heat(brake: "Brake") -> str | None:
     """Warning that names the heated parts, for results of closed-form laws, which neglect heat.
 
-    It is None for a brake without heated parts.
+    The result is None for a brake without heated parts.
     """
     names = "; ".join(names_of_heated_parts(brake))
     return f"warning: left out is the heat of {names}; --model fem has it" if names else None

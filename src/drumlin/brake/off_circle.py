@@ -77,8 +77,8 @@ def radial_deviation_of_drum(
 ) -> Floats:
     """Radial deviation [m] of a drum that is out of round, at angles theta [rad], same shape.
 
-    It is positive where the friction surface lies outside its circle. The deviation turns with the
-    drum, so that it depends on the angular position of the drum.
+    The deviation is positive where the friction surface lies outside its circle. The deviation
+    turns with the drum, so that it depends on the angular position of the drum.
 
     Parameters
     ----------

@@ -190,7 +190,8 @@ def forces_of_one_sided_supports_on_shoe(
 def work_of_support_push_in_rigid_body_modes(shoe: SupportedShoe, push: Actuation) -> Floats:
     """The work (k,) of a support's push in each rigid-body mode of a shoe.
 
-    For a push of 1 N it is also the distance by which the support opens, per unit of each mode.
+    For a push of 1 N the work is also the distance by which the support opens, per unit of each
+    mode.
     """
     return work_of_force_in_rigid_body_motions(
         shoe.rigid_body_modes_of_support().motions, push.force_vector, push.point.xy

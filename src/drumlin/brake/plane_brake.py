@@ -219,7 +219,7 @@ class FlatShoe(Shoe):
     def size(self) -> float:
         """Size [m] of the brake to which the shoe belongs: the length of the first shoe's lining.
 
-        For a shoe without a brake it is the length of the shoe's own lining.
+        For a shoe without a brake the result is the length of the shoe's own lining.
         """
         return self.lining.end - self.lining.start if self._size is None else self._size
 

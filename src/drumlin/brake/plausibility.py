@@ -57,9 +57,9 @@ An angle of 75 deg that is written as 75 rad is 12 turns.
 SOFTEST_LINING, SOFTEST_BODY, STIFFEST_PART = 1e5, 1e6, 3e13
 """Limits of moduli [Pa]: a note questions the unit of a modulus beyond its limit.
 
-They are the smallest modulus of a lining, the smallest of a body, and the largest of any part.
-Foams have 1e5 Pa, wood across its grain 1e8 Pa, steel 2e11 Pa and diamond 1e12 Pa. A modulus in
-N/m^2 that was meant in N/mm^2 is a million times too small.
+The three limits are the smallest modulus of a lining, the smallest modulus of a body, and the
+largest modulus of any part. Foams have 1e5 Pa, wood across its grain 1e8 Pa, steel 2e11 Pa and
+diamond 1e12 Pa. A modulus in N/m^2 that was meant in N/mm^2 is a million times too small.
 """
 MODULUS_RANGE_OF_SHOE_METALS = (6e10, 2.2e11)
 """Moduli [Pa] of the metals of shoes, from aluminium (7e10 Pa) to steel (2.1e11 Pa).

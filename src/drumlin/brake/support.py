@@ -72,7 +72,8 @@ Without abutment the foot of the shoe may slide along the abutment's face and le
 LARGEST_ROUND_OFF_EXCESS_OF_FOOT_FRICTION = 1e-9
 """Largest excess of a sticking foot's friction over the limit of Coulomb that is round-off.
 
-It is relative to the limit. With a larger excess the foot of the shoe slides on the abutment.
+The excess is relative to the limit. With a larger excess the foot of the shoe slides on the
+abutment.
 """
 
 
@@ -156,7 +157,7 @@ def work_of_force_in_rigid_body_motions(motions: Floats, force: Floats, point: F
 def resultant_force_and_moment(forces: Floats, points: Floats) -> Floats:
     """Resultant (3,) of forces (..., 2) [N] at points (..., 2) [m].
 
-    It has the components in x and y [N] and the moment about the origin [N m].
+    The resultant has the components in x and y [N] and the moment about the origin [N m].
     """
     moments = points[..., 0] * forces[..., 1] - points[..., 1] * forces[..., 0]
     return np.array([forces[..., 0].sum(), forces[..., 1].sum(), moments.sum()])
@@ -265,8 +266,8 @@ class SupportedShoe(PartOfInputFile):
     def pin(self) -> Point:
         """The point about which moments of the shoe are taken, and from which its angles count.
 
-        It is the hinge, the point of the abutment, the point of the first anchor, or for a guided
-        shoe the point of the actuation.
+        The point is the hinge, the point of the abutment, the point of the first anchor, or for a
+        guided shoe the point of the actuation.
         """
         if self.hinge is not None:
             return self.hinge
@@ -407,9 +408,9 @@ class SupportedShoe(PartOfInputFile):
     ) -> bool:
         """Whether an abutment can exert a given reaction on the foot.
 
-        It can if the reaction presses on the foot, and if the friction opposes the slide of the
-        foot or is large enough to hold the foot. The result is always True for a shoe without
-        abutment and for a shoe on anchors.
+        The abutment can exert the reaction if this reaction presses on the foot, and if the
+        friction opposes the slide of the foot or is large enough to hold the foot. The result is
+        always True for a shoe without abutment and for a shoe on anchors.
 
         Parameters
         ----------
@@ -674,8 +675,8 @@ def check_rigid_body_modes_close_gap_differently(
     columns : components of a motion that close the gap: dx and dy on a drum, dy and turn on a plane
     """
     closing = shoe.rigid_body_modes_of_support().motions[:, columns]
-    # The check is for two modes. They close the gap in the same way if the components that close
-    # it are proportional.
+    # The check is for two modes. The modes close the gap in the same way if their components that
+    # close the gap are proportional.
     if len(closing) != 2:
         return
     lengths = np.linalg.norm(closing, axis=1)

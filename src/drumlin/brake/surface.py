@@ -116,7 +116,7 @@ class FrictionSurface:
     def unit_normals_into_surface(self, q: Floats) -> Floats:
         """Unit normals (2, ...) of the surface at the coordinates q.
 
-        They point from an internal lining into the drum, or from a lining into the plane.
+        The normals point from an internal lining into the drum, or from a lining into the plane.
         """
         if self.is_plane_and_not_drum:
             return np.array([np.zeros(np.shape(q)), -np.ones(np.shape(q))])

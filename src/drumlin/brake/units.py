@@ -129,7 +129,7 @@ _SECOND_MEANING_BY_UNIT_WORD = {"lb": "lbf", "lbs": "lbf", "mil": "thou", "mils"
 def _pint_unit_registry() -> Any:
     """The registry of units of the package pint, with drumlin's further units.
 
-    pint takes 0.25 s to load. It is loaded only for a unit that is not in
+    pint takes 0.25 s to load. drumlin loads pint only for a unit that is not in
     FACTORS_OF_COMMON_UNITS_BY_SI_UNIT.
     """
     import pint  # noqa: PLC0415

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 SHOE_COLUMNS_DROPPED_ON_NARROW_TERMINAL = ["shoe_factor", "reaction", "normal_force", "at"]
 """Columns of the printed table of shoes that a narrow terminal has no room for.
 
-They are left out in this order, until the other columns fit.
+The columns are left out in this order, until the other columns fit.
 """
 
 
@@ -263,8 +263,8 @@ def _columns_of_shoe_table(
 def _print_lines_of_verbose_answer(response: "Response", notes: list[str]) -> None:
     """Print the lines that only --verbose shows.
 
-    They give hinge reaction and figures of merit of each shoe, solution steps, balance of forces,
-    computing times, the given notes and neglected effects.
+    These lines give hinge reaction and figures of merit of each shoe, solution steps, balance of
+    forces, computing times, the given notes and neglected effects.
     """
     from drumlin.laws.rigid import UNUSED_KEYS_LINE_START
 

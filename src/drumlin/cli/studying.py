@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 STATISTICS_DROPPED_ON_NARROW_TERMINAL = ["most", "least"]
 """Columns of the printed statistics that a narrow terminal has no room for.
 
-They are left out in this order, until the other columns fit.
+The columns are left out in this order, until the other columns fit.
 """
 
 

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 UNPRINTED_COMPARISON_COLUMNS = ("case", "rotation")
 """Columns of the table of `drumlin compare` that are never printed.
 
-They have the same value in all rows, since the table is of one brake.
+These columns have the same value in all rows, since the table is of one brake.
 """
 COMPARISON_COLUMNS_DROPPED_ON_NARROW_TERMINAL = [
     "self_energising",
@@ -34,7 +34,7 @@ COMPARISON_COLUMNS_DROPPED_ON_NARROW_TERMINAL = [
 ]
 """Columns of the table of `drumlin compare` that a narrow terminal has no room for.
 
-They are left out in this order, until the other columns fit.
+The columns are left out in this order, until the other columns fit.
 """
 COMPARISON_TABLE_WIDTH_IN_FILE_OR_PIPE = 200
 """Width [characters] of the table of `drumlin compare` in a file or a pipe, not a terminal."""

@@ -236,7 +236,7 @@ class BorderedEquations(ContactSetEquations):
     def determinant_sign(self) -> int:
         """The sign, +1 or -1, of the determinant of K in the rows and columns of free unknowns.
 
-        It is the sign for the base times the sign of the Schur complement's determinant. By
+        The result is the sign for the base times the sign of the Schur complement's determinant. By
         Jacobi's theorem on complementary minors the product holds for released nodes too.
         """
         return self._base_equations.determinant_sign * _determinant_sign_from_lu_factors(

@@ -17,7 +17,7 @@ coefficient with a known solution to mu(p).
 
 A brake with this friction locks itself if mu(p) is raised by a large enough factor at all pressures
 alike. The solution is followed as the factor grows from 1, in steps over which the contact force
-grows by little. It ends where the pressures grow without bound, or where two solutions meet.
+grows by little. The path ends where the pressures grow without bound, or where two solutions meet.
 """
 
 from collections.abc import Callable

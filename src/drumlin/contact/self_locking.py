@@ -263,7 +263,7 @@ def _does_solution_continue_at_higher_friction(
 ) -> bool:
     """Whether a solution continues the solution at the last, smaller friction coefficient.
 
-    It does if the same nodes touch, or if the contact force grows by at most
+    The solution continues if the same nodes touch, or if the contact force grows by at most
     LARGEST_CONTACT_FORCE_GROWTH_PER_STEP.
     """
     return np.array_equal(after.active, before.active) or _is_growth_of_contact_force_small(

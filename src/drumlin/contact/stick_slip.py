@@ -512,7 +512,7 @@ def _follow_stick_slip_states_to_true_load(
         value = equations.distances_of_nodes_from_their_two_state_changes(point)
         change = equations.distances_of_nodes_from_their_two_state_changes(slope)
         # The node that has changed last is exactly at a limit of its new state, and its distance
-        # from this limit must grow. This tells whether r grows or falls.
+        # from this limit must grow. The sign of this growth tells whether r grows or falls.
         if node >= 0:
             direction = float(np.sign(change[edge, node]))
         met = _next_stick_slip_state_change_on_path(value, change, r, direction)
