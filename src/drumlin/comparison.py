@@ -110,8 +110,9 @@ def richardson_limit_from_changes_between_meshes(
     """Estimate the limit of a value as meshes are refined, by Richardson extrapolation.
 
     The extrapolation needs two changes of the same sign, of which the second is smaller than the
-    first. Otherwise the value on the finest mesh is taken as the limit, and the larger change as
-    its uncertainty. The order is nan if the second change is not smaller than the first.
+    first. If the changes are not of this kind, the value on the finest mesh is taken as the limit,
+    and the larger change as its uncertainty. The order is nan if the second change is not smaller
+    than the first.
 
     Parameters
     ----------
@@ -298,7 +299,7 @@ def _table_row_of_whole_brake(
 def length_of_uncompared_zone_at_lining_end(brake: Brake) -> float:
     """Length of the zone at each end of a lining in which pressures are not compared.
 
-    It is an angle [rad] on a drum and a length [m] on a plane.
+    The length is an angle [rad] on a drum and a length [m] on a plane.
     """
     return UNCOMPARED_EDGE_ZONE_IN_RADIANS * brake.surface_coordinate_per_phi
 
@@ -503,10 +504,11 @@ class ResultsOnRefinedMeshes:
         """Observed order of convergence of a shoe's pressure, and its error on the finest mesh.
 
         `shoe` is the index of the shoe. The error is the relative L2 distance of the pressure on
-        the finest mesh from its limit. It is extrapolated from the distances between successive
-        meshes.
+        the finest mesh from its limit. This distance is extrapolated from the distances between
+        successive meshes.
         """
-        # With 0 as the value on the finest mesh, the limit is its distance from this mesh.
+        # Distances are extrapolated as values of which the finest mesh has the value 0. The
+        # uncertainty of their limit is then the distance of the finest mesh from the limit.
         first, last = self.relative_pressure_distances_between_meshes(shoe)[-2:]
         limit = richardson_limit_from_changes_between_meshes(0.0, first, last)
         return limit.order, limit.uncertainty

@@ -13,8 +13,9 @@ from pathlib import Path
 
 from drumlin.base.texts import printable_single_line
 
-# Names in the standard module errno of errors that say: no disk space, memory, open files or
-# processes are left.
+# Names of error numbers, as in Python's module errno. The operating system reports these errors if
+# disk space, memory, open files or processes run out, if a file becomes too large, or if a disk
+# fails.
 _ERRNO_NAMES_OF_RESOURCE_SHORTAGE = (
     "ENOSPC",
     "EDQUOT",
@@ -28,10 +29,11 @@ _ERRNO_NAMES_OF_RESOURCE_SHORTAGE = (
 ERROR_NUMBERS_OF_RESOURCE_SHORTAGE = {
     getattr(errno, name) for name in _ERRNO_NAMES_OF_RESOURCE_SHORTAGE if hasattr(errno, name)
 }
-"""Error numbers by which the operating system says that disk, memory, files or processes run out.
+"""Error numbers by which the operating system says that a resource runs out or that a disk fails.
 
-drumlin reports them as NoAnswer and not as BadInput, because the user's input does not cause them.
-Some operating systems do not define all of these numbers.
+The resources are disk space, memory, open files and processes. drumlin reports them as NoAnswer and
+not as BadInput, because the user's input does not cause them. Some operating systems do not define
+all of these numbers.
 """
 
 
@@ -65,7 +67,7 @@ PYTHON_ARGUMENTS_BY_DIFFERING_OPTION_NAME = {
     "to": "high",
     "no-model-error": "model_error=False",
 }
-"""Python arguments by the command's option, for options whose argument has another name.
+"""Python arguments by the name of the command's option, where the two names differ.
 
 The arguments are those of the functions that `import drumlin` gives.
 """
@@ -110,7 +112,7 @@ class AnswerLostToRoundOff(NoAnswer):
 class StoppedBySignal(BaseException):
     """The exception for a signal of the operating system that asks the process to end.
 
-    As an exception it lets `finally` blocks delete half-written files. It derives from
+    The exception lets `finally` blocks delete half-written files. The class derives from
     BaseException: code that handles ordinary exceptions (`except Exception`) must not catch it.
     """
 
@@ -128,7 +130,8 @@ def system_message_of_error(error: BaseException) -> str:
 def exception_for_unusable_file(path: object, doing: str, error: BaseException) -> DrumlinError:
     """Return the exception to raise for a file that cannot be read or written.
 
-    It is NoAnswer if disk, memory or the number of open files is exhausted, else BadInput.
+    The exception is NoAnswer if disk, memory or the number of open files is exhausted, else
+    BadInput.
 
     Parameters
     ----------
@@ -143,8 +146,8 @@ def exception_for_unusable_file(path: object, doing: str, error: BaseException) 
 
 def is_failure_of_memory_or_system(error: BaseException | None) -> bool:
     """Whether a lack of memory, or the operating system, caused an error, and not the input."""
-    # A model may turn an error of the system into a refusal, so that the causes of the error are
-    # looked at, too.
+    # A model may catch an error of the system and raise a refusal in its place. Python keeps the
+    # first error as the cause of the refusal, so that the causes are examined, too.
     while error is not None:
         if isinstance(error, MemoryError | OSError):
             return True
@@ -161,7 +164,8 @@ def error_line_and_exit_status(error: BaseException) -> tuple[str, int]:
     """Line to print about the exception that ends a process, and the exit status of the process.
 
     If the line is empty, nothing is to be printed. The exit status is 2 for wrong input, 3 if there
-    is no answer, 128 plus the signal's number after a signal, and 1 for a fault of drumlin itself.
+    is no answer or if memory, disk or a package is lacking, 128 plus the signal's number after a
+    signal, and 1 for a fault of drumlin itself.
     """
     line, status = _error_line_of_any_length_and_exit_status(error)
     return printable_single_line(line), status
@@ -213,7 +217,7 @@ def call_function_and_return_exit_status(run: Callable[[], int]) -> int:
     except BaseException as error:
         line, status = error_line_and_exit_status(error)
         if line and sys.stderr is not None:
-            # The command has ended with the exception, so that its functions for output cannot be
-            # used here.
+            # The exception has ended the command, so that the functions by which commands print
+            # cannot be used here.
             print(f"drumlin: {line}", file=sys.stderr)  # noqa: T201
         return status

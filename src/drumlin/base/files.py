@@ -52,7 +52,7 @@ def protect_file_from_being_overwritten(path: Path) -> None:
     """Protect the file at `path` from being overwritten, even if it is never read.
 
     The protection lasts until the block of `protect_input_files_within_block` ends.
-    It holds for all names of the file, such as links, which have the same number on the disk.
+    The protection covers all names of the file, such as links, which share one number on the disk.
     """
     inputs = _disk_statuses_of_protected_files.get()
     with suppress(OSError, ValueError):
@@ -146,9 +146,9 @@ def read_text(path: Path, most: int, what: str) -> str:
 def check_output_files_are_writable(*paths: Path | None) -> None:
     """Raise BadInput if one of the output files must not or cannot be written.
 
-    It is called before a long computation, whose result would be lost. It refuses a folder, a disk,
-    an input file (see `protect_input_files_within_block`), a path that two outputs share, and any
-    .toml file, because users write brake and sweep files by hand.
+    Commands call the function before a long computation, whose result would otherwise be lost. The
+    function refuses a folder, a disk, an input file (see `protect_input_files_within_block`), a
+    path that two outputs share, and any .toml file, because users write these files by hand.
     """
     targets = []
     for path in filter(None, paths):

@@ -33,7 +33,8 @@ MAX_BYTES_OF_JOURNAL_LINE = 2**26
 """Longest line of a journal [bytes]; a longer line counts as damaged.
 
 The line of a case has some 100 bytes, and a line with the reference values of a study some 100 000.
-If the first line of a file is unknown, undamaged lines are searched in its first 2**26 bytes.
+If the first line of a file is not that of this version's journals, drumlin searches the first 2**26
+bytes of the file for undamaged lines.
 """
 FIRST_BYTES_OF_JOURNAL_FILE = b'{"stamp": "'
 """The beginning of a journal's first line. The stamp follows: a checksum of drumlin's source."""
@@ -46,8 +47,8 @@ LIBRARIES_THAT_AFFECT_RESULTS = ("numpy", "scipy", "scikit-fem")
 def checksum_of_source_and_libraries(*folders: Path) -> str:
     """A checksum, 16 hexadecimal digits, of everything on which the results of a run depend.
 
-    It covers all Python and TOML files of drumlin and of the given folders, and the versions of the
-    libraries LIBRARIES_THAT_AFFECT_RESULTS.
+    The checksum covers all Python and TOML files of drumlin and of the given folders, and the
+    versions of the libraries LIBRARIES_THAT_AFFECT_RESULTS.
     """
     digest = hashlib.sha256()
     for name in LIBRARIES_THAT_AFFECT_RESULTS:
@@ -158,10 +159,10 @@ class JournalOfCaseResults(AbstractContextManager["JournalOfCaseResults"]):
         self.close()
 
     def _try_to_lock_and_read_journal_file(self, path: Path) -> bool:
-        """Open and lock the file at `path` and read its cases; False if it must be tried again.
+        """Open and lock the file at `path` and read its cases; False if the caller must try again.
 
-        It must be tried again if this run or another one has renamed the file as outdated, so that
-        no file is left at `path`. Raises BlockingIOError if another run has locked the file.
+        The caller must try again if this run or another run has renamed the file as outdated, so
+        that no file is left at `path`. Raises BlockingIOError if another run has locked the file.
         """
         if path.exists() and not path.is_file():
             raise BadInput(f"{path}: cannot be written (is no file)")
@@ -180,8 +181,8 @@ class JournalOfCaseResults(AbstractContextManager["JournalOfCaseResults"]):
     def _read_results_if_journal_is_of_this_version(self, file: FileIO) -> bool:
         """Read the cases of the locked file, and cut off a last line that is incomplete.
 
-        Returns True if that was done. A journal of another version of the program's source is
-        renamed instead, and the result is False.
+        Returns True if the cases were read. A journal of another version of the program's source is
+        renamed and not read, and the result is False.
         """
         path, own_head = (
             Path(file.name),

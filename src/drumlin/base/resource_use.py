@@ -1,4 +1,4 @@
-"""Memory and processor time that this process and its child processes have used.
+"""Peak memory of this process, and processor time of its child processes that have ended.
 
 Linux and macOS count both for every process, and Python reads them with the module `resource`. On
 Windows, where Python has no such module, the functions return nan, and reports show no number.

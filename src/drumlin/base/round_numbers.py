@@ -6,7 +6,7 @@ import math
 def four_round_numbers_around_value(value: float) -> tuple[float, ...]:
     """Four round numbers around a positive `value`, in growing order.
 
-    They are 1, 2, 5 and 10 times the largest power of ten that is not above the value.
+    The numbers are 1, 2, 5 and 10 times the largest power of ten that is not above the value.
     """
     power = 10.0 ** math.floor(math.log10(value))
     return tuple(digit * power for digit in (1, 2, 5, 10))

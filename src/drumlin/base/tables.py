@@ -55,7 +55,7 @@ def number_in_table_cell(cell: str, decimal_sign: str) -> float:
 
     Raises ValueError for a cell without a number, or with a number that has two readings.
     """
-    # A plain number needs no check of its commas. It may also be longer than
+    # A plain number needs no check of its commas. A plain number may also be longer than
     # MAX_CHARACTERS_OF_QUANTITY_TEXT, which `number_from_text_as_people_write_it` refuses.
     if decimal_sign != "," or not set(".,") & set(cell):
         try:

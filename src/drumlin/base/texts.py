@@ -13,7 +13,7 @@ from pathlib import PurePath
 MAX_CHARACTERS_OF_ERROR_MESSAGE = 600
 """Longest error message in characters. A longer message is printed without its middle."""
 MAX_CHARACTERS_OF_QUANTITY_TEXT = 100
-"""Longest text of a number with its unit in a brake file, in characters; longer is refused."""
+"""Longest text of a number with its unit, in characters; a longer text is refused."""
 MAX_CONSECUTIVE_DIGITS_OF_NUMBER = 308
 """Largest number of consecutive digits of a number in a file, and of an integer in Python.
 
@@ -78,11 +78,12 @@ def _command_word_with_path_cut_to_file_name(word: str) -> str:
 
 
 def value_as_text(value: object) -> str:
-    """A value as the text of an error line; an integer that Python cannot write is described."""
+    """A value as text for an error line, or a remark if it is an integer of too many digits."""
     try:
         return repr(value)
     except ValueError:
-        # Python refuses to write integers of more than some 4300 digits, which takes it long.
+        # Python refuses to write integers of more than some 4300 digits, because writing them would
+        # take long.
         return f"(more than {sys.get_int_max_str_digits()} digits)"
 
 
@@ -110,8 +111,8 @@ def error_text_in_percent(error: float) -> str:
 def did_you_mean_hint(name: str, names: Iterable[str]) -> str:
     """The hint "(did you mean ...?)" for an error message about an unknown name.
 
-    The hint shows the allowed name, out of `names`, that is most like the unknown `name`. It is
-    empty if no allowed name is similar.
+    The hint shows the allowed name, out of `names`, that is most like the unknown `name`. The
+    result is "" if no allowed name is similar.
     """
     close = difflib.get_close_matches(name, list(names), n=1)
     return f" (did you mean {close[0]!r}?)" if close else ""
@@ -129,8 +130,8 @@ def check_numbers_have_few_digits(text: str) -> None:
 def check_integers_have_few_digits(where: str, value: object) -> None:
     """Raise ValueError if a value, or a value in its lists and tables, is too large an integer.
 
-    An integer may have MAX_CONSECUTIVE_DIGITS_OF_NUMBER digits. `where` is the name of the value in
-    the message.
+    An integer may have at most MAX_CONSECUTIVE_DIGITS_OF_NUMBER digits. `where` is the name of the
+    value in the message.
     """
     if isinstance(value, int):
         if abs(value) >= _SMALLEST_TOO_LARGE_INTEGER:
@@ -152,8 +153,8 @@ def check_integers_have_few_digits(where: str, value: object) -> None:
 def check_toml_parses_quickly(text: str) -> None:
     """Raise ValueError if a TOML text has a number or a dotted key that takes long to parse.
 
-    A number may have MAX_CONSECUTIVE_DIGITS_OF_NUMBER digits, and a key MAX_PARTS_OF_DOTTED_KEY
-    parts.
+    A number may have at most MAX_CONSECUTIVE_DIGITS_OF_NUMBER digits, and a key at most
+    MAX_PARTS_OF_DOTTED_KEY parts.
     """
     check_numbers_have_few_digits(text)
     for match in _PATTERN_OF_TOML_KEY_OR_COMMENT.finditer(text):

@@ -53,7 +53,7 @@ class ShoeFrame(NamedTuple):
 
     In their own frames a shoe and its mirror image have the same coordinates. On a drum phi is a
     polar angle about O. The coordinate of a point along the surface of drum or plane is
-    q = origin + sense * unit * phi, see `drumlin.brake.surface`.
+    q = origin + sense * surface_coordinate_per_phi * phi, see `drumlin.brake.surface`.
 
     Attributes
     ----------
@@ -81,10 +81,10 @@ class ShoeFrame(NamedTuple):
         return self.origin + self.sense * self.surface_coordinate_per_phi * np.asarray(phi)
 
     def distances_along_surface_from_pin(self, theta: Floats) -> Floats:
-        """Distance of the coordinates `theta` along the surface from the pin's coordinate.
+        """Signed distances along the surface from the pin's coordinate to the coordinates `theta`.
 
-        The result has the shape of `theta`. It is an angle [rad] on a drum and a length [m] on a
-        plane, positive towards the lining.
+        The result has the shape of `theta`. The distances are angles [rad] on a drum and lengths
+        [m] on a plane, positive towards the lining.
         """
         return self.sense * (np.asarray(theta) - self.origin)
 
@@ -123,7 +123,8 @@ class Shoe(ShoeWithOptionalMeshFile):
     def sign_internal_plus_external_minus(self) -> int:
         """+1 for an internal shoe and a shoe on a plane, -1 for an external shoe.
 
-        On a drum it is the sign of the radial component of the lining's normal towards the drum.
+        On a drum the result is the sign of the radial component of the normal from the lining to
+        the drum.
         """
         return 1 if self.side == "internal" else -1
 
@@ -137,7 +138,7 @@ class Shoe(ShoeWithOptionalMeshFile):
         )
 
     def reason_if_several_linings_are_not_allowed(self, what: str) -> str | None:
-        """Why the computation `what` does not apply to a shoe with several linings; else None.
+        """Why the computation `what` does not take this shoe; None if the shoe has one lining.
 
         Linings that touch, without a slot between them, count as one lining.
         """
@@ -215,7 +216,7 @@ class Shoe(ShoeWithOptionalMeshFile):
     def surface_coordinates_of_points_in_shoe_frame(self, xy: Floats, size: float) -> Floats:
         """Coordinate phi (...) of points (2, ...) [m] that are in the frame of the shoe.
 
-        On a drum it is the angle within half a turn of the lining's middle. `size` is the size of
+        On a drum phi is the angle within half a turn of the lining's middle. `size` is the size of
         the brake [m].
         """
 
@@ -230,19 +231,23 @@ class Shoe(ShoeWithOptionalMeshFile):
     def length_along_shoe_back_per_unit_of_phi(self, size: float) -> float:
         """Length [m] along the back of the shoe's body per unit of phi.
 
-        On a drum it is the radius of this back. `size` is the size of the brake [m].
+        On a drum the result is the radius of this back. `size` is the size of the brake [m].
         """
 
     @property
     @abstractmethod
     def angle_of_direction_in_which_lining_closes_gap(self) -> float:
-        """Direction [rad] in which the middle of the lining moves straight towards the surface."""
+        """Angle [rad] of the normal from the middle of the lining towards the surface.
+
+        A motion of the shoe in this direction closes the gap there.
+        """
 
     @abstractmethod
     def gaps_due_to_ground_lining_radius_and_offset(self, theta: Floats, size: float) -> Floats:
         """Gap [m] of a lining that is ground to a circle, at coordinates theta, same shape.
 
-        It is the part of the misfit that follows from `misfit.radius` and `misfit.offset`.
+        This gap follows from the keys `misfit.radius` and `misfit.offset`; the rest of the misfit
+        is not included.
         """
 
     def middle_of_supported_or_loaded_end_face_of_body(
@@ -250,8 +255,8 @@ class Shoe(ShoeWithOptionalMeshFile):
     ) -> Floats:
         """Middle (2,) [m] of the end face of an arc body at its support, in the shoe's frame.
 
-        With `loaded` it is the middle of the other end face, which the actuation pushes. `size` is
-        the size of the brake [m].
+        With `loaded` the result is the middle of the other end face, which the actuation pushes.
+        `size` is the size of the brake [m].
         """
         assert isinstance(self.body, ShoeBodyOfConstantSection)
         ends = self.frame.phi_coordinates_as_list((self.body.start, self.body.end))
@@ -280,7 +285,7 @@ class Shoe(ShoeWithOptionalMeshFile):
     def has_support_on_back_of_body(self) -> bool:
         """Whether the support acts on the back of an elastic body and not on an end face.
 
-        A pivot and a guide do so, and a hinge does if the body has a `grip`.
+        A pivot and a guide act on the back. A hinge acts on the back if the body has a `grip`.
         """
         has_grip = isinstance(self.body, ShoeBodyOfConstantSection) and self.body.grip is not None
         return self.kind_of_support in {"pivot", "guide"} or has_grip
@@ -311,8 +316,8 @@ class Shoe(ShoeWithOptionalMeshFile):
             / self.length_along_shoe_back_per_unit_of_phi(size)
         )
         half = min(wanted, 0.3 * (end - start))
-        # Its middle has the coordinate of the pivot, or of the lining's middle if there is no
-        # pivot. It is moved if it would lie too near to an end of the lining.
+        # The middle of the interval has the coordinate of the pivot, or of the lining's middle if
+        # there is no pivot. The interval is moved if it would be too near to an end of the lining.
         phi = self.frame.phi_of_surface_coordinates(np.array(place))
         at = float(np.clip(phi, start + 1.5 * half, end - 1.5 * half))
         return at - half, at + half
@@ -364,7 +369,7 @@ class Brake(PartOfInputFile):
     def brake_class_for_file_data(data: object) -> "type[Brake]":
         """The class that reads the data of a brake file.
 
-        It is `FlatBrake` for data with the key "plane", and `DrumBrake` for all other data.
+        The class is `FlatBrake` for data with the key "plane", and `DrumBrake` for all other data.
         """
         # Data with neither "drum" nor "plane" are read by `DrumBrake`, whose error message names
         # the missing drum.
@@ -393,8 +398,8 @@ class Brake(PartOfInputFile):
     def length_per_surface_coordinate(self) -> float:
         """Length along the surface per unit of its coordinate: R [m] on a drum, 1 on a plane.
 
-        It is also the lever arm that converts a friction force to the torque on a drum, or to the
-        braking force on a plane.
+        The number is also the lever arm that converts a friction force to the torque on a drum, or
+        to the braking force on a plane.
         """
         return 1.0 if self.surface.is_plane_and_not_drum else self.size
 
@@ -448,8 +453,8 @@ class Brake(PartOfInputFile):
     def radial_deviation_of_drum_surface(self, theta: Floats) -> Floats | None:
         """Radial deviation [m] of a drum that is out of round, at angles theta, same shape.
 
-        It is positive where the friction surface lies outside the drum's circle. The result is None
-        for a round drum and for a plane.
+        The deviation is positive where the friction surface lies outside the drum's circle. The
+        result is None for a round drum and for a plane.
         """
         return None
 
@@ -473,8 +478,8 @@ class Brake(PartOfInputFile):
     def friction(self) -> float:
         """Friction coefficient of the brake.
 
-        From a table it is the coefficient at the brake's sliding speed, for a cold lining without
-        pressure.
+        If the file gives a table, the result is the coefficient at the brake's sliding speed, for a
+        cold lining without pressure.
         """
         return self._friction_coefficient_at_zero_pressure(self.friction_as_written, 0.0)
 
@@ -507,7 +512,7 @@ class Brake(PartOfInputFile):
     def friction_coefficient_of_shoe_at_zero_pressure(self, shoe: Shoe) -> float:
         """Friction coefficient of a shoe's lining: its own if it has one, else the brake's.
 
-        From a table it is the coefficient at the pressure 0.
+        If the file gives a table, the result is the coefficient at the pressure 0.
         """
         own = shoe.lining.friction
         written = self.friction_as_written if own is None else own
@@ -516,7 +521,7 @@ class Brake(PartOfInputFile):
     def shoe_friction_over_brake_friction(self, shoe: Shoe) -> float:
         """Friction coefficient of a shoe's lining divided by the friction coefficient of the brake.
 
-        It is 1 for a brake without friction, whose linings have no friction either.
+        The ratio is 1 for a brake without friction, whose linings have no friction either.
         """
         if not self._has_lining_its_own_friction_coefficient(shoe) or self.friction == 0:
             return 1.0
@@ -525,8 +530,8 @@ class Brake(PartOfInputFile):
     def _has_lining_its_own_friction_coefficient(self, shoe: Shoe) -> bool:
         """Whether the friction coefficient of a shoe's lining may differ from the brake's.
 
-        It may if the lining has a key `friction`, or if the lining is heated and the brake's
-        friction is a table over the temperature.
+        The coefficient may differ if the lining has a key `friction`, or if the lining is heated
+        and the brake's friction is a table over the temperature.
         """
         written = self.friction_as_written
         by_heat = isinstance(written, FrictionTable) and bool(written.temperature_rise)
@@ -544,8 +549,8 @@ class Brake(PartOfInputFile):
     def first_key_that_gives_lining_its_own_friction(self) -> str | None:
         """The first key of the brake file that gives a lining its own friction coefficient.
 
-        It is the key `friction` or `temperature_rise` of a lining; None if no lining has its own
-        coefficient.
+        The result is the key `friction` or `temperature_rise` of a lining; None if no lining has
+        its own coefficient.
         """
         for i, shoe in enumerate(self.shoes):
             if self._has_lining_its_own_friction_coefficient(shoe):
@@ -603,7 +608,7 @@ class Brake(PartOfInputFile):
     def signed_friction_stress_over_pressure(self, shoe: Shoe) -> float:
         """Friction stress on a shoe's lining at full slip, divided by the pressure.
 
-        It is the friction coefficient times `sign_of_motion`, and positive towards growing
+        The ratio is the friction coefficient times `sign_of_motion`, and positive towards growing
         coordinates of the surface.
         """
         return self.friction_coefficient_of_shoe_at_zero_pressure(shoe) * self.sign_of_motion
@@ -611,7 +616,7 @@ class Brake(PartOfInputFile):
     def signed_friction_stress_over_pressure_in_shoe_frame(self, shoe: Shoe) -> float:
         """Friction stress on a shoe's lining at full slip, divided by the pressure.
 
-        It is positive towards growing phi, the coordinate of the shoe's own frame.
+        The ratio is positive towards growing phi, the coordinate of the shoe's own frame.
         """
         return self.signed_friction_stress_over_pressure(shoe) * shoe.frame.sense
 
@@ -619,7 +624,7 @@ class Brake(PartOfInputFile):
     def reason_why_cam_or_strut_sets_forces(self) -> str | None:
         """Text for an error message that the forces on the shoes follow from a cam or a strut.
 
-        It is None if the force on each shoe is known before the solve.
+        The result is None if the force on each shoe is known before the solve.
         """
         return reason_why_forces_follow_from_cam_or_strut(self.actuation, self.links)
 
@@ -646,7 +651,7 @@ class Brake(PartOfInputFile):
             raise BadInput(f"fem does not apply to this brake: {reason}")
 
     def reason_if_several_linings_are_not_allowed(self, what: str) -> str | None:
-        """Why the computation `what` does not take shoes with several linings; else None."""
+        """Why the computation `what` does not take this brake; None if each shoe has one lining."""
         for shoe in self.shoes:
             reason = shoe.reason_if_several_linings_are_not_allowed(what)
             if reason is not None:

@@ -2,13 +2,14 @@
 
 A misfit is a lining ground to a circle of its own, a taper, steps between blocks of the lining, or
 a drum that is out of round. Each misfit is a gap along the drum's radius, or along the normal of
-the plane, and positive if open. It is added to the lining's `clearance`. It therefore acts in every
-model that has a clearance (finite elements, foundation), and the condensed stiffness of the shoes
-does not depend on it. The closed-form laws assume that lining and surface fit each other. A misfit
-across the width (coning, bell-mouthing) is neglected in plane stress.
+the plane, and positive if open. This gap is added to the lining's `clearance`. A misfit therefore
+acts in every model that has a clearance (finite elements, foundation), and the condensed stiffness
+of the shoes does not depend on the misfit. The closed-form laws assume that lining and surface fit
+each other. A misfit across the width (coning, bell-mouthing) is neglected in plane stress.
 
-The slope of a misfit is neglected: pressure acts along the normals of the drum's circle. For
-harmonics of order n and amplitude a this changes the torque by a fraction of at most n a/(mu R).
+The slope of a misfit is neglected: pressure acts along the normals of the drum's circle. If a drum
+of radius R is out of round by a harmonic of order n and amplitude a, the neglect changes the torque
+by a fraction of at most n a/(mu R).
 """
 
 from collections.abc import Callable, Sequence
@@ -24,7 +25,8 @@ from drumlin.brake.file import vary
 LARGEST_ROUND_OFF_CHANGE_OF_GAP_SLOPE = 1e-9
 """Largest change of the gap's slope, at a row of a clearance table, that counts as round-off.
 
-It is relative to the largest change of slope in the table. A larger change is a kink of the gap.
+The change is relative to the largest change of slope in the table. A larger change is a kink of the
+gap.
 """
 # The type of the result of a function that solves a brake.
 T = TypeVar("T")
@@ -62,9 +64,10 @@ def gaps_between_unloaded_lining_and_surface(brake: Brake, shoe: Shoe, theta: Fl
 def gaps_due_to_block_heights(lining: Lining, theta: Floats) -> Floats:
     """Gap [m] due to the different heights of a lining's blocks, at coordinates theta, same shape.
 
-    The face of each block lies back by the depth of the block, and the gap changes smoothly over
-    the length `lining.step` from one block to the next. On a drum of radius R, a difference h of
-    the depths gives the smallest radius of curvature (R step)^2/(6 h).
+    The face of each block lies back by the depth of the block. From one block to the next the gap
+    changes smoothly over the angle `lining.length_of_step_between_blocks`, here called step. On a
+    drum of radius R, a difference h of the depths gives the smallest radius of curvature
+    (R step)^2/(6 h).
     """
     gap, before = np.zeros(np.shape(theta)), 0.0
     for begin, depth in lining.misfit.blocks:
@@ -79,8 +82,8 @@ def gaps_due_to_block_heights(lining: Lining, theta: Floats) -> Floats:
 def coordinates_of_gap_kinks(lining: Lining) -> list[float]:
     """Coordinates along the surface (angles on a drum) at which a lining's gap is not smooth.
 
-    It is not smooth at the rows of a clearance table, and where the rounded steps between blocks
-    begin and end.
+    The gap is not smooth at the rows of a clearance table, and where the rounded steps between
+    blocks begin and end.
     """
     return [
         *coordinates_of_clearance_table_rows(lining),
@@ -92,8 +95,8 @@ def coordinates_of_clearance_table_rows(lining: Lining) -> list[float]:
     """Coordinates (angles on a drum) of the rows of a lining's table of clearances.
 
     The clearance is linear between the rows. The list is empty if the clearance is a number. For
-    several linings on a shoe it has the rows of one lining after the other, without rows beyond
-    the ends of their own lining.
+    several linings on a shoe the list has the rows of one lining after the other, without rows
+    beyond the ends of their own lining.
     """
     return [angle for angle, _ in _clearance_table_rows_and_slope_changes(lining)]
 
@@ -121,8 +124,8 @@ def gap_kinks_that_point_to_drum(lining: Lining) -> list[tuple[float, float]]:
 def clearance_slope_change_at_each_table_row(lining: Lining) -> Floats:
     """Change of the clearance's slope at each row of a lining's clearance table, (n,).
 
-    It is in metres per unit of the surface's coordinate (rad on a drum). The clearance is constant
-    beyond the table. The array is empty if the clearance is a number.
+    The change is in metres per unit of the surface's coordinate (rad on a drum). The clearance is
+    constant beyond the table. The array is empty if the clearance is a number.
     """
     return np.array([change for _, change in _clearance_table_rows_and_slope_changes(lining)])
 
@@ -179,9 +182,9 @@ def lining_radii_by_key_for_radius_mismatch(brake: Brake, mismatch: float) -> di
 
 
 def lining_circle_offsets_towards_hinge_by_key(brake: Brake, size: float) -> dict[str, float]:
-    """New offsets of the lining circles, for `vary`: each is moved by `size` [m] towards the hinge.
+    """Offsets that move the circles of the linings by `size` [m] towards the hinges, for `vary`.
 
-    The circle to which the lining is ground moves along the line from the drum's centre to the
+    The circle to which a lining is ground moves along the line from the drum's centre to the
     shoe's hinge. The result has x and y of the offset [m] by their keys in the brake file.
     """
     slopes = [
@@ -196,8 +199,9 @@ def point_coordinate_changes_per_metre_along_hinge_radius(
 ) -> dict[str, float]:
     """Changes of x and y of a point that moves by 1 m along the line from drum centre to hinge.
 
-    The result has them by their keys in the brake file. The point is a datum of the shoe with this
-    index, under the key `key`, such as "lining.misfit.offset". The hinge is the same shoe's hinge.
+    The result has the two changes by their keys in the brake file. The point stands under the key
+    `key`, such as "lining.misfit.offset", of the shoe with the index `index`. The hinge is the
+    hinge of this shoe.
     """
     hinge = brake.shoes[index].pin
     # The two values are the components of the unit vector from the drum's centre to the hinge.

@@ -123,7 +123,8 @@ def _cross_section_or_none_if_unknown(
         return None
     if EI is None:
         known = part.width is not None and part.material is not None
-        return RectangularCrossSection(part.thickness, part.width, part.material) if known else None  # type: ignore[arg-type]
+        return RectangularCrossSection(part.thickness, part.width, part.material) if known else None
+        # type: ignore[arg-type]
     # The width and material may be arbitrary, since the width is scaled to the bending stiffness.
     section = RectangularCrossSection(
         part.thickness, part.width or 1.0, part.material or STEEL_OF_PARTS_WITHOUT_GIVEN_MATERIAL
@@ -182,7 +183,7 @@ class DrumRing(PartOfInputFile):
     def section(self) -> RectangularCrossSection | None:
         """The cross-section of the ring, with a width that gives the bending stiffness.
 
-        It is None if the brake file has the bending stiffness but no thickness.
+        The result is None if the brake file has the bending stiffness but no thickness.
         """
         return _cross_section_or_none_if_unknown(self, self.bending_stiffness)
 
@@ -255,8 +256,9 @@ A misfit is added to the gap along the drum's radii, which is right for small mi
 ANGLE_OF_ROUNDED_STEP_BETWEEN_BLOCKS = math.radians(1.0)
 """Length [rad] over which the face of a lining rises smoothly from one block to the next.
 
-On a plane it is relative to the lining's length. The edges of blocks are rounded because under a
-sharp edge the pressure would be infinite: its peak would grow with every refinement of the mesh.
+On a plane the length is this number times the lining's length. The edges of blocks are rounded
+because under a sharp edge the pressure would be infinite: its peak would grow with every refinement
+of the mesh.
 """
 
 
@@ -409,7 +411,7 @@ def did_you_mean_hint_for_angles_of_arc(start: float, end: float) -> str:
 
     `start` and `end` are the angles [rad] as the user wrote them. An angle of more than two turns
     is taken as degrees that were written as radians. One turn is subtracted from the start if the
-    arc is then less than half a turn, as from 290 deg to 55 deg. Otherwise the hint is "".
+    arc is then less than half a turn, as from 290 deg to 55 deg. In all other cases the hint is "".
     """
     meant = [math.radians(angle) if abs(angle) > 4 * math.pi else angle for angle in (start, end)]
     if meant != [start, end] and 0 < meant[1] - meant[0] < 2 * math.pi:
@@ -614,7 +616,7 @@ class DrumLiningRow(Lining):
     def clearances_at_surface_coordinates(self, theta: Floats) -> Floats:
         """Clearance [m] of the linings at the angles `theta`, same shape; without the misfit.
 
-        At an angle in a slot it is the clearance of the lining before the slot.
+        At an angle in a slot the result is the clearance of the lining before the slot.
         """
         which = indices_of_linings_at_coordinates(self, theta)
         gaps = [part.clearances_at_surface_coordinates(theta) for part in self.parts]
@@ -812,8 +814,8 @@ class BeamBody(PartOfInputFile):
     def section(self) -> RectangularCrossSection | None:
         """The cross-section of the beam, with a width that gives the bending stiffness.
 
-        It is None if the bending stiffness varies along the beam, or if the brake file has the
-        bending stiffness but no thickness.
+        The result is None if the bending stiffness varies along the beam, or if the brake file has
+        the bending stiffness but no thickness.
         """
         EI = self.bending_stiffness
         return None if isinstance(EI, tuple) else _cross_section_or_none_if_unknown(self, EI)

@@ -1,10 +1,11 @@
 """Devices that push several shoes of a brake: a wheel cylinder, a cam or wedge, a strut.
 
-They give forces to shoes for which the brake file gives no force. A cylinder pushes every shoe with
-the same force. A cam or a wedge moves the loaded ends of two shoes by the same distance. The brake
-file gives the sum of its two forces, and the stiffnesses of the shoes decide how the sum is divided
-between them. A strut lies between two shoes: one shoe pushes on it with its foot (the end away from
-the actuation), and the strut pushes the other shoe with the same force along the same line.
+These devices give forces to shoes for which the brake file gives no force. A cylinder pushes every
+shoe with the same force. A cam or a wedge moves the loaded ends of two shoes by the same distance.
+The brake file gives the sum of the forces on both shoes, and the stiffnesses of the shoes decide
+how the sum is divided between the shoes. A strut lies between two shoes: one shoe pushes on it with
+its foot (the end away from the actuation), and the strut pushes the other shoe with the same force
+along the same line.
 """
 
 import math
@@ -88,7 +89,7 @@ class DriveOfAllShoes(PartOfInputFile):
         """Raise ValueError unless the given keys describe one cylinder, cam or wedge."""
         keys = ("pressure", "diameter", "force", "torque", "radius", "chamber", "wedge_angle")
         given = {key for key in keys if getattr(self, key) is not None}
-        # Each of these sets of keys determines the force. Further keys could contradict it.
+        # Each of these sets of keys determines the force. Any other key could contradict the set.
         cylinder, by_chamber = {"pressure", "diameter"}, {"chamber", "radius"}
         wedge = {"chamber", "wedge_angle"}
         if given not in (cylinder, {"force"}, {"torque", "radius"}, by_chamber, wedge):
@@ -123,7 +124,7 @@ class DriveOfAllShoes(PartOfInputFile):
             return self.efficiency * acting * math.pi * self.diameter**2 / 4
         if self.chamber is not None and self.chamber.lever is not None and self.radius is not None:
             return self.efficiency * self.chamber.rod_force * self.chamber.lever / self.radius
-        # Each of two faces pushes by F/(2 tan(angle/2)), where F is the rod's force.
+        # Each of the wedge's two faces pushes a shoe by F/(2 tan(angle/2)), with the rod's force F.
         if self.chamber is not None and self.wedge_angle is not None:
             return self.efficiency * self.chamber.rod_force / math.tan(0.5 * self.wedge_angle)
         if self.torque is not None and self.radius is not None:
@@ -207,7 +208,7 @@ def _is_shoe_pressed_without_actuation(shoe: Any, joined_names: Collection[str |
 def _strut_actuations_by_shoe_index(
     shoes: tuple[Any, ...], links: tuple[StrutOrStrapBetweenShoes, ...]
 ) -> dict[int, Actuation]:
-    """Actuation without force along the line of each strut, by the index of the pushed shoe.
+    """Actuations of force 0 with the lines of action of the struts, by the pushed shoe's index.
 
     A strut between two shoes on anchors gives no actuation: it is a support of both shoes, see
     `one_sided.one_sided_supports_of_brake`.
@@ -234,11 +235,11 @@ def _strut_actuations_by_shoe_index(
 
 
 LARGEST_ANGLE_BETWEEN_STRUT_FORCES = 1e-9
-"""Largest angle [rad] between the forces at the two ends of a strut that counts as round-off.
+"""Largest angle [rad] between the lines of the forces at a strut's two ends that is round-off.
 
-The lines of action of the two forces may also be this far apart, relative to the distance of the
-ends. A strut with a larger angle could not be in equilibrium. Equal angles that a file gives in
-degrees differ by less.
+The same limit holds for the distance of the two lines divided by the distance of the ends. A strut
+beyond the limit could not be in equilibrium. Equal angles that a file gives in degrees differ by
+less than the limit.
 """
 
 
@@ -361,7 +362,7 @@ def reason_why_forces_follow_from_cam_or_strut(
 ) -> str | None:
     """Text for an error message that the forces on the shoes follow from a cam or a strut.
 
-    It is None if the force on each shoe is known before the solve.
+    The result is None if the force on each shoe is known before the solve.
     """
     by = ["a cam"] * (drive is not None and drive.is_cam_or_wedge) + ["a strut"] * bool(links)
     return f"its shoes share their forces by {' and '.join(by)}" if by else None

@@ -129,10 +129,10 @@ class DrumShoe(Shoe):
 
     @property
     def angle_of_direction_in_which_lining_closes_gap(self) -> float:
-        """Direction [rad] in which the middle of the lining moves straight towards the drum.
+        """Angle [rad] of the normal from the middle of the lining towards the drum.
 
-        For an internal lining it is the angle of the lining's middle, and for an external lining
-        this angle plus pi.
+        For an internal lining the result is the polar angle of the lining's middle, and for an
+        external lining this angle plus pi.
         """
         return self.lining.middle + (self.sign_internal_plus_external_minus < 0) * math.pi
 
@@ -200,9 +200,9 @@ class DrumBrake(Brake):
     def brake_reduced_to_stiffness_data(self) -> Self:
         """The brake reduced to data that change the condensed stiffness of its shoes and ring.
 
-        Title, rotation, and the deviation from the circle and the heat of the drum get fixed
-        values, and a friction coefficient above 0 becomes 1. Springs, levers, gravity and speeds
-        are removed.
+        Title, rotation, and the drum's deviation from its circle, angle and temperatures get fixed
+        values. A friction coefficient above 0 becomes 1. Springs, levers, gravity and speeds are
+        removed.
         """
         plain = {"out_of_round": (), "angle": 0.0, "temperature_rise": 0.0}
         absent = {"back_temperature_rise": None, "speed": None}
@@ -243,8 +243,8 @@ class DrumBrake(Brake):
     def radial_deviation_of_drum_surface(self, theta: Floats) -> Floats | None:
         """Radial deviation [m] of a drum that is out of round, at angles theta [rad], same shape.
 
-        It is positive where the friction surface lies outside the drum's circle. The result is None
-        for a round drum.
+        The deviation is positive where the friction surface lies outside the drum's circle. The
+        result is None for a round drum.
         """
         harmonics = self.out_of_round_harmonics
         return radial_deviation_of_drum(harmonics, self.drum.angle, theta) if harmonics else None
@@ -266,7 +266,8 @@ class DrumBrake(Brake):
         check_shoe_names_differ([shoe.name for shoe in self.shoes])
         check_friction_tables_have_sliding_speed(self, "drum.speed", self.drum.speed is not None)
         self.check_brake_has_friction_if_lining_has()
-        # Data of a file need units, which `unit_required` tells; data of a program do not.
+        # Numbers of a brake file need a unit, and numbers that a program gives do not. The entry
+        # `unit_required` of the context is true for a brake file.
         from_file = bool((info.context or {}).get("unit_required"))
         shoes = shoes_with_forces_of_drive_and_struts(self, file=from_file)
         _check_part_is_thick_enough("drum.ring", self.drum.ring, self.drum.radius)
@@ -287,7 +288,7 @@ def _check_drum_is_round_enough(drum: Drum, sign: int) -> None:
 
     The limit is LARGEST_ALLOWED_RELATIVE_MISFIT times the radius.
 
-    It deviates by its harmonics, and by its growth when it is heated. `sign` is +1 for a drum
+    A drum deviates by its harmonics, and by its growth when it is heated. `sign` is +1 for a drum
     around its shoes and -1 for a drum within its shoes.
     """
     # In the worst case the amplitudes of all harmonics add up at some angle.
@@ -470,7 +471,7 @@ def _check_support_lets_shoe_press_on_drum(key: str, shoe: DrumShoe, radius: flo
     """Raise ValueError if the support of a shoe does not let it press on the drum.
 
     A guide must lead the lining to the drum. Abutment and pivot must not lie at the drum's centre.
-    The two rigid-body modes of a shoe must not close its gap in the same way.
+    If a shoe has two rigid-body modes, they must not close its gap in the same way.
     """
     if shoe.guide is not None:
         # The component of the guide's direction along the lining's normal must point to the drum.

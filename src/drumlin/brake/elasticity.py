@@ -1,8 +1,8 @@
 """Elasticity matrices of materials and layers, in the axes of the layer.
 
-The finite elements take the material of a layer as this matrix D. Its axes are the direction along
-the layer (a circle around the drum's centre, or a straight line) and the direction through its
-thickness. With the strains in these two directions and the shear strain gamma,
+The finite elements take the material of a layer as a matrix D. The axes of D are the direction
+along the layer (a circle around the drum's centre, or a straight line) and the direction through
+its thickness. With the strains in these two directions and the shear strain gamma,
 
     sigma = D eps,   eps = (eps_along, eps_through, gamma),   D_13 = D_23 = 0.
 
@@ -27,8 +27,9 @@ differences of some 1e-16.
 def plane_stress_elasticity_matrix(material: IsotropicOrOrthotropicMaterial) -> Floats:
     """Elasticity matrix (3, 3) [Pa] of a material in plane stress, in the axes of its layer.
 
-    It is the inverse of the compliance matrix, with the entries 1/E_along, 1/E_through and
-    1/G_along_through on the diagonal and -nu_along_through/E_along beside it.
+    The elasticity matrix is the inverse of the compliance matrix, with the entries 1/E_along,
+    1/E_through and 1/G_along_through on the diagonal and -nu_along_through/E_along beside the
+    diagonal.
     """
     if isinstance(material, Material):
         E, nu = material.E, material.nu
@@ -91,7 +92,7 @@ class ElasticLayer(NamedTuple):
 def normal_stiffness_in_excess_of_isotropic(elasticity: Any) -> Any:
     """How much D_11 and D_22 of elasticity matrices D (..., 3, 3) exceed D_12 + 2 D_33.
 
-    The result (..., 2) [Pa] has both differences. They are 0 for isotropic matrices.
+    The result (..., 2) [Pa] has both differences. Both are 0 for isotropic matrices.
     """
     isotropic = elasticity[..., 0, 1] + 2 * elasticity[..., 2, 2]
     along, through = elasticity[..., 0, 0] - isotropic, elasticity[..., 1, 1] - isotropic

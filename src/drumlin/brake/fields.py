@@ -1,8 +1,8 @@
 """The types of a brake's data: quantities, tables of numbers, points and materials.
 
 The data are in SI units. A brake file must give the unit of each quantity, and the validators
-convert it. Data that a program gives may be plain numbers in SI units. The validation context
-"unit_required" of pydantic tells the two cases apart.
+convert it. Data that a program gives may be plain numbers in SI units. The entry "unit_required" of
+pydantic's validation context is true for a brake file.
 """
 
 import math
@@ -43,7 +43,8 @@ def _quantity_of_brake_key_in_si(
     Parameters
     ----------
     value : a number, or a text with its unit
-    info : pydantic's state of the validation; its context "unit_required" refuses plain numbers
+    info : pydantic's state of the validation; numbers without unit are refused if the entry
+        "unit_required" of its context is true
     si : the SI unit
     key : key of the quantity in the error message; "" leaves it out
     """
@@ -133,7 +134,7 @@ class PartOfInputFile(BaseModel):
         frozen=True, extra="forbid", allow_inf_nan=False, populate_by_name=True, defer_build=True
     )
 
-    # For keys that people write in place of a known key, the words of the error message.
+    # Hints for the error message, by wrong keys that people write in place of an allowed key.
     hints_on_other_keys: ClassVar[Mapping[str, str]] = {}
 
     # Text that the error message adds if a file has a list of tables in place of one table.
@@ -224,9 +225,9 @@ class Material(PartOfInputFile):
 
     @property
     def young_modulus_of_equivalent_half_plane(self) -> float:
-        """Young's modulus [Pa] of an isotropic half-plane whose surface deflects as this material.
+        """Young's modulus [Pa] of the isotropic half-plane with the same surface compliance.
 
-        For an isotropic material it is E.
+        For an isotropic material the result is the material's own E.
         """
         return self.E
 
@@ -332,7 +333,7 @@ class OrthotropicMaterial(PartOfInputFile):
     ) -> tuple[float, float]:
         """Lower and upper bound of nu_through_across, between which the strain energy is positive.
 
-        The compliance matrix is scaled to a unit diagonal. Its other entries are then -a, -b and
+        The compliance matrix is scaled to a unit diagonal. The other entries are then -a, -b and
         -c. Here a, b and c are Poisson's ratios along-through, along-across and through-across,
         each times the square root of the second Young's modulus divided by the first. The
         determinant 1 - a^2 - b^2 - c^2 - 2 a b c must be positive.
@@ -372,7 +373,7 @@ def _check_poisson_ratio_is_small_enough(
 ) -> None:
     """Raise ValueError if a Poisson's ratio is too large for a positive strain energy.
 
-    Its square must be less than the first Young's modulus divided by the second.
+    The square of Poisson's ratio must be less than the first Young's modulus divided by the second.
 
     Parameters
     ----------
@@ -439,8 +440,8 @@ class Point(PartOfInputFile):
 def _point_from_polar_coordinates(data: object, info: ValidationInfo) -> object:
     """Convert a point given in polar coordinates { radius, angle } to a `Point`.
 
-    Data with neither of these keys are returned unchanged. Raises ValueError if one of the keys is
-    missing or there are further keys, and for a negative radius.
+    Data with neither of these keys are returned unchanged. Raises ValueError if one of the two keys
+    is missing, for any other key, and for a negative radius.
     """
     if not isinstance(data, Mapping) or not {"radius", "angle"} & set(data):
         return data
@@ -469,8 +470,8 @@ def make_validator_of_number_or_table(
 ) -> BeforeValidator:
     """Make the validator of a quantity that is constant or varies along a coordinate.
 
-    It takes a number, or a table of rows (coordinate, value) with linear interpolation between the
-    rows.
+    The validator takes a number, or a table of rows (coordinate, value) with linear interpolation
+    between the rows.
 
     Parameters
     ----------
@@ -574,7 +575,8 @@ def _convert_table_rows_to_si(
 def si_unit_of_field_type(annotation: Any) -> str | None:
     """The SI unit of the quantity that a field of a part takes, found from the field's type.
 
-    It is "" for a field with a number without unit, and None for a field that takes no number.
+    The result is "" for a field with a number without unit, and None for a field that takes no
+    number.
     """
     unit: str | None = _validator_argument_in_field_type(annotation, "si", pure="")
     return unit
@@ -641,8 +643,8 @@ def make_validator_that_tabulates_function_along_lining() -> BeforeValidator:
     """Make the validator that turns a function of the lining's coordinate into a table of rows.
 
     The coordinate is the angle [rad] on a drum, and x [m] on a plane. The function takes a
-    coordinate and returns a value in SI. It becomes rows at equal distances from the lining's start
-    to its end.
+    coordinate and returns a value in SI. The rows of the table stand at equal distances from the
+    lining's start to its end.
     """
     return BeforeValidator(_table_rows_of_function_along_lining)
 

@@ -67,7 +67,8 @@ def _error_line_about_invalid_brake_data(error: ValidationError, data: Any) -> s
     data : data of the brake file, from which the wrong value is shown
     """
     fault = error.errors()[0]
-    # pydantic's path to the wrong value is followed through the data. It also makes up the key.
+    # pydantic's path to the wrong value is followed through the data. The steps of the path also
+    # make up the key.
     key = ""
     for step in fault["loc"]:
         if step in WORDS_IN_PYDANTIC_PATH_THAT_ARE_NO_KEYS:
@@ -159,7 +160,7 @@ _HINTS_WITH_PATTERN_OF_WRONG_TOML_LINE = (
 def _hint_about_toml_error(text: str, error: Exception) -> str:
     """A hint on what to write in the line that a TOML error names, as "; write quotes as ...".
 
-    It is "" if the cause is unknown.
+    The hint is "" if the cause is unknown.
     """
     at = re.search(r"at line (\d+)", str(error))
     lines = text.split("\n")
@@ -192,7 +193,7 @@ def read_brake(path: Path, text: str | None = None) -> Brake:
 
 
 def vary(brake: BrakePartTypeVariable, changes: Mapping[str, Any]) -> BrakePartTypeVariable:
-    """Make a brake in which some keys have other values; it is checked like a brake file.
+    """Make a brake in which some keys have other values; the new brake is checked like a file.
 
     Parameters
     ----------
@@ -227,8 +228,8 @@ def vary(brake: BrakePartTypeVariable, changes: Mapping[str, Any]) -> BrakePartT
 def si_unit_of_brake_key(brake: PartOfInputFile, key: str) -> str | None:
     """The SI unit of the quantity that a key of a brake holds.
 
-    It is "" for a number without unit, and None if the value is no number. The key is written as
-    for `vary`. Raises BadInput for an unknown key.
+    The result is "" for a number without unit, and None if the value is no number. The key is
+    written as for `vary`. Raises BadInput for an unknown key.
     """
     parts, name = parts_and_field_name_of_brake_key(brake, key)
     if isinstance(parts[0], Point) and name in SI_UNITS_BY_POLAR_POINT_KEY:
@@ -242,9 +243,9 @@ def are_allowed_values_of_key_an_interval(brake: PartOfInputFile, key: str) -> b
     """Whether the allowed positive values of a key form one interval, and the negative ones too.
 
     All other keys keep their values. The result is True for lengths, forces, moduli and numbers
-    without unit, which have upper and lower limits only. It is False for angles and for coordinates
-    of points, where a value between allowed values may be forbidden, such as the direction of a
-    force through the hinge.
+    without unit, which have upper and lower limits only. The result is False for angles and for
+    coordinates of points, where a value between allowed values may be forbidden, such as the
+    direction of a force through the hinge.
     """
     unit = si_unit_of_brake_key(brake, key)
     return unit not in {None, "rad"} and not isinstance(
@@ -296,7 +297,7 @@ def parts_and_field_name_of_brake_key(
 def _is_key_word_name_of_part(part: PartOfInputFile, step: str) -> bool:
     """Whether `step`, one word of a dotted key, is the name of this part, such as a shoe.
 
-    It is False if the part has a key with this word.
+    The result is False if the part has a key with this word.
     """
     is_key = any(step == (field.alias or name) for name, field in type(part).model_fields.items())
     return getattr(part, "name", None) == step and not is_key
@@ -310,7 +311,8 @@ def _field_name_of_brake_file_key(part: PartOfInputFile, key: str, whole: str) -
     # Some fields have another name in a file, such as `shoe` for the field `shoes`.
     names = {field.alias or name: name for name, field in type(part).model_fields.items()}
     if isinstance(part, Point):
-        # A file may give a point in polar coordinates. They are properties of `Point`, no fields.
+        # A file may give a point in polar coordinates. Radius and angle are properties of `Point`,
+        # no fields.
         names |= {key: key for key in SI_UNITS_BY_POLAR_POINT_KEY}
     if key not in names:
         raise BadInput(f"{whole}: {part.message_on_unknown_key(key, names)}")
@@ -347,7 +349,7 @@ def first_key_in_which_two_brakes_differ(
 def _first_differing_key_of_data(one: Any, other: Any, key: str) -> str | None:
     """The first key in which two nested data differ by more than round-off; None if they do not.
 
-    `key` is the dotted key of the two data themselves, with which the result begins.
+    `key` is the dotted key under which both data stand; the result begins with this key.
     """
     # Tables and lists are compared entry by entry, other values directly.
     if isinstance(one, dict) and isinstance(other, dict):
@@ -396,7 +398,7 @@ def _set_value_of_key_in_nested_data(data: Any, steps: list[str], value: Any, ke
     """
     head, *rest = steps
     if isinstance(data, list | tuple):
-        # An index or a name leads to one shoe; otherwise all shoes are changed.
+        # An index or a shoe's name leads to one shoe. Any other word is a key of all shoes.
         named = [
             part
             for part in data

@@ -38,7 +38,7 @@ FrictionCoefficient = Annotated[
 ]
 """The type of a friction coefficient. A value below SMALLEST_NONZERO_NUMBER_IN_SI is set to 0.
 
-This holds for all quantities of a brake.
+The same limit holds for all other quantities of a brake.
 """
 
 FrictionCoefficientInTable = Annotated[
@@ -57,7 +57,8 @@ WORDS_FOR_FRICTION_TABLE_COLUMNS = {
 class FrictionOverPressureCurve(NamedTuple):
     """The friction coefficient as a function of pressure, at a given speed and temperature.
 
-    It is linear between two pressures, and constant beyond the first and the last pressure.
+    The coefficient is linear between two pressures, and constant beyond the first and the last
+    pressure.
 
     Attributes
     ----------
@@ -83,7 +84,7 @@ class FrictionOverPressureCurve(NamedTuple):
     def friction_slopes_at_pressures(self, p: Floats) -> Floats:
         """The derivative of the friction coefficient by the pressure [1/Pa] at p [Pa], same shape.
 
-        At a pressure of the table it is the slope on the side of higher pressures.
+        At a pressure of the table the result is the slope on the side of higher pressures.
         """
         return self.friction_slopes_between_table_rows[
             np.searchsorted(self.pressure, p, side="right")
@@ -250,8 +251,9 @@ def first_key_of_pressure_dependent_friction(brake: "Brake") -> str | None:
 
 
 def reason_if_friction_depends_on_pressure(brake: "Brake", what: str) -> str | None:
-    """Why a computation does not apply if friction depends on the pressure; None if it does not.
+    """Why a computation does not apply to friction that depends on the pressure.
 
+    The result is None if the friction of the brake does not depend on the pressure.
     `what` names the computation in the text.
     """
     key = first_key_of_pressure_dependent_friction(brake)
@@ -266,10 +268,10 @@ def require_friction_independent_of_pressure(brake: "Brake", what: str) -> None:
 
 
 def check_friction_tables_have_sliding_speed(brake: "Brake", key: str, given: bool) -> None:
-    """Raise ValueError if a friction table needs a sliding speed that is not given, or vice versa.
+    """Raise ValueError if a friction table needs a sliding speed that is not given.
 
-    A speed that no table uses is an error as well. `key` is the key of the speed in the brake file,
-    and `given` whether the file has this key.
+    A sliding speed that no table uses is an error as well. `key` is the key of the speed in the
+    brake file, and `given` whether the file has this key.
     """
     over_speed = [
         name for name, table in friction_tables_by_brake_file_key(brake).items() if table.speed

@@ -127,7 +127,7 @@ class Spring(PartOfInputFile):
     def spring_or_lever_force_on_shoe(self, name: str, pull: float) -> ForceAtPoint | None:
         """Force on the shoe `name` of the spring with this pull [N].
 
-        It is None if the spring does not begin or end at this shoe.
+        The result is None if the spring does not begin or end at this shoe.
         """
         if name not in (self.shoe, self.to):
             return None
@@ -185,7 +185,7 @@ class Lever(FurtherForceOnShoe):
     def spring_or_lever_force_on_shoe(self, name: str) -> ForceAtPoint | None:
         """The force of the lever's pin, or of its strut, on the shoe `name`.
 
-        It is None if the lever neither turns on this shoe nor pushes it by the strut.
+        The result is None if the lever neither turns on this shoe nor pushes it by the strut.
         """
         strut = self.pushing_force_of_strut * self._unit_vector_along_strut
         if name == self.shoe:
@@ -209,8 +209,8 @@ def brake_with_loads_assigned_to_shoes(brake: Any, pulls: Sequence[float] | None
     Raises
     ------
     ValueError
-        if a spring or lever names no shoe of the brake, for gravity or a speed without masses, or
-        for masses without both
+        if a spring or lever names no shoe of the brake, if gravity or a speed of the shoes is given
+        without masses, or if masses are given with neither gravity nor a speed
     """
     _check_loads_have_known_shoes_and_masses(brake)
     if pulls is None:
@@ -238,8 +238,8 @@ def brake_with_loads_assigned_to_shoes(brake: Any, pulls: Sequence[float] | None
 def brake_with_springs_of_constant_pull(brake: Any, pulls: Sequence[float]) -> Any:
     """A copy of the brake in which the pull of each spring is constant, one of `pulls` [N].
 
-    They are the pulls in a solved brake, which depend on the motions of the shoes. Without pulls
-    the brake itself is returned.
+    `pulls` are the spring forces in a solved brake, where they depend on the motions of the shoes.
+    Without pulls the brake itself is returned.
     """
     if not pulls:
         return brake
@@ -251,9 +251,10 @@ def brake_with_springs_of_constant_pull(brake: Any, pulls: Sequence[float]) -> A
 
 
 def brake_with_all_loads_moved_to_actuation(brake: Any) -> Any:
-    """A copy of the brake on which finite elements let all loads act where the actuations act.
+    """A copy of the brake in which all loads on a shoe act where its actuation acts.
 
-    Elements in three dimensions can load the nodes of the actuation only.
+    The copy is for finite elements, which otherwise apply each load at its own point. Elements in
+    three dimensions can load the nodes of the actuation only.
     """
     shoes = tuple(shoe.shoe_with_all_loads_moved_to_actuation() for shoe in brake.shoes)
     return brake.model_copy(update={"shoes": shoes})

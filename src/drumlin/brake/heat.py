@@ -149,7 +149,8 @@ def _thermal_expansion_coefficient_of_drum(drum: Drum) -> float | None:
 def radial_growth_of_heated_drum(drum: Drum, sign: int) -> float:
     """Growth [m] of the radius of the friction surface by the heat of the drum.
 
-    A rigid drum grows by alpha T R. A ring of the radii a < b in plane stress has the displacement
+    With the coefficient of expansion alpha and the temperature rise T a rigid drum of radius R
+    grows by alpha T R. A ring of the radii a < b in plane stress has the displacement
 
         u(r) = alpha (1 + nu)/r Int_a^r T s ds + C_1 r + C_2/r
 
@@ -204,8 +205,8 @@ def brake_with_heat_only_in_given_parts(brake: "Brake", keys: Collection[str]) -
         parts = {}
         for layer in heated_layers_of_shoe(shoe):
             if layer.key not in keys:
-                # A shoe with several linings has one part "lining" here. The copy is cold in all of
-                # them.
+                # If the shoe has several linings, `part` stands for all of them, and the copy has
+                # no heat in any of them.
                 part = layer.part
                 is_lining = isinstance(part, Lining)
                 changed = (
@@ -237,7 +238,7 @@ def names_of_heated_parts(brake: "Brake") -> list[str]:
 def note_on_heated_parts_of_brake(brake: "Brake") -> str | None:
     """Note on the heated parts and the drum's growth, for results that include heat.
 
-    It is None for a brake without heated parts.
+    The result is None for a brake without heated parts.
     """
     names = names_of_heated_parts(brake)
     if not names:
@@ -252,7 +253,7 @@ def note_on_heated_parts_of_brake(brake: "Brake") -> str | None:
 def warning_that_law_neglects_heat(brake: "Brake") -> str | None:
     """Warning that names the heated parts, for results of closed-form laws, which neglect heat.
 
-    It is None for a brake without heated parts.
+    The result is None for a brake without heated parts.
     """
     names = "; ".join(names_of_heated_parts(brake))
     return f"warning: left out is the heat of {names}; --model fem has it" if names else None

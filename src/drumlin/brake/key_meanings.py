@@ -282,8 +282,8 @@ def add_key_meanings_to_json_schema(
 ) -> None:
     """Write the meaning of each key into the descriptions of a JSON schema.
 
-    Text editors show the description of a key. If the schema says already how the value is written,
-    this is kept in brackets after the meaning.
+    Text editors show the description of a key. If the schema already describes how the value is
+    written, this description follows in brackets after the meaning.
 
     Parameters
     ----------

@@ -19,9 +19,10 @@ def gaps_of_lining_ground_to_circle(
     """Exact gap [m] between a drum and a lining with a circle of its own, along the drum's radii.
 
     The circle of the lining touches the circle of the drum at the angle `middle`, and is then moved
-    by `offset`. If its centre is c and its radius r, its distance from the drum's centre in the
-    direction e_r is rho = c.e_r + sqrt(r^2 - (c x e_r)^2). The gap is sign (R - rho). To first
-    order it is sign ((R - r)(1 - cos(theta - middle)) - offset.e_r).
+    by `offset`. Let c be the centre of the lining's circle, r its radius, and e_r the radial unit
+    vector at the angle theta. In the direction e_r the lining's circle has the distance
+    rho = c.e_r + sqrt(r^2 - (c x e_r)^2) from the drum's centre. The gap is sign (R - rho). To
+    first order the gap is sign ((R - r)(1 - cos(theta - middle)) - offset.e_r).
 
     Parameters
     ----------
@@ -76,8 +77,8 @@ def radial_deviation_of_drum(
 ) -> Floats:
     """Radial deviation [m] of a drum that is out of round, at angles theta [rad], same shape.
 
-    It is positive where the friction surface lies outside its circle. The deviation turns with the
-    drum, so that it depends on the angular position of the drum.
+    The deviation is positive where the friction surface lies outside its circle. The deviation
+    turns with the drum, so that it depends on the angular position of the drum.
 
     Parameters
     ----------

@@ -28,9 +28,10 @@ of an equilibrium, 1e-12, and far below any force in a brake file.
 LARGEST_SINGULAR_VALUE_OF_REDUNDANT_SUPPORT = 1e-9
 """Singular value [m] at or below which one of the bearing supports of a shoe is redundant.
 
-It is the smallest singular value of the matrix that has the opening of each bearing support in each
-rigid-body motion; each motion displaces points by about 1 m. With a larger value c supports hold c
-independent motions. The limit is a judgement: far above round-off, below any lever arm of a brake.
+The value is the smallest singular value of a matrix. The matrix has the opening of each bearing
+support in each rigid-body motion, and each motion displaces points by about 1 m. If the value is
+above the limit, c supports prevent c independent motions. The limit is a judgement: far above
+round-off, below any lever arm of a brake.
 """
 
 
@@ -57,7 +58,8 @@ class OneSidedSupport(NamedTuple):
     Attributes
     ----------
     name : text that names the support in messages
-    sides : the push on each shoe that bears on it: one for a fixed face, two for a strut
+    sides : the push on each shoe that bears on the support: one push for a fixed face, two for a
+        strut
     clearance : opening of the support while nothing acts [m]
     """
 
@@ -141,7 +143,7 @@ def _force_of_one_newton_at_point(point: Point, direction: float) -> Actuation:
 
 
 class OneSidedSupportForce(NamedTuple):
-    """The force of a one-sided support on a shoe in a solution; 0 if the shoe has left it.
+    """The force of a one-sided support on a shoe in a solution; 0 if the shoe has left the support.
 
     `name` is the text that names the support, `push` the force [N] with its line of action.
     """
@@ -174,7 +176,7 @@ def forces_of_one_sided_supports_on_shoe(
     """The forces of the supports on which a shoe bears or could bear.
 
     `forces` (m,) [N] are the forces of all supports, and `shoe` is the index of the shoe. A
-    negative force would be a pull: it is a round-off error of zero, and is set to 0.
+    negative force would be a pull. Such a force is 0 with a round-off error, and is set to 0.
     """
     found = []
     for support, force in zip(supports, np.maximum(forces, 0.0).tolist(), strict=True):
@@ -188,7 +190,8 @@ def forces_of_one_sided_supports_on_shoe(
 def work_of_support_push_in_rigid_body_modes(shoe: SupportedShoe, push: Actuation) -> Floats:
     """The work (k,) of a support's push in each rigid-body mode of a shoe.
 
-    For a push of 1 N it is also the distance by which the support opens, per unit of each mode.
+    For a push of 1 N the work is also the distance by which the support opens, per unit of each
+    mode.
     """
     return work_of_force_in_rigid_body_motions(
         shoe.rigid_body_modes_of_support().motions, push.force_vector, push.point.xy

@@ -1,8 +1,8 @@
 """Shoes that repeat at equal distances, such as the blocks of a band, from one table of the file.
 
 A shoe with a pattern is read as several shoes: copies that are turned about the drum's centre, or
-moved along the plane, each by `step` farther than the one before. Links from each copy to the next
-can be added, and springs from the shoe to the frame are repeated as well.
+moved along the plane, each copy by `step` farther than the copy before. Links from each copy to the
+next copy can be added, and springs from the shoe to the frame are repeated as well.
 """
 
 import math
@@ -167,11 +167,12 @@ def _brake_part_from_data_or_none(kind: type[Any], data: object, info: Validatio
 def _springs_copied_with_repeated_shoe(
     springs: Any, first: Any, move: Callable[[float], RigidMotionOfCopiedShoe], info: ValidationInfo
 ) -> Any:
-    """The springs of a brake, with a copy for each copy of a shoe that a spring ties to the frame.
+    """The springs of a brake, with those between the shoe `first` and the frame repeated.
 
-    Data that are no list of springs are returned unchanged. A spring to another shoe is not
-    repeated: it must name one of the copies. `first` is the shoe with the pattern. `move` and
-    `info` are as in `brake_data_with_patterned_shoes_repeated`.
+    Each copy of the shoe gets a copy of the spring. Data that are no list of springs are returned
+    unchanged. A spring to another shoe is not repeated: the spring must name one of the copies.
+    `first` is the shoe with the pattern. `move` and `info` are as in
+    `brake_data_with_patterned_shoes_repeated`.
     """
     if not isinstance(springs, list | tuple):
         return springs

@@ -219,7 +219,7 @@ class FlatShoe(Shoe):
     def size(self) -> float:
         """Size [m] of the brake to which the shoe belongs: the length of the first shoe's lining.
 
-        For a shoe without a brake it is the length of the shoe's own lining.
+        For a shoe without a brake the result is the length of the shoe's own lining.
         """
         return self.lining.end - self.lining.start if self._size is None else self._size
 
@@ -278,7 +278,7 @@ class FlatShoe(Shoe):
 
     @property
     def angle_of_direction_in_which_lining_closes_gap(self) -> float:
-        """Direction [rad] in which a lining moves straight towards the plane: -90 deg."""
+        """Angle [rad] of the normal from the lining towards the plane: -90 deg."""
         return -math.pi / 2
 
     def gaps_due_to_ground_lining_radius_and_offset(self, theta: Floats, size: float) -> Floats:
@@ -437,7 +437,7 @@ def read_drum_or_plane_brake(path: Path | str, text: str | None = None) -> Brake
 
 
 def brake_itself_or_read_from_file(brake: Any) -> Brake:
-    """The brake that is given itself, or by the path of its brake file.
+    """The given brake; if the path of a brake file is given, the brake that is read from the file.
 
     Raises BadInput for any other argument, and for a file that `read_drum_or_plane_brake` refuses.
     """

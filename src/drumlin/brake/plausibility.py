@@ -40,7 +40,7 @@ SMALLEST_USUAL_THICKNESS_OVER_BRAKE_SIZE = 1e-4
 The thicknesses of random brakes are at least 0.001 of the size.
 """
 USUAL_RANGE_OF_DRUM_RADIUS = (1e-3, 30.0)
-"""A note questions the unit of a drum's radius [m] outside these two limits.
+"""Smallest and largest usual radius of a drum [m]; outside them a note questions the unit.
 
 Drums have radii of some 20 mm to 5 m.
 """
@@ -57,9 +57,9 @@ An angle of 75 deg that is written as 75 rad is 12 turns.
 SOFTEST_LINING, SOFTEST_BODY, STIFFEST_PART = 1e5, 1e6, 3e13
 """Limits of moduli [Pa]: a note questions the unit of a modulus beyond its limit.
 
-They are the smallest modulus of a lining, the smallest of a body, and the largest of any part.
-Foams have 1e5 Pa, wood across its grain 1e8 Pa, steel 2e11 Pa and diamond 1e12 Pa. A modulus in
-N/m^2 that was meant in N/mm^2 is a million times too small.
+The three limits are the smallest modulus of a lining, the smallest modulus of a body, and the
+largest modulus of any part. Foams have 1e5 Pa, wood across its grain 1e8 Pa, steel 2e11 Pa and
+diamond 1e12 Pa. A modulus in N/m^2 that was meant in N/mm^2 is a million times too small.
 """
 MODULUS_RANGE_OF_SHOE_METALS = (6e10, 2.2e11)
 """Moduli [Pa] of the metals of shoes, from aluminium (7e10 Pa) to steel (2.1e11 Pa).
@@ -69,11 +69,14 @@ A note questions the modulus of a lining that is stiffer than a shoe of such a m
 LARGEST_USUAL_LINING_MODULUS = 2e10
 """Largest usual modulus [Pa] of a lining's material; organic linings have 1e8 to 5e9 Pa.
 
-If a lining has the modulus of a metal, and its shoe at most this one, a note asks whether the two
-materials were exchanged.
+If a lining has the modulus of a metal, and its shoe at most LARGEST_USUAL_LINING_MODULUS, a note
+asks whether the two materials were exchanged.
 """
 LARGEST_USUAL_TEMPERATURE_RISE = 1200.0
-"""Temperature rise [K] above which a note asks whether it is meant. Cast iron melts at 1400 K."""
+"""Temperature rise [K] above which a note says that the materials of a brake do not bear it.
+
+Cast iron melts at 1400 K.
+"""
 LARGEST_USUAL_THERMAL_EXPANSION = 1e-3
 """Coefficient of thermal expansion [1/K] above which a note questions its unit.
 
@@ -81,13 +84,14 @@ Steel has 1.2e-5 1/K, rubber 2e-4 1/K. A coefficient in 1e-6/K that was written 
 times too large.
 """
 LARGEST_USUAL_UNIFORM_CLEARANCE_OVER_RADIUS = 1e-3
-"""Clearance along a whole lining, relative to the drum's radius, above which a note explains it.
+"""Clearance along a whole lining over the drum's radius, above which a note explains the key.
 
-Linings that do not fit are some 50 micrometres off drums of 150 mm, 3e-4 of the radius. Adjusters
-leave gaps of 0.2 to 0.5 mm, more than 1e-3, and are not meant by the key.
+Linings that do not fit are some 50 micrometres off drums of radius 150 mm, 3e-4 of the radius.
+Adjusters leave gaps of 0.2 to 0.5 mm, more than 1e-3 of the radius. The key `clearance` does not
+mean the gap that an adjuster leaves.
 """
 USUAL_RANGE_OF_CYLINDER_PRESSURE = (1e4, 1e9)
-"""A note questions the unit of a wheel cylinder's pressure [Pa] outside these two limits.
+"""Smallest and largest usual pressure of a cylinder [Pa]; outside them a note questions the unit.
 
 Wheel cylinders have some 1 to 20 MPa, and vacuum brakes 5e4 Pa.
 """
@@ -380,8 +384,9 @@ def _notes_on_too_stiff_linings(brake: Brake) -> Iterator[str]:
 def _notes_on_large_uniform_clearance(brake: Brake) -> Iterator[str]:
     """Yield a note on each lining of a hinged shoe with a large clearance that is one number.
 
-    People write the gap that an adjuster leaves at rest. A hinged shoe closes this gap by a turn
-    about its pin, whereas a clearance along the whole lining is a lining of another radius.
+    Such a number is often the gap that an adjuster leaves at rest, written under the wrong key. A
+    hinged shoe closes the adjuster's gap by a turn about its pin. A clearance along the whole
+    lining, in contrast, describes a lining of another radius.
     """
     if brake.surface.is_plane_and_not_drum:
         return

@@ -121,8 +121,8 @@ def _json_schema_of_numbers_as_texts_with_units(
 def json_schema_without_entries_unfit_for_toml(schema: Any) -> Any:
     """Remove from a schema all entries that do not hold for TOML files, at every level.
 
-    These are defaults in SI units, titles that pydantic makes from names of Python classes and
-    fields, and the value null, which TOML does not have.
+    Such entries are defaults in SI units, titles that pydantic makes from names of Python classes
+    and fields, and the value null, which TOML does not have.
     """
     if isinstance(schema, list):
         return [

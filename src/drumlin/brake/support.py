@@ -64,15 +64,16 @@ MOTION_TEXTS_BY_KIND_OF_SUPPORT = {
 """How a shoe moves on each support, for error messages, by `SupportedShoe.kind_of_support`."""
 
 SENSE_VALUE_OF_ABUTMENT_THAT_DOES_NOT_ACT = 2
-"""Value of `sense` for a support's rigid-body modes with which the abutment does not act.
+"""Value of `sense`, in `SupportedShoe.rigid_body_modes_of_support`, that removes the abutment.
 
-The foot of the shoe may then slide along the abutment and leave it.
+Without abutment the foot of the shoe may slide along the abutment's face and leave the face.
 """
 
 LARGEST_ROUND_OFF_EXCESS_OF_FOOT_FRICTION = 1e-9
 """Largest excess of a sticking foot's friction over the limit of Coulomb that is round-off.
 
-It is relative to the limit. With a larger excess the foot of the shoe slides on the abutment.
+The excess is relative to the limit. With a larger excess the foot of the shoe slides on the
+abutment.
 """
 
 
@@ -156,7 +157,7 @@ def work_of_force_in_rigid_body_motions(motions: Floats, force: Floats, point: F
 def resultant_force_and_moment(forces: Floats, points: Floats) -> Floats:
     """Resultant (3,) of forces (..., 2) [N] at points (..., 2) [m].
 
-    It has the components in x and y [N] and the moment about the origin [N m].
+    The resultant has the components in x and y [N] and the moment about the origin [N m].
     """
     moments = points[..., 0] * forces[..., 1] - points[..., 1] * forces[..., 0]
     return np.array([forces[..., 0].sum(), forces[..., 1].sum(), moments.sum()])
@@ -265,8 +266,8 @@ class SupportedShoe(PartOfInputFile):
     def pin(self) -> Point:
         """The point about which moments of the shoe are taken, and from which its angles count.
 
-        It is the hinge, the point of the abutment, the point of the first anchor, or for a guided
-        shoe the point of the actuation.
+        The point is the hinge, the point of the abutment, the point of the first anchor, or for a
+        guided shoe the point of the actuation.
         """
         if self.hinge is not None:
             return self.hinge
@@ -407,9 +408,9 @@ class SupportedShoe(PartOfInputFile):
     ) -> bool:
         """Whether an abutment can exert a given reaction on the foot.
 
-        It can if it presses on the foot, and if its friction opposes the slide of the foot or is
-        large enough to hold it. The result is always True for a shoe without abutment and for a
-        shoe on anchors.
+        The abutment can exert the reaction if this reaction presses on the foot, and if the
+        friction opposes the slide of the foot or is large enough to hold the foot. The result is
+        always True for a shoe without abutment and for a shoe on anchors.
 
         Parameters
         ----------
@@ -464,8 +465,8 @@ class SupportedShoe(PartOfInputFile):
         if on_abutment and sense != 0:
             assert self.abutment is not None
             along = self.abutment.direction + math.pi / 2
-            # Friction rotates the test mode by the friction angle, so that it stays perpendicular
-            # to the reaction.
+            # Friction rotates the test mode by the friction angle, so that the test mode stays
+            # perpendicular to the reaction.
             leaning = (
                 (sense != SENSE_VALUE_OF_ABUTMENT_THAT_DOES_NOT_ACT)
                 * sense
@@ -502,9 +503,10 @@ class SupportedShoe(PartOfInputFile):
     ) -> dict[str, tuple[RigidBodyModeDerivativesByDatum, ...]]:
         """Exact derivatives of the rigid-body modes with respect to the data of the support.
 
-        The result has a tuple by the key of each datum: two derivatives, by x and y [per m], for a
-        point; one derivative [per rad] for a direction, and one for a friction coefficient. `sense`
-        is the sense of the friction, as in `rigid_body_modes_of_support`.
+        The result has a tuple for each datum, by the datum's key. For a point the tuple has two
+        derivatives, by x and by y [per m]. For a direction it has one derivative [per rad], and for
+        a friction coefficient also one. `sense` is the sense of the abutment's friction, as in
+        `rigid_body_modes_of_support`.
         """
         k = len(self.rigid_body_modes_of_support(sense).names)
         if self.guide is not None:
@@ -663,8 +665,8 @@ def check_rigid_body_modes_close_gap_differently(
 ) -> None:
     """Raise ValueError if the two rigid-body modes of a shoe close its gap in the same way.
 
-    Some combination of the two modes would then not change the gap, so that contact could not
-    resist this motion. A shoe with another number of modes is not checked.
+    Some combination of the two modes would then leave the gap as it is, and contact could not
+    resist this motion. A shoe with one mode or with three modes is not checked.
 
     Parameters
     ----------
@@ -673,8 +675,8 @@ def check_rigid_body_modes_close_gap_differently(
     columns : components of a motion that close the gap: dx and dy on a drum, dy and turn on a plane
     """
     closing = shoe.rigid_body_modes_of_support().motions[:, columns]
-    # The check is for two modes. They close the gap in the same way if the components that close
-    # it are proportional.
+    # The check is for two modes. The modes close the gap in the same way if their components that
+    # close the gap are proportional.
     if len(closing) != 2:
         return
     lengths = np.linalg.norm(closing, axis=1)

@@ -2,22 +2,22 @@
 
 One class `Brake` and one class `Shoe` serve both kinds of surface. The differences between a drum
 and a plane are in the subclasses of these two classes and in the constants FRICTION_SURFACE_OF_DRUM
-and FRICTION_SURFACE_OF_PLANE. No module outside `drumlin.brake` asks for the class of a brake.
+and FRICTION_SURFACE_OF_PLANE. No module outside `drumlin.brake` asks whether the class of a brake
+is `DrumBrake` or `FlatBrake`.
 
 The coordinate q counts along the surface: it is the angle theta [rad] on a drum and x [m] on a
 plane. Ends of linings, tables of clearances, pressures and contact arcs of a shoe are given in q.
 Three numbers of a brake relate q to lengths:
 
-- `Brake.length_per_surface_coordinate` is ds/dq, the length along the surface per unit of q: the
-radius R on a drum,
-  1 on a plane. By virtual work it also converts a friction force to the effect of the brake, which
-  is a torque on a drum and a braking force on a plane.
+- `Brake.length_per_surface_coordinate` is ds/dq, the length s along the surface per unit of q: the
+  radius R on a drum, 1 on a plane. By virtual work this number also converts a friction force to
+  the effect of the brake, which is a torque on a drum and a braking force on a plane.
 - `Brake.size` [m] is the reference length of the brake: R on a drum, the length of the first lining
   on a plane.
-- `ShoeFrame.surface_coordinate_per_phi` is the change of q per unit of phi. The coordinate phi =
-s/size belongs to the
-  frame of a shoe, and the finite elements use it. On a drum phi is an angle and the unit is 1. On a
-  plane phi is a length divided by the size.
+- `ShoeFrame.surface_coordinate_per_phi` is the change of q per unit of phi. The coordinate
+  phi = s/size belongs to the frame of a shoe, and the finite elements use it. On a drum phi is an
+  angle, and the change of q per unit of phi is 1. On a plane phi is a length divided by the size,
+  and the change is the size.
 
 `ShoeFrame.surface_coordinates_of_phi` and `ShoeFrame.phi_of_surface_coordinates` convert between q
 and phi. The results of all models are in q. A `Shoe` has the rest of the geometry: where its frame
@@ -25,7 +25,7 @@ lies, and how far its points are from the surface. The laws of hinged shoes and 
 hold on a drum only: they refuse a plane.
 
 A brake file has either a table [drum] or a table [plane]. `DrumBrake` and `FlatBrake` are the
-classes for these two kinds of file. Only the code that reads files uses them by name.
+classes for these two kinds of file. Only modules of `drumlin.brake` use these two names.
 """
 
 import math
@@ -59,7 +59,8 @@ class FrictionSurface:
     axis_label_in_python, axis_label_in_report, axis_label_in_explorer : labels of an axis of q in a
         Python session, in a report and in the explorer
     word_for_motion : word for the motion of the surface, "rotation" or "slide"
-    word_for_held_load : word for the load that holds the surface, "moment" or "force"
+    word_for_held_load : word for the load by which the shoes hold drum or body in `drumlin hold`,
+        "moment" or "force"
     word_for_torque_or_brake_force : word for the effect, "torque" or "braking force"
     unit_of_torque_or_brake_force : SI unit of the effect
     symbol_of_torque_or_brake_force : letter for the effect in formulas
@@ -115,7 +116,7 @@ class FrictionSurface:
     def unit_normals_into_surface(self, q: Floats) -> Floats:
         """Unit normals (2, ...) of the surface at the coordinates q.
 
-        They point from an internal lining into the drum, or from a lining into the plane.
+        The normals point from an internal lining into the drum, or from a lining into the plane.
         """
         if self.is_plane_and_not_drum:
             return np.array([np.zeros(np.shape(q)), -np.ones(np.shape(q))])

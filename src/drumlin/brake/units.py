@@ -18,8 +18,8 @@ from drumlin.base.written_numbers import (
 
 # A quantity is a number and a unit. A unit consists of words, each with a power of one digit at
 # most, joined by a blank, a point, a hyphen, * or /. The last denominator may be in brackets. Other
-# texts are refused before pint, the package for units, gets them: it would compute a unit such as
-# m^9^9^9 for ever.
+# texts are refused before pint, the package for units, reads them: pint would compute a unit such
+# as m^9^9^9 for ever.
 _PATTERN_OF_UNIT_WORD = r"[A-Za-zµμ°%][\wµμ°%]{0,30}\.?(?: ?(?:\^|\*\*) ?-?\d(?!\d))?"
 _PATTERN_OF_UNIT = (
     rf"(?:1 ?/ ?)?{_PATTERN_OF_UNIT_WORD}(?:[ */-]{{0,3}}(?<![\wµμ°%]){_PATTERN_OF_UNIT_WORD})"
@@ -129,7 +129,7 @@ _SECOND_MEANING_BY_UNIT_WORD = {"lb": "lbf", "lbs": "lbf", "mil": "thou", "mils"
 def _pint_unit_registry() -> Any:
     """The registry of units of the package pint, with drumlin's further units.
 
-    pint takes 0.25 s to load. It is loaded only for a unit that is not in
+    pint takes 0.25 s to load. drumlin loads pint only for a unit that is not in
     FACTORS_OF_COMMON_UNITS_BY_SI_UNIT.
     """
     import pint  # noqa: PLC0415

@@ -22,15 +22,15 @@ if TYPE_CHECKING:
 SHOE_COLUMNS_DROPPED_ON_NARROW_TERMINAL = ["shoe_factor", "reaction", "normal_force", "at"]
 """Columns of the printed table of shoes that a narrow terminal has no room for.
 
-They are left out in this order, until the other columns fit.
+The columns are left out in this order, until the other columns fit.
 """
 
 
 def print_brake_response(brake: "Brake", response: "Response", *, verbose: bool = False) -> None:
     """Print the torque and brake factor of a brake, a row for each shoe, warnings and errors.
 
-    Lines on shoes that do not touch the drum are printed first. `verbose` is whether reactions,
-    figures of merit, solution steps, times and neglected effects are printed, too.
+    Lines on shoes that do not touch the drum stand below the title line. `verbose` is whether
+    reactions, figures of merit, solution steps, times and neglected effects are printed, too.
     """
     from drumlin.laws.rigid import UNUSED_KEYS_LINE_START
 
@@ -77,7 +77,7 @@ class _NotesByPlaceInPrintout(NamedTuple):
     lines_above_table : lines on shoes without contact, printed above the table of shoes
     warnings : lines that begin with "warning:" or "note:", printed below the table
     lines_on_supports : lines on the supports of each body and on corrections of a mesh file,
-        printed last
+        printed below the estimated errors
     lines_of_verbose_answer : all other lines, printed with --verbose only
     """
 
@@ -179,7 +179,7 @@ def _print_table_of_shoes(brake: "Brake", response: "Response") -> None:
     """Print a table with a row for each shoe.
 
     A line below the table tells if the ends of a lining were left out in the search for the peak
-    pressure. Another line gives the peaks over the width, if a shoe has a width.
+    pressure. For a model of solid shoes another line gives the peaks over arc and width.
     """
     from drumlin.response.response import place_of_peak_pressure
 
@@ -201,7 +201,10 @@ def _print_table_of_shoes(brake: "Brake", response: "Response") -> None:
 
 
 def _peak_pressures_over_width_as_line(brake: "Brake", response: "Response") -> str:
-    """The peak pressures over arc and width as one line of text; "" if no shoe has a width."""
+    """The peak pressures over arc and width as one line of text; "" for a plane-stress model.
+
+    The line has no entry for a shoe that does not touch.
+    """
     from drumlin.response.face import pressure_on_face_of_lining
 
     shown, unit, peaks = brake.surface.si_to_shown_unit_factor, brake.surface.shown_unit, []
@@ -260,8 +263,8 @@ def _columns_of_shoe_table(
 def _print_lines_of_verbose_answer(response: "Response", notes: list[str]) -> None:
     """Print the lines that only --verbose shows.
 
-    They give hinge reaction and figures of merit of each shoe, solution steps, balance of forces,
-    computing times, the given notes and neglected effects.
+    These lines give hinge reaction and figures of merit of each shoe, solution steps, balance of
+    forces, computing times, the given notes and neglected effects.
     """
     from drumlin.laws.rigid import UNUSED_KEYS_LINE_START
 

@@ -25,7 +25,10 @@ def explore(
     brake = drumlin.read_brake(brake_file)
 
     def print_address_and_open_browser(address: str) -> None:
-        """Print the page's address and open a browser there, once the server listens."""
+        """Print the page's address and, if the option --browser is on, open the page.
+
+        The server calls this function when it begins to listen.
+        """
         print_line_folded_to_terminal_width(f"{brake.title}: {address}", at_once=True)
         print_note_to_standard_error("Ctrl-C ends it")
         if browser:

@@ -1,6 +1,6 @@
 """Commands that judge answers.
 
-They make reference values, compare a table with reference values, and time a solve.
+The commands make reference values, compare a table with reference values, and time a solve.
 """
 
 from pathlib import Path

@@ -120,8 +120,8 @@ def run_command_line(words: Sequence[str]) -> int:
 def _usage_error_as_line(error: Any) -> str:
     """A usage error of the command line, such as a wrong option, as one line of text.
 
-    Where the value of an option is no number, the line names the option and its value: newer
-    versions of typer leave the value out.
+    Where the value of an option is no number, the line names the option and its value, because the
+    messages of newer versions of typer leave the value out.
     """
     from drumlin.brake.file import ALLOWED_VALUE_TEXT_BY_PYDANTIC_ERROR
 
@@ -168,8 +168,9 @@ def _exclude_current_folder_from_imports() -> None:
     os.environ["MPLBACKEND"] = "agg"
     if not sys.flags.safe_path and _is_current_folder_searched_first(sys.path[:1]):
         del sys.path[0]
-        # If Python found drumlin in the current folder, it would no longer find drumlin's further
-        # modules. The folder is therefore added again, at the end of the search path.
+        # If Python found drumlin in the current folder, it would no longer find those modules of
+        # drumlin that are not yet imported. The folder of drumlin is therefore added again, at the
+        # end of the search path.
         root = str(Path(__file__).parents[2])
         if root not in sys.path:
             sys.path.append(root)

@@ -77,8 +77,8 @@ def solve(
     _check_model_applies_and_takes_options(brakes, model, options)
     _check_output_files_are_for_single_brake(brakes, {"--pressure": pressure, "--fields": fields})
     answers: list[_BrakeWithResponseOrFailure] = []
-    # --no-model-error concerns plane stress only. Other models have no such error, so that the
-    # option is added after the check of the options.
+    # --no-model-error leaves out the error of plane stress. The check of the options would refuse
+    # it for other models, which have no such error, so that it is added after the check.
     options |= {"model_error": False} if no_model_error else {}
     for answer in _solve_brakes_one_by_one(brake_files, brakes, model, options):
         separated = any(earlier.response is not None for earlier in answers)
@@ -131,7 +131,8 @@ def _check_output_files_are_for_single_brake(
 ) -> None:
     """Raise BadInput where a file for a single brake is asked for, but several brakes are given.
 
-    `outputs` holds the path of each file by the name of its option; None: not asked for.
+    `outputs` holds the path of each file by the name of its option; None for a file that the user
+    has not asked for.
     """
     for option, path in outputs.items():
         if path is not None and len(brakes) > 1:

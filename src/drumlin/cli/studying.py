@@ -22,7 +22,10 @@ if TYPE_CHECKING:
     from drumlin.sweeps.sweep_table import SweepTable
 
 STATISTICS_DROPPED_ON_NARROW_TERMINAL = ["most", "least"]
-"""Columns of the printed statistics that a narrow terminal has no room for, in this order."""
+"""Columns of the printed statistics that a narrow terminal has no room for.
+
+The columns are left out in this order, until the other columns fit.
+"""
 
 
 def study(

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 UNPRINTED_COMPARISON_COLUMNS = ("case", "rotation")
 """Columns of the table of `drumlin compare` that are never printed.
 
-They have the same value in all rows, since the table is of one brake.
+These columns have the same value in all rows, since the table is of one brake.
 """
 COMPARISON_COLUMNS_DROPPED_ON_NARROW_TERMINAL = [
     "self_energising",
@@ -34,7 +34,7 @@ COMPARISON_COLUMNS_DROPPED_ON_NARROW_TERMINAL = [
 ]
 """Columns of the table of `drumlin compare` that a narrow terminal has no room for.
 
-They are left out in this order, until the other columns fit.
+The columns are left out in this order, until the other columns fit.
 """
 COMPARISON_TABLE_WIDTH_IN_FILE_OR_PIPE = 200
 """Width [characters] of the table of `drumlin compare` in a file or a pipe, not a terminal."""
@@ -67,7 +67,7 @@ def print_line_folded_to_terminal_width(line: str, *, at_once: bool = False) -> 
 
 
 def print_names_beside_texts(texts: Mapping[str, str]) -> None:
-    """Print each name of `texts` with its text beside it, the texts below each other."""
+    """Print a line for each name in `texts`: the name, then its text in an aligned column."""
     wide = max(map(len, texts))
     for name, text in texts.items():
         print_line_folded_to_terminal_width(f"{name:{wide}}  {text}")
@@ -109,7 +109,8 @@ def _turn_output_faults_into_drumlin_errors() -> Iterator[None]:
 def can_terminal_show_progress() -> bool:
     """Whether standard error is a terminal in which a line can be replaced by the next one.
 
-    A notebook seems to be a terminal to the commands in its cells, but prints their control codes.
+    A notebook seems to be a terminal to the commands in its cells, but it prints control codes as
+    text.
     """
     is_cell_of_notebook = "JPY_PARENT_PID" in os.environ
     return sys.stderr.isatty() and not is_cell_of_notebook
@@ -179,7 +180,7 @@ def show_progress_bar(words: str) -> Iterator[Callable[[int, int], None]]:
 
 @contextmanager
 def show_spinner_beside_words(words: str) -> Iterator[Callable[[str], None]]:
-    """Show a spinner beside `words` while the block runs, if `can_terminal_show_progress`.
+    """Show a spinner beside `words` while the block runs, if the terminal can show progress.
 
     The `with` statement gives a function that the block calls with new words for its next task.
     """
@@ -211,7 +212,7 @@ class PrintedColumn(NamedTuple):
 
     @property
     def width(self) -> int:
-        """Width of the widest line in the column's heading and cells, in cells of the terminal."""
+        """Width of the widest line in the column's heading and cells, in characters."""
         lines = [line for cell in (self.heading, *self.cells) for line in cell.split("\n")]
         return max(map(_width_on_terminal, lines))
 
@@ -222,9 +223,9 @@ class PrintedColumn(NamedTuple):
 
 
 def _width_on_terminal(text: str) -> int:
-    """The number of cells that a line of text takes on a terminal.
+    """The width of a line of text on a terminal, in widths of a Latin letter.
 
-    East Asian letters take two cells, and marks that combine with a letter take none.
+    East Asian letters count as two, and marks that combine with a letter as none.
     """
     width = 0
     for letter in text:
@@ -265,7 +266,8 @@ def print_table_fitted_to_terminal(
 def _lines_of_printed_table(columns: Collection[PrintedColumn]) -> list[str]:
     """The lines of a printed table without ruled lines, with two spaces between the columns.
 
-    Headings of fewer lines than others stand low, cells of fewer lines stand high.
+    A heading with few lines stands at the bottom of the row of headings. A cell with few lines
+    stands at the top of its row.
     """
     rows = zip(*((column.heading, *column.cells) for column in columns), strict=True)
     lines: list[str] = []

@@ -1,14 +1,17 @@
 """An active-set method for unilateral contact in full slip.
 
 The contact problem is a linear complementarity problem. Find nodal pressures p (n,) and rigid-body
-motions y (k,) with the weighted gaps
+motions y (k,) with the weighted gaps w (n,), the integrals of the gap times each node's shape
+function:
 
     w = q + A p + B y,    p >= 0,  w >= 0,  p w = 0,       C p = h
 
-A (n, n) is the compliance. Friction makes A unsymmetric. A contact penalty eps adds the compliance
+A (n, n) is the compliance, and q (n,) are the weighted gaps at zero pressure and without rigid-body
+motion. Friction makes A unsymmetric. A contact penalty eps adds the compliance
 M/eps to A, with the mass matrix M of the contact nodes; the addition is zero for an infinite
-penalty. A hinged shoe has one rigid-body motion, its rotation. C p = h are the equilibria in the
-rigid-body modes; without friction C = B^T.
+penalty. B y is the change of the gaps by the rigid-body motions. A hinged shoe has one rigid-body
+motion, its rotation. C p = h are the equilibria of pressures and loads in the k rigid-body modes;
+without friction C = B^T.
 
 A trial contact set gives each node a pressure or a gap. A node is wrong if its pressure or its gap
 is negative. The active-set method is a semismooth Newton method: all wrong nodes change at once
@@ -76,9 +79,10 @@ MAX_ACTIVE_SET_STEPS_WITHOUT_PROGRESS = 5
 A contact node is wrong if its pressure or its gap is negative. If the number of wrong nodes has not
 fallen, the solution is followed along a path on which one node changes at a time, see
 `find_contact_set_and_step_count_by_closing_wide_gaps`. The path needs a step for each node that
-changes. Judice and Pires (1994) wait for up to ten steps. On 50 random holding brakes a limit of
-one step takes 1.2 times as many factorisations as a limit of five. With limits from five to twelve
-steps the numbers of factorisations differ by 2 %. The solutions are the same with any limit.
+changes. Judice and Pires (1994) wait for up to ten steps. On 50 random brakes, solved from rest as
+by `drumlin hold`, a limit of one step takes 1.2 times as many factorisations as a limit of five.
+With limits from five to twelve steps the numbers of factorisations differ by 2 %. The solutions are
+the same with any limit.
 """
 
 FEWEST_NODES_FOR_COARSE_CONTACT_GUESS = 48
@@ -145,7 +149,7 @@ def solve_contact_problem(problem: ContactProblem, start: Bools | None = None) -
     """Solve a contact problem, and return its solution.
 
     The active-set method starts from a contact set. If the method does not converge, the solution
-    is followed from widened gaps.
+    is followed from widened gaps to the true gaps.
 
     Parameters
     ----------
@@ -203,7 +207,7 @@ def solve_contact_by_block_pivoting(
     start : contact set (n,) of the first step; by default the guess of
         `guess_contact_set_from_coarse_problem`
     most_steps : limit of the steps
-    scales_of : system whose scales are used, see `scale_contact_problem`
+    scales_of : earlier system whose scale factors are used, see `scale_contact_problem`
 
     Raises
     ------
@@ -310,7 +314,7 @@ def _next_contact_set(
     """Return the contact set (n,) of the next step of the active-set method.
 
     All wrong nodes change between contact and separation, if the new set still resists all
-    rigid-body modes. Otherwise only some of the nodes with negative pressure leave the set.
+    rigid-body modes. If it does not, only some of the nodes with negative pressure leave the set.
 
     A stiff shoe with two rigid-body modes stands on two nodes. If one node opens, the shoe turns
     about the other node until a third node touches, see `_find_node_that_closes_first`. In this way
@@ -408,7 +412,7 @@ def find_contact_set_and_step_count_by_closing_wide_gaps(
     Raises
     ------
     NoAnswer
-        if the path goes on for ever
+        if the path does not end within MAX_CONTACT_SET_CHANGES_PER_NODE changes per node
     """
     system = scale_contact_problem(problem)
     K, n = system.K, system.n
@@ -672,7 +676,7 @@ def _sort_mode_groups_from_pushing_to_pushed_shoe(
     found, left = [], list(range(len(mode_groups)))
     while left:
         # The next set is the first whose equilibria need no pressure that is still unknown. Shoes
-        # that push each other in a circle have no such set; then the first set is taken.
+        # that push each other in a circle have no such set; then the first remaining set is taken.
         following = left[0]
         for i in left:
             borne = bears[mode_groups[i]].any(axis=0)
@@ -711,10 +715,8 @@ def _find_touching_nodes_that_balance_shoe_load(
 
     Parameters
     ----------
-    q : weighted gaps (n,)
-    B : gaps (n, k) per motion of a mode
-    C : equilibria (k, n) of the modes
-    h : loads (k,) on the modes
+    q, B, C : arrays of `ContactProblem` for all n nodes and the k modes of the shoe
+    h : (k,), the values that C p must have at pressures p in equilibrium
     moved : whether the modes move a node (n,)
 
     Raises

@@ -23,8 +23,8 @@ MAX_NODES_OF_CONTACT_PROBLEM = 3000
 """Largest number of contact nodes in one contact problem; a brake with more is refused.
 
 On a rigid drum each shoe is a problem of its own. An elastic ring couples the nodes of all shoes.
-The dense matrices of a contact problem, and those of the ring, have two rows for each node. With
-more nodes they take gigabytes of memory.
+The dense matrices of a contact problem, and those of the ring, have a row for the pressure of each
+node, and in some computations one for its friction. With more nodes they take gigabytes of memory.
 """
 
 SMALLEST_NORMAL_DOUBLE = np.finfo(float).tiny
@@ -53,10 +53,10 @@ class ContactProblem(NamedTuple):
     ----------
     A : compliance (n, n), by which nodal pressures open the weighted gaps; unsymmetric with
         friction
-    q : weighted gaps (n,) of the unloaded contact
+    q : weighted gaps (n,) at zero pressure and without rigid-body motion
     B : changes (n, k) of the weighted gaps per unit of each rigid-body mode
     C : generalised forces (k, n) of unit nodal pressures in the equilibrium of each mode
-    h : generalised forces (k,) of the actuation
+    h : (k,), minus the generalised forces of the loads, so that C p = h is the equilibrium
     """
 
     A: Floats
@@ -236,7 +236,7 @@ class BorderedEquations(ContactSetEquations):
     def determinant_sign(self) -> int:
         """The sign, +1 or -1, of the determinant of K in the rows and columns of free unknowns.
 
-        It is the sign for the base times the sign of the Schur complement's determinant. By
+        The result is the sign for the base times the sign of the Schur complement's determinant. By
         Jacobi's theorem on complementary minors the product holds for released nodes too.
         """
         return self._base_equations.determinant_sign * _determinant_sign_from_lu_factors(

@@ -4,17 +4,20 @@ The friction stress tau(p) = mu(p) p takes the place of mu p in the contact prob
 
     w = q + A0 p + A1 tau(p) + B y,    C0 p + C1 tau(p) = h,    p >= 0,  w >= 0,  p w = 0.
 
+A0 and C0 are the matrices A and C of `ContactProblem` without friction. A1 and C1 are the changes
+of A and C per friction coefficient: A1 tau are the changes of the weighted gaps by friction.
+
 Newton's method replaces tau by its tangent tau(p_0) + tau'(p_0) (p - p_0) at the last pressures
 p_0. The next pressures then solve a contact problem with a friction coefficient tau' = mu + mu' p
 for each node, and with other gaps and forces (a sequence of linear complementarity problems:
-Josephy 1979). The error of a step is squared in the next step.
+Josephy 1979). The error of the next step is about the square of the error of the present one.
 
-If the steps do not converge, friction is brought from a known constant value to mu(p) in smaller
-parts.
+If the steps do not converge, the friction law is changed in several parts, from a constant friction
+coefficient with a known solution to mu(p).
 
 A brake with this friction locks itself if mu(p) is raised by a large enough factor at all pressures
 alike. The solution is followed as the factor grows from 1, in steps over which the contact force
-grows by little. It ends where the pressures grow without bound, or where two solutions meet.
+grows by little. The path ends where the pressures grow without bound, or where two solutions meet.
 """
 
 from collections.abc import Callable
@@ -82,8 +85,8 @@ class FrictionFactorLimit(NamedTuple):
     Attributes
     ----------
     factor : the factor; inf if the search found no limit
-    pressure_stays_finite : whether two solutions meet at the limit at finite pressures; otherwise
-        the pressures grow without bound
+    pressure_stays_finite : whether two solutions meet at the limit at finite pressures; False if
+        the pressures grow without bound, or if there is no limit
     """
 
     factor: float
@@ -101,7 +104,7 @@ def find_largest_friction_factor_with_equilibrium(
 
     Parameters
     ----------
-    problem : the contact problem at every friction coefficient
+    problem : the contact problem as a linear function of the friction coefficient
     friction : function that returns the friction at nodal pressures, for the factor 1
     start : solution at the factor 1
     largest_factor : factor at which the search ends without a limit
@@ -117,8 +120,8 @@ def find_largest_friction_factor_with_equilibrium(
             continue
         step = 0.5 * (target - factor)
         if step < TEST_DISTANCE_BELOW_SINGULAR_FRICTION * factor:
-            # Beyond the last pressure of its table friction is constant. If the pressures grow
-            # without bound, all of them end there.
+            # Beyond the last pressure of the friction table the coefficient is constant. If the
+            # pressures grow without bound, all of them lie there, and the slopes are 0.
             slopes = friction(found.p).slope[found.active]
             return FrictionFactorLimit(factor, bool(slopes.any()))
     return FrictionFactorLimit(np.inf, False)
@@ -131,9 +134,10 @@ def is_equilibrium_certain_up_to_friction_factor(
     factor: float,
     areas: Floats,
 ) -> bool:
-    """Whether there certainly is an equilibrium up to a factor on friction, by one single step.
+    """Whether a single step of the factor on friction proves an equilibrium up to `factor`.
 
-    The contact force must grow by little from the factor 1 on. The parameters are those of
+    The result is True if the solution at `factor` is stable and the contact force grows by at most
+    LARGEST_CONTACT_FORCE_GROWTH_PER_STEP from the factor 1 on. The other parameters are those of
     `find_largest_friction_factor_with_equilibrium`.
     """
     return (
@@ -154,7 +158,7 @@ def _continued_to_friction_factor_or_none(
     """
 
     def raised_friction(p: Floats) -> NodalFrictionAndSlope:
-        """The friction at pressures p, raised by the factor."""
+        """The friction of the nodes at pressures p, times the factor."""
         whole = friction(p)
         return NodalFrictionAndSlope(factor * whole.coefficient, factor * whole.slope)
 
@@ -174,9 +178,10 @@ def solve_stick_slip_increment_with_pressure_dependent_friction(
 ) -> StickSlipIncrementSolution:
     """Solve a load increment of contact that sticks and slips, whose friction depends on pressure.
 
-    A node that slips has the friction stress of the tangent of mu(p) p at the last pressures. The
-    tangent's stress at the pressure 0 is taken out of the unknown traction. A node that sticks is
-    bounded by the friction coefficient at the last pressures, and so is a node whose tangent falls.
+    Each step of Newton's method replaces the friction stress mu(p) p of a slipping node by its
+    tangent at the last pressures. The unknown traction is then counted from the tangent's stress at
+    the pressure 0. For a sticking node, and for a node whose tangent falls with the pressure, the
+    largest traction is the pressure times the friction coefficient at the last pressures.
 
     Parameters
     ----------
@@ -230,10 +235,10 @@ def solve_contact_with_pressure_dependent_friction(
 
     Parameters
     ----------
-    problem : the contact problem at every friction coefficient
+    problem : the contact problem as a linear function of the friction coefficient
     friction : function that returns the friction at nodal pressures
     start : solution with the friction coefficients `base`
-    base : (n,) friction coefficients of the nodes that do not depend on the pressure
+    base : constant friction coefficients (n,) of the nodes, independent of the pressure
 
     Raises
     ------
@@ -296,7 +301,7 @@ def contact_problem_with_friction_tangent(
     """The contact problem in which tau(p) = mu(p) p is replaced by its tangent at pressures p."""
     A, q, B, C, h = problem.frictionless
     tangent = friction.coefficient + friction.slope * p
-    # At the pressure 0 the tangent has this stress. It acts as a constant load.
+    # `constant` is the friction stress of the tangent at the pressure 0, a constant load.
     constant = -friction.slope * p**2
     return ContactProblem(
         A + problem.A_per_friction * tangent,

@@ -4,13 +4,13 @@ In full slip the matrices of the contact problem grow linearly with the friction
 
     A(mu) = A0 + mu A1,   C(mu) = C0 + mu C1.
 
-On a contact set pressures and rigid-body motions solve K(mu) x = r with the bordered matrix K =
-[[A, B], [C, 0]]. They grow without bound as mu approaches a value at which K0 + mu K1 is singular.
-Such a value is an eigenvalue of the matrix pencil (K0, -K1); the smallest one above the present mu
-counts. The contact set changes as mu grows, and so does this eigenvalue. The solution is therefore
-followed from mu = 0. The limit mu_lock is the eigenvalue of a contact set that holds right up to
-the eigenvalue. Such a limit does not depend on force or clearance, which are negligible beside
-pressures that grow without bound.
+On a contact set the pressures and rigid-body motions x solve K(mu) x = r. Here K = K0 + mu K1 is
+the bordered matrix [[A, B], [C, 0]], and r holds gaps and loads. The pressures grow without bound
+as mu approaches a value at which K is singular. Such a value is an eigenvalue of the matrix pencil
+(K0, -K1); the smallest one above the present mu counts. The contact set changes as mu grows, and so
+does this eigenvalue. The solution is therefore followed from mu = 0. The limit mu_lock is the
+eigenvalue of a contact set that holds right up to the eigenvalue. Such a limit does not depend on
+force or clearance, which are negligible beside pressures that grow without bound.
 
 The path of solutions over mu may also end where it turns back: at a change of the contact set
 beyond which the determinant has the other sign. Beyond such an end there may be other solutions, to
@@ -47,10 +47,11 @@ LARGEST_STEP_OF_GROWING_FRICTION = 0.05
 """Largest step of the friction coefficient mu while mu grows from 0 up to self-locking.
 
 The contact is solved after each step. Above mu = 1 the step is relative to mu. The step affects the
-computing time, not the result: a step over which the contact set changes is halved until the
-contact force grows by less than LARGEST_CONTACT_FORCE_GROWTH_PER_STEP, and while the contact set
-stays, the determinant shows the limit. On 30 brakes the number of factorisations is 1.07 times as
-large with a step of 0.025, the same with a step of 0.1, and 1.1 times as large with a step of 0.4.
+computing time, not the result. A step over which the contact set changes is halved until the
+contact force grows by less than LARGEST_CONTACT_FORCE_GROWTH_PER_STEP. While the contact set stays
+the same, the limit is the mu at which the matrix of its equations is singular. On 30 brakes the
+number of factorisations is 1.07 times as large with a step of 0.025, the same with a step of 0.1,
+and 1.1 times as large with a step of 0.4.
 """
 
 TEST_DISTANCE_BELOW_SINGULAR_FRICTION = 1e-8
@@ -168,7 +169,7 @@ def find_largest_friction_with_equilibrium(
 
     Parameters
     ----------
-    problem : the contact problem at every friction coefficient
+    problem : the contact problem as a linear function of the friction coefficient
     largest_friction : friction coefficient at which the search ends without a limit
     known_answer : a friction coefficient and its solution, from which the search starts in place of
         mu = 0
@@ -220,7 +221,7 @@ def stable_contact_continued_to_higher_friction_or_none(
 
     Parameters
     ----------
-    problem : the contact problem at every friction coefficient
+    problem : the contact problem as a linear function of the friction coefficient
     friction : the higher friction coefficient mu
     before : solution at the lower friction
     areas : areas (n,) of the nodes [m^2]
@@ -262,7 +263,7 @@ def _does_solution_continue_at_higher_friction(
 ) -> bool:
     """Whether a solution continues the solution at the last, smaller friction coefficient.
 
-    It does if the same nodes touch, or if the contact force grows by at most
+    The solution continues if the same nodes touch, or if the contact force grows by at most
     LARGEST_CONTACT_FORCE_GROWTH_PER_STEP.
     """
     return np.array_equal(after.active, before.active) or _is_growth_of_contact_force_small(
@@ -325,14 +326,15 @@ def solve_contact_reached_from_zero_friction(
     rigid_law_limit: float,
     brake_words: str,
 ) -> ContactSolution:
-    """Find the contact at a friction coefficient that friction growing from mu = 0 leads to.
+    """Find the contact that is reached as friction grows from 0 to a friction coefficient.
 
     The contact problem is first solved directly at this friction. The solution is taken if it is
     stable, if the friction is below the limit of the rigid shoe, and if the contact force grows by
     at most LARGEST_CONTACT_FORCE_GROWTH_PER_STEP from half of the friction on. Up to half of
-    mu_lock all of this holds. Otherwise the solution is followed in small steps of friction, from
-    half of the friction if the solution there is certain. Other stable solutions do not count: near
-    the limit and beyond it some exist that no friction growing from 0 reaches. Above
+    mu_lock all three conditions hold. If one of them does not hold, the solution is followed in
+    small steps of friction, from mu = 0 or, if the solution at half of the friction is certain,
+    from there. Other stable solutions do not count: near mu_lock and beyond it there are stable
+    solutions that friction never reaches as it grows from 0. Above
     NODES_ABOVE_WHICH_FRICTION_PATH_IS_COARSE nodes the solution on every other node is followed, at
     a fraction of the cost.
 

@@ -9,8 +9,9 @@ ds = s - s_0 and the traction by dt = t - t_0 since the last converged increment
                                             where it slips
     C_p p + C_t t = h
 
-Here w (n,) are the weighted gaps and s (n,) the slips of the drum against the lining. Q (n, n) is
-the compliance of a tangential penalty, or zero.
+Here w (n,) are the weighted gaps and s (n,) the weighted slips of the drum against the lining: the
+integrals of gap or slip times each node's shape function. Q (n, n) is the compliance of a
+tangential penalty, or zero.
 
 A node has one of four states: open, stick, slip forward and slip backward. The contact law of the
 node is linear in each state. Two conditions limit each state, and a node that violates one of them
@@ -20,6 +21,8 @@ changes to another state:
     forward:   t = +mu p,   p > 0, otherwise it opens;  slip > 0, otherwise it sticks
     backward:  t = -mu p,   p > 0, otherwise it opens;  slip < 0, otherwise it sticks
     stick:     slip = 0,    |t| < mu p, otherwise it slips, forward or backward by the sign of t
+
+In a step of Newton's method an open node that closes may also stick at once.
 
 An increment is therefore one piecewise linear equation (Klarbring 1986; Alart & Curnier 1991).
 Newton's method solves this equation; in each step all nodes that violate a condition change their
@@ -75,7 +78,7 @@ class StickSlipProblem(NamedTuple):
     """The equations of a load increment of contact that sticks and slips.
 
     The n nodes have pressures p and tangential tractions t. The shoes have k rigid-body modes. The
-    equations themselves stand in the docstring of the module.
+    equations are those at the beginning of this module.
 
     Attributes
     ----------
@@ -85,7 +88,7 @@ class StickSlipProblem(NamedTuple):
         (n, k)
     C_p, C_t : generalised forces (k, n) in the equilibria, per pressure and per traction
     q_w, q_s : weighted gaps and slips (n,) without pressures, tractions and motions
-    h : generalised forces (k,) of the actuation
+    h : (k,), minus the generalised forces of the loads: C_p p + C_t t = h is the equilibrium
     Q : compliance (n, n) of the tangential penalty, or zero
     """
 
@@ -315,9 +318,9 @@ NEXT_STATE_BY_STATE_AND_VIOLATED_CONDITION = np.array(
 """The next state of a contact node (4, 2), by its present state and the violated condition.
 
 Each state has two conditions, which are in the order of
-`_IncrementEquationsForGivenStates.distances_of_nodes_from_their_two_state_changes`. An open node
-that closes becomes FORWARD or BACKWARD by the sign of its slip. The table has FORWARD alone, and
-the code that uses the table corrects it.
+`_IncrementEquationsForGivenStates.distances_of_nodes_from_their_two_state_changes`. For an
+open node that closes, the table has FORWARD alone. The code that uses the table corrects this entry
+to BACKWARD by the sign of the slip, or in a step of Newton's method to STICK if the slip is small.
 """
 
 
@@ -343,10 +346,11 @@ def _find_stick_slip_states_by_slowed_newton(
 ) -> _StickSlipStatesAndSolutionOfIncrement:
     """Find the states of the nodes by Newton's method, made slow enough not to go in circles.
 
-    While the wrong states do not get fewer, only the node of the highest number changes its state
-    in a step (block principal pivoting, Judice and Pires 1994, Computers and Operations Research
-    21, page 587, with the single changes of Murty). Shoes on anchors need this: where all nodes
-    change at once, they may all slip, and the shoes turn with the drum until an anchor stops them.
+    While the number of wrong states does not fall, only the wrong node with the highest number
+    changes its state in a step (block principal pivoting, Judice and Pires 1994, Computers and
+    Operations Research 21, page 587, with the single changes of Murty). Shoes on anchors need this:
+    where all nodes change at once, they may all slip, and the shoes turn with the drum until an
+    anchor stops them.
     """
     state, fewest = start, 3 * len(start)
     for step in range(1, MAX_STICK_SLIP_CHANGES_PER_NODE * len(start) + 1):
@@ -461,7 +465,7 @@ def _find_stick_slip_states_from_widened_gaps(
             raise NoAnswer("no equilibrium: contact pressure cannot balance the actuation anywhere")
         turn = np.maximum(np.abs(system.B[:n, mode]), np.finfo(float).tiny)
         first = int(np.where(bearing, system.q[:n] / turn, np.inf).argmin())
-        # The node slips in the sense in which its friction does not lock the mode.
+        # The node slips in the sense in which its friction helps to balance the load on the mode.
         helps = system.C[mode, n + first] * load >= 0
         state[first] = FORWARD if helps else BACKWARD
     return _follow_stick_slip_states_to_true_load(system, state, from_wide_gaps=True)
@@ -493,7 +497,7 @@ def _follow_stick_slip_states_to_true_load(
     a margin. With `from_wide_gaps` the gap of each open node is widened by such a margin. Between
     two changes of state the solution is linear in r. One node changes at a time. The path may turn,
     so that r grows again. Returns the states at r = 0 with their solution. Raises NoAnswer if the
-    path goes on for ever.
+    path does not reach r = 0 within MAX_STICK_SLIP_CHANGES_PER_NODE changes per node.
     """
     state, r, direction, node, edge = state.copy(), 1.0, -1.0, -1, 0
     equations = _IncrementEquationsForGivenStates(system, state)
@@ -508,7 +512,7 @@ def _follow_stick_slip_states_to_true_load(
         value = equations.distances_of_nodes_from_their_two_state_changes(point)
         change = equations.distances_of_nodes_from_their_two_state_changes(slope)
         # The node that has changed last is exactly at a limit of its new state, and its distance
-        # from this limit must grow. This tells whether r grows or falls.
+        # from this limit must grow. The sign of this growth tells whether r grows or falls.
         if node >= 0:
             direction = float(np.sign(change[edge, node]))
         met = _next_stick_slip_state_change_on_path(value, change, r, direction)
