@@ -422,4 +422,4 @@ def text_lines_on_errors_of_pressure_table(
             f"{effect} of its points {verdict.torque:.7g} {unit}"
         )
     is_within = "within" if are_verdicts_within_tolerance(verdicts, tolerance) else "NOT within"
-    return [*text, f"{is_within} {tolerance:.3g} of the reference"]
+    return [*text, f"{is_within} {number_as_text(100 * tolerance, '.3g')} % of the reference"]
