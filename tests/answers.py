@@ -24,8 +24,13 @@ from typer.testing import CliRunner
 
 from drumlin.brake.writing import brake_file_text
 from drumlin.cli.commands import app
-from drumlin_studies.random_brake import SHAPE_KINDS, draw_random_brake
-from drumlin_studies.random_kinds import HOLDING_KINDS as KINDS_OF_HOLDING
+from drumlin_studies.random_brake import (
+    FUNCTIONS_THAT_DRAW_BRAKE_DATA_BY_SHAPE_KIND,
+    draw_random_brake,
+)
+from drumlin_studies.random_kinds import (
+    FUNCTIONS_THAT_DRAW_BRAKE_DATA_BY_SUPPORT_KIND as KINDS_OF_HOLDING,
+)
 from drumlin_studies.random_kinds import draw_random_brake_of_support_kind
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -75,12 +80,12 @@ def brake_files(folder: Path, count: int) -> Iterator[Path]:
     ]:
         if "[[shoe]]" in path.read_text(encoding="utf-8"):
             yield path
-    kinds = [*SHAPE_KINDS, *KINDS_OF_HOLDING]
+    kinds = [*FUNCTIONS_THAT_DRAW_BRAKE_DATA_BY_SHAPE_KIND, *KINDS_OF_HOLDING]
     for seed in range(SEED, SEED + count):
         kind = kinds[seed % len(kinds)]
         brake = (
             draw_random_brake(seed, kind)
-            if kind in SHAPE_KINDS
+            if kind in FUNCTIONS_THAT_DRAW_BRAKE_DATA_BY_SHAPE_KIND
             else draw_random_brake_of_support_kind(seed, kind)
         )
         path = folder / f"random_{seed}_{kind.replace(' ', '_')}.toml"

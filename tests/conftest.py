@@ -17,9 +17,9 @@ from hypothesis import settings
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import read_brake
 from drumlin.contact import self_locking
-from drumlin.contact.active_set import Contact
+from drumlin.contact.active_set import ContactSolution
 from drumlin.contact.equations import ContactProblem
-from drumlin.studies import import_study_and_find_its_folder
+from drumlin.studies import import_study_and_find_folder_above_studies
 
 # A job in the background ignores these signals, and the processes that it starts would, too.
 for number in (signal.SIGINT, signal.SIGHUP):
@@ -63,7 +63,7 @@ def root() -> Path:
 @pytest.fixture(scope="module")
 def module(request: pytest.FixtureRequest) -> Any:
     """The module of the study that a test module names in STUDY_NAME."""
-    return import_study_and_find_its_folder(request.module.STUDY_NAME)[0]
+    return import_study_and_find_folder_above_studies(request.module.STUDY_NAME)[0]
 
 
 @pytest.fixture(scope="module")
@@ -77,7 +77,7 @@ def settled_sizes(monkeypatch: pytest.MonkeyPatch) -> list[int]:
     sizes: list[int] = []
     settle = self_locking.solve_contact_by_block_pivoting
 
-    def counted(problem: ContactProblem, *rest: Any, **more: Any) -> Contact:
+    def counted(problem: ContactProblem, *rest: Any, **more: Any) -> ContactSolution:
         sizes.append(len(problem.q))
         return settle(problem, *rest, **more)
 
@@ -168,5 +168,5 @@ def no_law_of_a_test_stays():
     """Laws that a test registers, as the example of `drumlin.law` does, end with the test."""
     yield
     models = sys.modules.get("drumlin.models")
-    for name in set(models.MODELS) - models.BUILT_IN_MODELS if models else ():
+    for name in set(models.MODELS) - models.NAMES_OF_BUILT_IN_MODELS if models else ():
         del models.MODELS[name]

@@ -14,6 +14,14 @@ BODY = {"thickness": 0.012, "width": 0.04, "start": -1.1, "end": 1.1, "material"
 FORCE = {"force": 150.0, "direction": 2.9, "point": {"x": 0.05, "y": 0.05}}
 SUPPORTS: dict[str, dict[str, Any]] = KINDS | {"hinge": {"hinge": {"x": 0.03, "y": -0.085}}}
 
+PULL = {
+    "shoe": "right",
+    "to": "left",
+    "point": {"x": 0.05, "y": 0.03},
+    "end": {"x": -0.05, "y": 0.03},
+    "preload": 100.0,
+}
+
 
 def brake_with(
     kind: str = "hinge", spin: int = 1, mu: float = 0.3, brake: Any = None, **shoe: Any

@@ -51,7 +51,7 @@ class Shoe(NamedTuple):
 def shoe(brake: Brake, index: int, elements: int) -> Shoe:
     """A shoe with an arc body. `spring` is the stiffness E b/t of the lining per area [N/m^3]."""
     spec = brake.shoes[index]
-    R, side = brake.size, spec.sign
+    R, side = brake.size, spec.sign_internal_plus_external_minus
     lining, body = spec.lining, spec.body
     assert body is not None
     step = (lining.end - lining.start) / elements

@@ -1,11 +1,13 @@
 """Ways to end a command that the fuzzing tests must count as faults, with the inputs given."""
 
-from drumlin_studies.fuzzing.endings import Ending
-from drumlin_studies.fuzzing.inputs import BrokenInput
+from drumlin_studies.fuzzing.endings import EndOfCommandLineRun
+from drumlin_studies.fuzzing.inputs import FilesAndCommandLineOfBrokenInput
 
-GIVEN = BrokenInput("x", {"b.toml": b"title"}, ["solve", "b.toml"])
-GOOD = Ending(0, "torque 3 N m\n", "", {"r.json": b'{"p": 1.0}', "r.csv": b"shoe,p\nleft,1\n"}, 0.1)
-REFUSED = Ending(2, "", "drumlin: friction = 2: must be less\n", {}, 0.1)
+GIVEN = FilesAndCommandLineOfBrokenInput("x", {"b.toml": b"title"}, ["solve", "b.toml"])
+GOOD = EndOfCommandLineRun(
+    0, "torque 3 N m\n", "", {"r.json": b'{"p": 1.0}', "r.csv": b"shoe,p\nleft,1\n"}, 0.1
+)
+REFUSED = EndOfCommandLineRun(2, "", "drumlin: friction = 2: must be less\n", {}, 0.1)
 BAD = {
     "hang": REFUSED._replace(seconds=11.0),
     "traceback": REFUSED._replace(status=1),

@@ -67,7 +67,7 @@ FITTED_WIDTHS = "tests/test_width_calibration.py::test_the_errors_that_were_obse
 
 TUNED: dict[str, dict[str, Guard]] = {
     "fem/error_control/levels.py": {
-        "LEVEL_RULE": Guard("both", (TRUTHS,)),
+        "RULE_OF_DEGREE_AND_GRADING": Guard("both", (TRUTHS,)),
     },
     "fem/width/factors.json": {
         "section_pressure": Guard(
@@ -82,13 +82,13 @@ TUNED: dict[str, dict[str, Guard]] = {
         "force": Guard("down", (FITTED_WIDTHS,)),
     },
     "fem/error_control/adapt.py": {
-        "PEAK_NEAR_END": Guard(
+        "LARGEST_PRESSURE_AT_LINING_END_OVER_PEAK": Guard(
             "up",
             (f"{STATED}::test_a_peak_that_finer_columns_may_find_at_an_end_is_unknown_before",),
         ),
     },
     "fem/error_control/degrees.py": dict.fromkeys(
-        ("DEGREE_FACTORS", "SHAPE_FACTORS"),
+        ("SAFETY_FACTORS_OF_MESH_FILES", "FACTORS_FROM_SHAPE_CHANGE_TO_MESH_SHAPE_ERROR"),
         Guard(
             "down",
             (
@@ -98,14 +98,14 @@ TUNED: dict[str, dict[str, Guard]] = {
         ),
     )
     | {
-        "FORMER_SHARE": Guard(
+        "SHARE_OF_EARLIER_LEVEL_DIFFERENCE": Guard(
             "down",
             (
                 "tests/test_mesh_degrees.py::test_a_uniform_mesh_of_large_elements_meets_a_tolerance",
             ),
             slow=True,
         ),
-        "ROUNDING_FACTORS": Guard(
+        "ERROR_PER_ROUNDING_OVER_LINING_THICKNESS": Guard(
             "down",
             (
                 "tests/test_mesh_degrees.py::test_rounded_coordinates_change_a_response_by_less_than_stated",
@@ -114,12 +114,12 @@ TUNED: dict[str, dict[str, Guard]] = {
         ),
     },
     "fem/error_control/estimate.py": {
-        "SOFTER": Guard(
+        "SAFETY_FACTOR_OF_PENALTY_ERROR": Guard(
             "down", (f"{STATED}::test_what_a_soft_contact_changes_of_a_post_is_stated_too",)
         ),
     },
     "fem/error_control/first_level.py": {
-        "SAMPLE_SAFETY": Guard(
+        "SAFETY_FACTOR_OF_LARGEST_ERROR_IN_SAMPLE": Guard(
             "down",
             (
                 "tests/test_sweep_sample.py"
@@ -139,29 +139,29 @@ TUNED: dict[str, dict[str, Guard]] = {
         )
     },
     "fem/hp/division.py": {
-        "UNRESOLVED_LENGTH": Guard("up", (TRUTHS,)),
-        "CORNER_COLUMN": Guard("both", (POWER_OF_CORNER,)),
+        "UNRESOLVED_LENGTH_OVER_CONTACT_LENGTH": Guard("up", (TRUTHS,)),
+        "ELEMENT_SIZE_AT_UNBOUNDED_CORNER": Guard("both", (POWER_OF_CORNER,)),
     },
     "fem/hp/ring.py": {
-        "RING_ERROR": Guard(
+        "RING_ERROR_OVER_LINING_ERROR": Guard(
             "up",
             ("tests/test_ring.py::test_the_wide_columns_of_a_ring_change_p_less_than_its_error",),
         )
     },
     "fem/hp/corner.py": {
-        "POWER_LAW_PART": Guard("down", (POWER_OF_CORNER,)),
-        "PIECE_RATIO": Guard(
+        "POWER_LAW_FRACTION_OF_CONTACT": Guard("down", (POWER_OF_CORNER,)),
+        "RATIO_OF_NEIGHBOURING_PRESSURE_PIECES": Guard(
             "down",
             (f"{CORNER}::test_p_between_the_nodes_near_a_corner_is_its_power_to_a_ten_thousandth",),
         ),
     },
     "fem/error_control/singular_points.py": {
-        "NEGLIGIBLE_KINKS": Guard(
+        "NEGLIGIBLE_PRESSURE_ERROR_DUE_TO_GAP_KINKS": Guard(
             "down", (f"{ON_COLUMNS}::test_a_table_of_many_clearances_is_a_curve",)
         ),
     },
     "fem/preparation/load_places.py": {
-        "SPREAD": Guard(
+        "FORCE_SPREAD_RELATIVE_TO_BODY_THICKNESS": Guard(
             "either",
             (
                 "tests/test_further_loads.py::test_elastic_shoes_stretch_their_spring_by_their_motion",
@@ -170,18 +170,22 @@ TUNED: dict[str, dict[str, Guard]] = {
         ),
     },
     "fem/preparation/meshes.py": {
-        "ELEMENTS": Guard("down", ("tests/test_mesh.py::test_a_mesh_is_as_exact_as_is_said",)),
+        "DEFAULT_ELEMENTS_ALONG_LINING": Guard(
+            "down", ("tests/test_mesh.py::test_a_mesh_is_as_exact_as_is_said",)
+        ),
     },
     "fem/analysis/holding.py": {
-        "MOST_HALVINGS": Guard(
+        "MAX_HALVINGS_OF_ROTATION_INCREMENT": Guard(
             "down", ("tests/test_holding.py::test_an_increment_that_does_not_settle_is_halved",)
         ),
-        "EXTRA_ROTATION": Guard(
+        "MARGIN_OF_FULL_SLIP_ROTATION": Guard(
             "down", ("tests/test_holding.py::test_at_the_rotation_of_full_slip_no_path_sticks",)
         ),
     },
     "fem/mesh/grading.py": {
-        "EDGE_SIZE": Guard("up", ("tests/test_mesh.py::test_a_mesh_is_as_exact_as_is_said",)),
+        "RELATIVE_SIZE_OF_LINING_END_ELEMENT": Guard(
+            "up", ("tests/test_mesh.py::test_a_mesh_is_as_exact_as_is_said",)
+        ),
     },
 }
 """Constants that were found by trying, by their module in src/drumlin. The objects of a .json file,
@@ -396,7 +400,10 @@ def main(*wanted: str) -> int:
             for change, by in tried(module, name):
                 noticed[change.name, change.side] = by
                 unsafe = "unsafe" if guard.unsafe_at(change.side) else "safe"
-                said = f"{module}  {change.name}  {change.side} ({unsafe}): {change.now}  {by or 'NOT NOTICED'}"
+                said = (
+                    f"{module}  {change.name}  {change.side} ({unsafe}): {change.now}  "
+                    f"{by or 'NOT NOTICED'}"
+                )
                 sys.stdout.write(f"{said}\n")
                 sys.stdout.flush()
             open_ += [f"{module} {line}" for line in unguarded(guard, noticed)]

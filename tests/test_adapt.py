@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from drumlin import BadInput, NoAnswer, vary
-from drumlin.fem.error_control.levels import LEVELS
+from drumlin.fem.error_control.levels import REFINEMENT_LEVELS_FROM_COARSE_TO_FINE
 from drumlin.fem.solve import solve
 from drumlin.response.norms import relative_distance_of_pressures
 from drumlin.verification.reference import solve_brake_for_reference_values
@@ -24,7 +24,7 @@ CLEARANCE = {"shoe.lining.clearance": 1e-4}
 def contact_ends(brake, response):
     """Angles [rad] of the ends of contact inside the linings, each in the frame of its shoe."""
     phi = [
-        float(shoe.frame.phi(end))
+        float(shoe.frame.phi_of_surface_coordinates(end))
         for shoe, answer in zip(brake.shoes, response.shoes, strict=True)
         for arc in answer.contact_arcs
         for end in arc
@@ -153,7 +153,10 @@ def test_a_tolerance_that_cannot_be_met_is_refused_with_what_was_reached(brake, 
         NoAnswer,
         match=r"tolerance 1e-12 not reached on 3 meshes .* error of p [0-9.e-]+ %, of the torque",
     ):
-        monkeypatch.setattr("drumlin.fem.error_control.levels.LEVELS", LEVELS[:3])
+        monkeypatch.setattr(
+            "drumlin.fem.error_control.levels.REFINEMENT_LEVELS_FROM_COARSE_TO_FINE",
+            REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[:3],
+        )
         solve(brake, tolerance=1e-12)
 
 

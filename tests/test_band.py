@@ -9,7 +9,7 @@ import pytest
 
 import drumlin
 from drumlin import BadInput, Brake
-from drumlin.brake import read_any, vary
+from drumlin.brake import read_drum_or_plane_brake, vary
 from drumlin.brake.file import make_drum_brake_from_data
 from drumlin.fem.analysis.holding import (
     find_drum_rotation_of_full_slip,
@@ -152,7 +152,7 @@ def test_slopes_and_full_slip_of_a_chain() -> None:
 
 
 def test_the_file_wears_in_to_its_law(root: Path) -> None:
-    brake = read_any(root / "studies/brakes/band.toml")
+    brake = read_drum_or_plane_brake(root / "studies/brakes/band.toml")
     worn = drumlin.solve(brake, worn_in=True)
     assert worn.torque == pytest.approx(solve_brake_by_its_rigid_shoe_law(brake).torque, rel=1e-4)
     anchor, pull = np.linalg.norm(worn.shoes[-1].hinge_reaction), 2000.0

@@ -6,11 +6,11 @@ import math
 import pytest
 
 from conftest import ROOT
-from drumlin.studies import import_study_and_find_its_folder
+from drumlin.studies import import_study_and_find_folder_above_studies
 from drumlin_studies import benchmarks
 from picking import picked
 
-import_study_and_find_its_folder("manual")
+import_study_and_find_folder_above_studies("manual")
 
 from studies.manual import history  # noqa: E402
 
@@ -19,8 +19,8 @@ from studies.manual import history  # noqa: E402
 def measured():
     """A measurement of the run time of one brake with few repeats."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(benchmarks, "TIMED_SOLVES", ("double_shoe",))
-        patch.setattr(benchmarks, "COUNTED_BRAKES", ("double_shoe",))
+        patch.setattr(benchmarks, "EXAMPLES_WITH_TIMED_DEFAULT_SOLVE", ("double_shoe",))
+        patch.setattr(benchmarks, "EXAMPLES_WITH_COUNTED_UNKNOWNS_AND_ITERATIONS", ("double_shoe",))
         return benchmarks.measure_all_benchmarks(repeats=1)
 
 

@@ -10,17 +10,20 @@ import pytest
 import blocks
 from drumlin import Brake, NoAnswer, Response, solve, vary
 from drumlin.fem.error_control import levels
-from drumlin.fem.error_control.adapt import DEFAULT_TOLERANCE
-from drumlin.fem.error_control.levels import LEVELS, solve_brake_on_finer_and_finer_mesh_levels
+from drumlin.fem.error_control.adapt import DEFAULT_TOLERANCES_OF_PRESSURE_AND_TORQUE
+from drumlin.fem.error_control.levels import (
+    REFINEMENT_LEVELS_FROM_COARSE_TO_FINE,
+    solve_brake_on_finer_and_finer_mesh_levels,
+)
 from drumlin.fem.error_control.singular_points import (
     pressure_change_norms_due_to_kinks_of_gap,
     singular_points_of_each_shoe_shape,
 )
-from drumlin.fem.hp.division import Singularity, SingularPoint, divide_shoe_into_hp_elements
+from drumlin.fem.hp.division import KindOfSingularPoint, SingularPoint, divide_shoe_into_hp_elements
 from drumlin.fem.model import solve_prepared_model
 from drumlin_studies.consistency_blocks import (
-    BLOCK_KINDS,
     FEWEST_BLOCK_STEPS,
+    KINDS_OF_RANDOM_BRAKES_WITH_BLOCKS,
     MOST_BLOCK_STEPS,
     draw_random_brake_with_blocks,
     rows_comparing_stated_with_true_errors_of_block_linings,
@@ -46,8 +49,8 @@ def test_a_lining_of_many_blocks_reaches_the_tolerance_and_says_its_error(steps:
     assert stated is not None
     error = off(response.shoes[0].pressure_at(blocks.angles_of(brake)), np.array(true["pressure"]))
     assert error <= stated["pressure"] + true["moved"]
-    assert stated["pressure"] <= DEFAULT_TOLERANCE.pressure
-    assert stated["torque"] <= DEFAULT_TOLERANCE.torque
+    assert stated["pressure"] <= DEFAULT_TOLERANCES_OF_PRESSURE_AND_TORQUE.pressure
+    assert stated["torque"] <= DEFAULT_TOLERANCES_OF_PRESSURE_AND_TORQUE.torque
     assert abs(response.torque / true["torque"] - 1) <= stated["torque"]
     assert len(response.shoes[0].theta) < 1000
 
@@ -62,22 +65,23 @@ def test_columns_at_steps_shrink_with_the_levels_where_the_lining_presses_and_no
     """
     brake = blocks.brake_of(12)
     shoe, R = brake.shoes[0], brake.size
-    (start, end), step = shoe.arc, shoe.lining.step
+    (start, end), step = shoe.arc, shoe.lining.length_of_step_between_blocks
     middle = 0.5 * (start + end)
     counts = {}
-    for kind in (Singularity.STEP, Singularity.OPEN_STEP):
+    for kind in (KindOfSingularPoint.STEP, KindOfSingularPoint.OPEN_STEP):
         places = [SingularPoint(middle + side * step / 2, step, kind) for side in (-1, 1)]
         angles = [
-            divide_shoe_into_hp_elements(shoe, R, level, places).angles for level in LEVELS[:4]
+            divide_shoe_into_hp_elements(shoe, R, level, places).angles
+            for level in REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[:4]
         ]
         for own in angles:
             for point in places:
-                assert np.abs(own - point.at).min() < 1e-12
+                assert np.abs(own - point.position).min() < 1e-12
         counts[kind] = [np.count_nonzero(np.abs(own - middle) < 0.49 * step) for own in angles]
-    assert set(counts[Singularity.OPEN_STEP]) == {1}
+    assert set(counts[KindOfSingularPoint.OPEN_STEP]) == {1}
     assert (
-        counts[Singularity.STEP] == sorted(counts[Singularity.STEP])
-        and counts[Singularity.STEP][-1] > counts[Singularity.STEP][0]
+        counts[KindOfSingularPoint.STEP] == sorted(counts[KindOfSingularPoint.STEP])
+        and counts[KindOfSingularPoint.STEP][-1] > counts[KindOfSingularPoint.STEP][0]
     )
 
 
@@ -90,12 +94,12 @@ def test_an_end_of_the_contact_beside_a_step_ends_a_column() -> None:
     """
     brake = blocks.brake_of(12)
     shoe, R = brake.shoes[0], brake.size
-    step, middle = shoe.lining.step, 0.5 * sum(shoe.arc)
-    for level in LEVELS[1:]:
+    step, middle = shoe.lining.length_of_step_between_blocks, 0.5 * sum(shoe.arc)
+    for level in REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[1:]:
         contact = middle + 0.1 * step
         places = [
-            SingularPoint(middle, step, Singularity.STEP),
-            SingularPoint(contact, contact - shoe.arc[0], Singularity.END),
+            SingularPoint(middle, step, KindOfSingularPoint.STEP),
+            SingularPoint(contact, contact - shoe.arc[0], KindOfSingularPoint.END),
         ]
         angles = divide_shoe_into_hp_elements(shoe, R, level, places).angles
         assert np.abs(angles - contact).min() < 0.06 * step
@@ -112,7 +116,9 @@ def curved(brake: Brake, rows: int) -> Brake:
 def solved(brake: Brake, monkeypatch: pytest.MonkeyPatch) -> tuple[Response, Response]:
     """The default response, and the one on the second level with an element end at every kink."""
     found = solve(brake)
-    monkeypatch.setattr("drumlin.fem.error_control.singular_points.NEGLIGIBLE_KINKS", 0.0)
+    monkeypatch.setattr(
+        "drumlin.fem.error_control.singular_points.NEGLIGIBLE_PRESSURE_ERROR_DUE_TO_GAP_KINKS", 0.0
+    )
     (*_, true) = islice(solve_brake_on_finer_and_finer_mesh_levels(brake, solve_prepared_model), 2)
     return found, true.response
 
@@ -132,7 +138,7 @@ def test_the_chords_of_a_table_are_seen_where_they_matter(monkeypatch: pytest.Mo
     assert (
         off(a.pressure_at(theta), b.pressure_at(theta))
         < a.error["pressure"]
-        < DEFAULT_TOLERANCE.pressure
+        < DEFAULT_TOLERANCES_OF_PRESSURE_AND_TORQUE.pressure
     )
     assert abs(a.peak_pressure / b.peak_pressure - 1) < a.error["peak"]
 
@@ -173,7 +179,7 @@ def test_kinks_that_p_does_not_feel_are_no_places(brake: Brake) -> None:
     assert len(response.shoes[0].theta) < 3 * len(solve(brake).shoes[0].theta)
     kinks = [
         sum(
-            point.kind == Singularity.KINK
+            point.kind == KindOfSingularPoint.KINK
             for point in singular_points_of_each_shoe_shape(many, response, error=error)[0]
         )
         for error in (1e-2, 1e-6, 0.0)
@@ -188,8 +194,10 @@ def test_ends_of_the_contact_that_go_to_and_fro_are_left(
 
     A third mesh would have the same elements as the first.
     """
-    last = SingularPoint(1.2, 1.0, Singularity.END)
-    turns = [{0: [SingularPoint(first, 1.0, Singularity.END), last]} for first in (0.2, 0.3)]
+    last = SingularPoint(1.2, 1.0, KindOfSingularPoint.END)
+    turns = [
+        {0: [SingularPoint(first, 1.0, KindOfSingularPoint.END), last]} for first in (0.2, 0.3)
+    ]
     seen: list[Any] = []
 
     def in_turn(*_: Any, **__: Any) -> Any:
@@ -203,11 +211,15 @@ def test_ends_of_the_contact_that_go_to_and_fro_are_left(
         passes.append(scene)
         return solve_prepared_model(scene, brake, start=start)
 
-    list(solve_brake_on_finer_and_finer_mesh_levels(brake, counted, levels=LEVELS[:1]))
+    list(
+        solve_brake_on_finer_and_finer_mesh_levels(
+            brake, counted, levels=REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[:1]
+        )
+    )
     assert len(passes) == 2
 
 
-@pytest.mark.parametrize("seed", (11, len(BLOCK_KINDS) + 1))
+@pytest.mark.parametrize("seed", (11, len(KINDS_OF_RANDOM_BRAKES_WITH_BLOCKS) + 1))
 def test_random_linings_of_blocks_are_those_of_their_seed(seed) -> None:
     brake, other = draw_random_brake_with_blocks(seed), draw_random_brake_with_blocks(seed, 6)
     assert brake == draw_random_brake_with_blocks(seed) and brake.title == other.title

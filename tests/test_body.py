@@ -16,7 +16,7 @@ from drumlin.fem.mesh.arc import parametric_mesh_of_shoe
 from drumlin.fem.mesh.degree import nodal_basis_of_mesh, nodal_basis_of_shoe_mesh
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.substructure.body import (
-    FRAME,
+    DEGREES_OF_FREEDOM_OF_BODY_FRAME,
     condense_body_to_contact_and_hinge_face,
     multi_point_constraints_of_body,
     sparse_stiffness_of_body,
@@ -236,7 +236,7 @@ def test_condensed_displacements_equal_those_of_the_whole_system(brake):
     u[free] = spsolve(K[free][:, free].tocsc(), forces[free])
     scale = np.abs(u).max()
 
-    Y = condensed.inverse_cholesky_factor_times_nodal_forces(
+    Y = condensed.half_flexibility_under_nodal_forces(
         np.column_stack([nodal + condensed.load_on_contact @ factors])
     )
     work = float((Y[:, 0] ** 2).sum())
@@ -245,7 +245,9 @@ def test_condensed_displacements_equal_those_of_the_whole_system(brake):
     reaction = (condensed.L_fc @ Y)[:, 0] - condensed.load_on_frame @ factors
     applied = forces.reshape(-1, 2).sum(axis=0)
     assert reaction[:2] == pytest.approx(-applied, rel=1e-9, abs=1e-9 * np.abs(applied).max())
-    everywhere = condensed.nodal_displacements_in_one_case(nodal, np.zeros(FRAME), factors)
+    everywhere = condensed.nodal_displacements_in_one_case(
+        nodal, np.zeros(DEGREES_OF_FREEDOM_OF_BODY_FRAME), factors
+    )
     assert everywhere.T.ravel() == pytest.approx(u, abs=1e-9 * scale)
 
 

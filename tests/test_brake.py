@@ -248,7 +248,7 @@ def test_the_frame_of_a_shoe_and_back_is_the_identity_and_keeps_lengths(origin, 
     )
     # The ray phi = 0.3 lies at theta = origin + sense 0.3.
     ray = np.array([math.cos(0.3), math.sin(0.3)])
-    theta = float(frame.theta(np.array(0.3)))
+    theta = float(frame.surface_coordinates_of_phi(np.array(0.3)))
     assert frame.convert_vectors_from_shoe_to_brake_frame(ray) == pytest.approx(
         [math.cos(theta), math.sin(theta)], abs=1e-12
     )
@@ -273,7 +273,7 @@ def test_varying_inside_a_table_that_was_given_leaves_that_table_alone(brake):
 
 
 def test_common_units_are_those_of_pint():
-    for si, factors in units.COMMON.items():
+    for si, factors in units.FACTORS_OF_COMMON_UNITS_BY_SI_UNIT.items():
         for unit, factor in factors.items():
             assert factor == pytest.approx(units._si_factor_of_unit_by_pint(unit, si), rel=1e-15)
             assert units.quantity_in_si(f"2 {unit}", si, unit_required=True) == 2 * factor

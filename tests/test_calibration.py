@@ -10,29 +10,29 @@ import pytest
 
 from drumlin.fem.error_control import estimate
 from drumlin.fem.error_control.estimate import (
-    FACTORS,
-    QUANTITIES,
-    Factors,
+    QUANTITIES_WITH_STATED_ERROR,
+    SAFETY_FACTORS_OF_ERROR_ESTIMATE,
+    SafetyFactorsOfErrorEstimate,
     read_safety_factors,
 )
 from drumlin.fem.error_control.levels import solve_brake_on_finer_and_finer_mesh_levels
 from drumlin.fem.model import solve_prepared_model
-from drumlin.studies import import_study_and_find_its_folder
+from drumlin.studies import import_study_and_find_folder_above_studies
 from drumlin_studies.calibration import (
-    STATED_QUANTILE,
-    LevelRecord,
-    Provenance,
+    FRACTION_COVERED_BY_STATED_ERROR,
+    OriginOfSafetyFactors,
+    TrueErrorsAndEstimateTermsOnLevel,
     draw_random_calibration_brake_and_name_of_kind,
-    estimate_factors_as_json_text,
+    error_estimate_factors_as_json_text,
     fit_safety_factors,
     true_and_estimated_errors_of_quantity,
     true_errors_and_estimates_on_each_mesh,
 )
-from drumlin_studies.stated_true import RELEVANT
+from drumlin_studies.stated_true import SMALLEST_RELEVANT_TRUE_ERROR
 from drumlin_studies.stored_truth import solve_brake_by_finer_hp_meshes
 from picking import picked
 
-PROVENANCE = Provenance("1 to 3", 3, 9, "abc", "2000-01-01")
+PROVENANCE = OriginOfSafetyFactors("1 to 3", 3, 9, "abc", "2000-01-01")
 
 
 def made_up(count, part, beside=1e-9, seed=0):
@@ -43,15 +43,17 @@ def made_up(count, part, beside=1e-9, seed=0):
     rng = np.random.default_rng(seed)
     levels = []
     for share in np.linspace(0, 1, count):
-        step = dict.fromkeys(QUANTITIES, 10 ** rng.uniform(-4, -2))
-        true = {name: part[name] * share * step[name] + beside for name in QUANTITIES}
+        step = dict.fromkeys(QUANTITIES_WITH_STATED_ERROR, 10 ** rng.uniform(-4, -2))
+        true = {
+            name: part[name] * share * step[name] + beside for name in QUANTITIES_WITH_STATED_ERROR
+        }
         levels.append(
-            LevelRecord(
+            TrueErrorsAndEstimateTermsOnLevel(
                 step,
-                dict.fromkeys(QUANTITIES, 0.0),
-                dict.fromkeys(QUANTITIES, beside),
+                dict.fromkeys(QUANTITIES_WITH_STATED_ERROR, 0.0),
+                dict.fromkeys(QUANTITIES_WITH_STATED_ERROR, beside),
                 true,
-                dict.fromkeys(QUANTITIES, 0.0),
+                dict.fromkeys(QUANTITIES_WITH_STATED_ERROR, 0.0),
             )
         )
     return levels
@@ -62,12 +64,12 @@ def test_the_fit_finds_the_factors_that_cover_all_but_the_share_that_may_be_miss
     levels = made_up(2000, part)
     found = fit_safety_factors(levels)
     for value, most in ((found.pressure, 0.5), (found.peak, 0.9), (found.force, 0.7)):
-        assert 0.99 * STATED_QUANTILE * most <= value <= 1.05 * most
+        assert 0.99 * FRACTION_COVERED_BY_STATED_ERROR * most <= value <= 1.05 * most
     for name, factor in (("pressure", found.pressure), ("peak", found.peak)):
         ratios = true_and_estimated_errors_of_quantity(levels, name).stated_over_true_errors(
             factor, 0.0
         )
-        assert np.mean(ratios < 1) <= 1 - STATED_QUANTILE
+        assert np.mean(ratios < 1) <= 1 - FRACTION_COVERED_BY_STATED_ERROR
 
 
 def test_errors_that_steps_miss_by_accident_are_covered_by_what_does_not_cancel():
@@ -81,29 +83,34 @@ def test_errors_that_steps_miss_by_accident_are_covered_by_what_does_not_cancel(
     for _ in range(2000):
         size = 10 ** rng.uniform(-4, -2)
         step = size * (1e-3 if rng.random() < 0.1 else 1.0)
-        true = dict.fromkeys(QUANTITIES, 0.2 * size)
+        true = dict.fromkeys(QUANTITIES_WITH_STATED_ERROR, 0.2 * size)
         levels.append(
-            LevelRecord(
-                step=dict.fromkeys(QUANTITIES, step),
-                chance=dict.fromkeys(QUANTITIES, 100 * size),
-                beside=dict.fromkeys(QUANTITIES, 0.0),
+            TrueErrorsAndEstimateTermsOnLevel(
+                step=dict.fromkeys(QUANTITIES_WITH_STATED_ERROR, step),
+                chance=dict.fromkeys(QUANTITIES_WITH_STATED_ERROR, 100 * size),
+                beside=dict.fromkeys(QUANTITIES_WITH_STATED_ERROR, 0.0),
                 true=true,
-                unsure=dict.fromkeys(QUANTITIES, 0.0),
+                unsure=dict.fromkeys(QUANTITIES_WITH_STATED_ERROR, 0.0),
             )
         )
     found = fit_safety_factors(levels)
     torque = true_and_estimated_errors_of_quantity(levels, "torque")
     assert (
         np.mean(torque.stated_over_true_errors(found.force, found.cancelled / found.force) < 1)
-        <= 1 - STATED_QUANTILE
+        <= 1 - FRACTION_COVERED_BY_STATED_ERROR
     )
     assert found.cancelled * 100 > 0.15
 
 
 def test_levels_whose_errors_are_not_known_or_nothing_are_left_out():
-    (level,) = made_up(1, dict.fromkeys(QUANTITIES, 0.5))
+    (level,) = made_up(1, dict.fromkeys(QUANTITIES_WITH_STATED_ERROR, 0.5))
     unknown = level._replace(
-        true={**level.true, "peak": math.nan, "torque": 0.5 * RELEVANT, "pressure": 1e-3}
+        true={
+            **level.true,
+            "peak": math.nan,
+            "torque": 0.5 * SMALLEST_RELEVANT_TRUE_ERROR,
+            "pressure": 1e-3,
+        }
     )
     assert [
         len(true_and_estimated_errors_of_quantity([unknown], name).true)
@@ -114,7 +121,9 @@ def test_levels_whose_errors_are_not_known_or_nothing_are_left_out():
         0,
     ]
     assert [
-        true_and_estimated_errors_of_quantity([unknown], name).which_true_errors_are_usable.tolist()
+        true_and_estimated_errors_of_quantity(
+            [unknown], name
+        ).mask_of_true_errors_usable_in_fit.tolist()
         for name in ("pressure", "torque")
     ] == [
         [True],
@@ -123,21 +132,28 @@ def test_levels_whose_errors_are_not_known_or_nothing_are_left_out():
 
 
 def test_the_file_holds_the_factors_and_what_they_were_fitted_on(tmp_path):
-    factors = Factors(0.5, 0.6, 0.001, 0.8)
+    factors = SafetyFactorsOfErrorEstimate(0.5, 0.6, 0.001, 0.8)
     path = tmp_path / "factors.json"
-    path.write_text(estimate_factors_as_json_text(factors, PROVENANCE), encoding="utf-8")
-    assert Factors(**read_safety_factors(path)) == factors
+    path.write_text(error_estimate_factors_as_json_text(factors, PROVENANCE), encoding="utf-8")
+    assert SafetyFactorsOfErrorEstimate(**read_safety_factors(path)) == factors
     data = json.loads(path.read_text(encoding="utf-8"))
-    assert data["provenance"] == {**PROVENANCE._asdict(), "quantile": STATED_QUANTILE}
-    for name in Factors._fields:
+    assert data["provenance"] == {
+        **PROVENANCE._asdict(),
+        "quantile": FRACTION_COVERED_BY_STATED_ERROR,
+    }
+    for name in SafetyFactorsOfErrorEstimate._fields:
         assert len(data[name]["meaning"].split()) > 10
 
 
 def test_the_file_that_the_code_reads_was_written_by_the_command():
     path = Path(estimate.__file__).with_name("factors.json")
     data = json.loads(path.read_text(encoding="utf-8"))
-    written = Provenance(**{key: data["provenance"][key] for key in Provenance._fields})
-    assert path.read_text(encoding="utf-8") == estimate_factors_as_json_text(FACTORS, written)
+    written = OriginOfSafetyFactors(
+        **{key: data["provenance"][key] for key in OriginOfSafetyFactors._fields}
+    )
+    assert path.read_text(encoding="utf-8") == error_estimate_factors_as_json_text(
+        SAFETY_FACTORS_OF_ERROR_ESTIMATE, written
+    )
     assert written.brakes > 200 and written.levels > 1000 and written.commit and written.date
 
 
@@ -160,11 +176,13 @@ def test_what_is_observed_of_a_level_is_what_a_solve_states(seen):
     for (before, last), level in zip(pairwise(responses), levels, strict=True):
         stated = estimate.estimate_errors_from_two_mesh_levels(brake, before, last)
         assert stated.brake["pressure"] == pytest.approx(
-            FACTORS.pressure * level.step["pressure"] + level.beside["pressure"], rel=1e-6
+            SAFETY_FACTORS_OF_ERROR_ESTIMATE.pressure * level.step["pressure"]
+            + level.beside["pressure"],
+            rel=1e-6,
         )
         assert stated.brake["torque"] == pytest.approx(
-            FACTORS.force * level.step["torque"]
-            + FACTORS.cancelled * level.chance["torque"]
+            SAFETY_FACTORS_OF_ERROR_ESTIMATE.force * level.step["torque"]
+            + SAFETY_FACTORS_OF_ERROR_ESTIMATE.cancelled * level.chance["torque"]
             + level.beside["torque"]
         )
         assert level.true["pressure"] < level.step["pressure"]
@@ -172,7 +190,7 @@ def test_what_is_observed_of_a_level_is_what_a_solve_states(seen):
 
 @pytest.mark.slow
 def test_the_study_writes_the_same_twice(tmp_path):
-    module, _ = import_study_and_find_its_folder("calibration")
+    module, _ = import_study_and_find_folder_above_studies("calibration")
     for folder in ("one", "other"):
         module.report(module.study(short=True), tmp_path / folder)
     one, other = ((tmp_path / folder / "factors.json").read_bytes() for folder in ("one", "other"))

@@ -11,8 +11,12 @@ import pytest
 from command_line import drumlin, process
 from conftest import STUDY
 from drumlin.brake.file import read_brake
-from drumlin.cli.terminal import Column, _lines_of_printed_table, print_table_of_compared_models
-from drumlin.comparison import COLUMNS
+from drumlin.cli.terminal import (
+    PrintedColumn,
+    _lines_of_printed_table,
+    print_table_of_compared_models,
+)
+from drumlin.comparison import COLUMNS_OF_COMPARISON_TABLE
 from drumlin.fem.solve import solve
 from drumlin.studies import paths_of_drumlin_studies
 from picking import picked
@@ -211,7 +215,7 @@ def test_on_a_narrow_terminal_columns_are_left_out_by_name_and_no_number_is_cut(
     monkeypatch.setattr("sys.stdout.isatty", lambda: True, raising=False)
     for columns, left_out in ((66, ["self-energising", "contact arcs [deg]"]), (160, [])):
         monkeypatch.setenv("COLUMNS", str(columns))
-        print_table_of_compared_models(table, COLUMNS)
+        print_table_of_compared_models(table, COLUMNS_OF_COMPARISON_TABLE)
         lines = capsys.readouterr().out.replace("\n  contact", " contact").splitlines()
         assert max(map(len, lines[:-1])) <= columns
         text = "\n".join(lines)
@@ -420,6 +424,9 @@ def test_an_unknown_study_is_refused_by_name():
 
 def test_wide_letters_do_not_shift_the_columns_of_a_table():
     names = ["日本語", "a\u0301b", "left"]
-    columns = [Column("shoe", "shoe", names, left=True), Column("torque", "T", ["1", "2", "3"])]
+    columns = [
+        PrintedColumn("shoe", "shoe", names, is_left_aligned=True),
+        PrintedColumn("torque", "T", ["1", "2", "3"]),
+    ]
     lines = _lines_of_printed_table(columns)
     assert lines == ["shoe    T", "日本語  1", "a\u0301b      2", "left    3"]

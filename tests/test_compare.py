@@ -7,7 +7,7 @@ import pytest
 
 from drumlin.brake.file import vary
 from drumlin.comparison import (
-    TableColumn,
+    ResultTableColumn,
     compare,
     richardson_limit_from_three_meshes,
     table_as_csv_text,
@@ -58,7 +58,7 @@ def test_a_failed_model_stays_in_the_table(brake):
 
 
 def test_cells_for_people():
-    column = TableColumn("x", "peak", "MPa", 1e-6, ".3g")
+    column = ResultTableColumn("x", "peak", "MPa", 1e-6, ".3g")
     assert column.title == "peak [MPa]"
     assert column.text({"x": 1.23456e6}) == "1.23"
     assert column.text({}) == column.text({"x": math.nan}) == "–"

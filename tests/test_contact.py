@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from drumlin.base.errors import NoAnswer
 from drumlin.contact import active_set
 from drumlin.contact.equations import (
-    BORDERED_ABOVE_UNKNOWNS,
+    UNKNOWNS_ABOVE_WHICH_BORDERED_SYSTEM_IS_USED,
     BorderedEquations,
     ContactProblem,
     ContactSetEquations,
@@ -289,11 +289,11 @@ def test_wrong_nodes_that_do_not_become_fewer_are_given_up_after_five_steps_more
         np.array([True, False, False]),
     )
     with pytest.raises(
-        active_set.ContactSetNotConverged, match="still changes after 7 steps"
+        active_set.ContactSetNotConvergedError, match="still changes after 7 steps"
     ) as end:
         active_set.solve_contact_by_block_pivoting(cycle, start)
     assert end.value.steps == 7
-    with pytest.raises(active_set.ContactSetNotConverged, match="after 2 steps"):
+    with pytest.raises(active_set.ContactSetNotConvergedError, match="after 2 steps"):
         active_set.solve_contact_by_block_pivoting(cycle, start, most_steps=2)
     _, followed = active_set.find_contact_set_and_step_count_by_closing_wide_gaps(cycle)
     assert active_set.solve_contact_problem(cycle, start).steps == 7 + followed + 1
@@ -452,21 +452,27 @@ def test_a_few_changed_nodes_use_the_factors_that_there_are():
     def changed(base, count):
         return base.free ^ (np.arange(len(base.free)) < count)
 
-    base, few = start(BORDERED_ABOVE_UNKNOWNS + 8), is_bordered_system_cheaper_than_new_factors
-    assert few(base, changed(base, BORDERED_ABOVE_UNKNOWNS // 8))
+    base, few = (
+        start(UNKNOWNS_ABOVE_WHICH_BORDERED_SYSTEM_IS_USED + 8),
+        is_bordered_system_cheaper_than_new_factors,
+    )
+    assert few(base, changed(base, UNKNOWNS_ABOVE_WHICH_BORDERED_SYSTEM_IS_USED // 8))
     # More than an eighth of the nodes that are on.
-    assert not few(base, changed(base, BORDERED_ABOVE_UNKNOWNS // 8 + 1))
+    assert not few(base, changed(base, UNKNOWNS_ABOVE_WHICH_BORDERED_SYSTEM_IS_USED // 8 + 1))
     # A system that is factorised as fast.
     assert not few(
-        start(BORDERED_ABOVE_UNKNOWNS + 7), changed(start(BORDERED_ABOVE_UNKNOWNS + 7), 1)
+        start(UNKNOWNS_ABOVE_WHICH_BORDERED_SYSTEM_IS_USED + 7),
+        changed(start(UNKNOWNS_ABOVE_WHICH_BORDERED_SYSTEM_IS_USED + 7), 1),
     )
-    other = base.free ^ np.isin(np.arange(len(base.free)), [4, 9, BORDERED_ABOVE_UNKNOWNS + 5])
-    x = BorderedEquations(base, np.eye(BORDERED_ABOVE_UNKNOWNS + 8) + 0.1, other).solve(
-        -np.arange(1.0, BORDERED_ABOVE_UNKNOWNS + 9)
+    other = base.free ^ np.isin(
+        np.arange(len(base.free)), [4, 9, UNKNOWNS_ABOVE_WHICH_BORDERED_SYSTEM_IS_USED + 5]
     )
+    x = BorderedEquations(
+        base, np.eye(UNKNOWNS_ABOVE_WHICH_BORDERED_SYSTEM_IS_USED + 8) + 0.1, other
+    ).solve(-np.arange(1.0, UNKNOWNS_ABOVE_WHICH_BORDERED_SYSTEM_IS_USED + 9))
     assert (
-        x[[4, 9, BORDERED_ABOVE_UNKNOWNS + 4]].tolist() == [0, 0, 0]
-        and (x != 0).sum() == BORDERED_ABOVE_UNKNOWNS
+        x[[4, 9, UNKNOWNS_ABOVE_WHICH_BORDERED_SYSTEM_IS_USED + 4]].tolist() == [0, 0, 0]
+        and (x != 0).sum() == UNKNOWNS_ABOVE_WHICH_BORDERED_SYSTEM_IS_USED
     )
 
 

@@ -10,8 +10,8 @@ from scipy.special import betainc
 
 from drumlin.fem.error_control.levels import solve_brake_on_finer_and_finer_mesh_levels
 from drumlin.fem.hp.corner import (
-    POWER_LAW_PART,
-    UnboundedCorner,
+    POWER_LAW_FRACTION_OF_CONTACT,
+    CornerWithUnboundedPressure,
     corners_with_unbounded_pressure,
     element_column_size_for_error_at_pointed_gap_kink,
     nodes_and_pressures_with_power_law_at_corner,
@@ -22,7 +22,7 @@ from drumlin.fem.hp.corner import (
     remaining_pressure_error_at_pointed_gap_kinks,
     response_with_power_laws_at_corners,
 )
-from drumlin.fem.hp.division import HALF_FORCE_PART
+from drumlin.fem.hp.division import HALF_FORCE_FRACTION_OF_CONTACT
 from drumlin.fem.model import solve_prepared_model
 from drumlin.response.resultants import gauss_lobatto_points, polynomial_values_at_gauss_points
 from drumlin_studies.stated_true import true_errors_of_response
@@ -124,7 +124,11 @@ def test_what_gives_way_to_a_power_keeps_force_and_moment_and_finds_the_power_ag
     exact[0] = exact[1]
     theta, p = (1.0 + x, exact) if at_start else ((1.0 + ends[-1] - x)[::-1], exact[::-1])
     new, value = nodes_and_pressures_with_power_law_at_corner(
-        theta, p, order, UnboundedCorner(at_start=at_start, exponent=power), reach=POWER_LAW_PART
+        theta,
+        p,
+        order,
+        CornerWithUnboundedPressure(at_start=at_start, exponent=power),
+        reach=POWER_LAW_FRACTION_OF_CONTACT,
     )
     at, q, weight = polynomial_values_at_gauss_points(new, value, order)
     before, r, own = polynomial_values_at_gauss_points(theta, p, order)
@@ -135,7 +139,7 @@ def test_what_gives_way_to_a_power_keeps_force_and_moment_and_finds_the_power_ag
 
 def test_half_the_force_of_the_steepest_pressure_lies_where_it_is_said():
     """The force of p = x^(-1/2) (1 - x)^(1/2) up to x is the incomplete beta function."""
-    assert betainc(0.5, 1.5, HALF_FORCE_PART) == pytest.approx(0.5, abs=1e-4)
+    assert betainc(0.5, 1.5, HALF_FORCE_FRACTION_OF_CONTACT) == pytest.approx(0.5, abs=1e-4)
 
 
 def test_p_between_the_nodes_near_a_corner_is_its_power_to_a_ten_thousandth():
@@ -146,11 +150,15 @@ def test_p_between_the_nodes_near_a_corner_is_its_power_to_a_ten_thousandth():
     x = np.append((ends[:-1, None] + inner).ravel(), ends[-1])
     p = np.append(x[1] ** power, x[1:] ** power)
     new, value = nodes_and_pressures_with_power_law_at_corner(
-        x, p, order, UnboundedCorner(at_start=True, exponent=power), reach=POWER_LAW_PART
+        x,
+        p,
+        order,
+        CornerWithUnboundedPressure(at_start=True, exponent=power),
+        reach=POWER_LAW_FRACTION_OF_CONTACT,
     )
     at, q, weight = (part.ravel() for part in polynomial_values_at_gauss_points(new, value, order))
     # Gauss points within the pieces that were made, but for the last one at the corner.
-    near = (at > 1e-10) & (at < 0.5 * POWER_LAW_PART)
+    near = (at > 1e-10) & (at < 0.5 * POWER_LAW_FRACTION_OF_CONTACT)
     terms = np.stack([at[near] ** power, np.ones(near.sum()), at[near]], axis=1)
     own = np.sqrt(weight[near])
     parts = np.linalg.lstsq(own[:, None] * terms, own * q[near], rcond=None)[0]

@@ -38,7 +38,7 @@ from drumlin.fem.substructure.elasticity import (
 from drumlin.response.resultants import gauss_lobatto_points
 from drumlin.verification.triangles import lagrange
 from drumlin.verification.triangles.triangulation import (
-    TriangleLayer,
+    LayerOfTriangulatedBody,
     triangulate_grid_of_layered_body,
 )
 from drumlin_studies.two_bodies import scikit_fem_basis_of_mesh
@@ -136,7 +136,7 @@ def test_stresses_are_those_of_the_matrix_in_the_layers_directions(name):
     layer, random = LAYERS[name], np.random.default_rng(3)
     points, H = random.uniform(0.1, 0.2, (2, 5)), random.standard_normal((2, 2, 5))
     t, n = directions(layer, points)
-    assert layer.directions(points) == pytest.approx(t, abs=1e-14)
+    assert layer.unit_vectors_along_layer(points) == pytest.approx(t, abs=1e-14)
     assert unit_vectors_through_thickness_of_layers(t) == pytest.approx(n, abs=1e-14)
     eps = 0.5 * (H + H.swapaxes(0, 1))
 
@@ -188,7 +188,7 @@ def bent_elements(p):
 
 def along_at(layer, xy, p):
     return np.moveaxis(
-        layer.directions(np.moveaxis(hp.gauss_points_of_elements(xy, p), 1, 0)), 0, 1
+        layer.unit_vectors_along_layer(np.moveaxis(hp.gauss_points_of_elements(xy, p), 1, 0)), 0, 1
     )
 
 
@@ -196,7 +196,7 @@ def along_at(layer, xy, p):
 @pytest.mark.parametrize("p", [2, 4, 7])
 def test_elements_of_high_degree_have_the_rotated_stiffness_of_every_point(p, name):
     layer, xy = LAYERS[name], bent_elements(p)
-    matrices = np.tile(layer.stiffness, (len(xy), 1, 1))
+    matrices = np.tile(layer.elasticity_times_width, (len(xy), 1, 1))
     K = hp.plane_stress_stiffness_of_elements(xy, matrices, p, along_at(layer, xy, p))
     gradients, area = hp.shape_function_gradients_and_gauss_areas(xy, p)
     points = np.moveaxis(hp.gauss_points_of_elements(xy, p), 1, 0)
@@ -228,11 +228,11 @@ def test_isotropic_elements_beside_directed_ones_stay_what_they_are_alone():
     layer = LAYERS["around"]
     along = along_at(layer, xy, p)
     mixed = hp.plane_stress_stiffness_of_elements(
-        xy, np.array([steel, layer.stiffness, steel]), p, along
+        xy, np.array([steel, layer.elasticity_times_width, steel]), p, along
     )
     alone = hp.plane_stress_stiffness_of_elements(xy, np.tile(steel, (3, 1, 1)), p)
     directed = hp.plane_stress_stiffness_of_elements(
-        xy, np.tile(layer.stiffness, (3, 1, 1)), p, along
+        xy, np.tile(layer.elasticity_times_width, (3, 1, 1)), p, along
     )
     for k, expected in enumerate((alone, directed, alone)):
         assert np.array_equal(mixed[k], expected[k])
@@ -254,7 +254,7 @@ def test_columns_in_product_form_are_those_of_their_elements(p, contact, held, f
         ElasticLayer(D, 0.04, np.array([0.0, 1.0]) if flat else None)
         for D in (DIRECTED, 0.1 * DIRECTED, steel)
     ]
-    matrices = np.array(picked(layers, "stiffness"))
+    matrices = np.array(picked(layers, "elasticity_times_width"))
     angles, radius = half[:, None] * gauss_lobatto_points(p), 0.14
 
     def place(depth, phi):
@@ -281,7 +281,7 @@ def test_columns_in_product_form_are_those_of_their_elements(p, contact, held, f
     )
     nodes = p + 1 if contact else 0
     for K, own, side in zip(theirs, ours, 0.0 * half if flat else half, strict=True):
-        lines = np.full(of.line // 2, side)
+        lines = np.full(of.number_of_side_unknowns // 2, side)
         ends = np.concatenate([[-side], np.zeros(nodes - 2), [side]]) if contact else []
         expected = rotate_node_axes_of_matrix(K, np.concatenate([lines * -1, ends, lines]))
         np.testing.assert_allclose(own, expected, rtol=0, atol=1e-11 * np.abs(expected).max())
@@ -298,7 +298,7 @@ def test_triangles_of_the_second_solver_carry_an_even_strain():
     """A straight layer of triangles under u = H x has the nodal forces of its even stress."""
     layer = LAYERS["straight"]
     mesh = triangulate_grid_of_layered_body(
-        np.linspace(0, 0.2, 4), [np.linspace(0, 1, 3)], [TriangleLayer(-1, 1, layer)]
+        np.linspace(0, 0.2, 4), [np.linspace(0, 1, 3)], [LayerOfTriangulatedBody(-1, 1, layer)]
     )
 
     def place(s, d):
@@ -306,7 +306,9 @@ def test_triangles_of_the_second_solver_carry_an_even_strain():
 
     degree = 3
     nodes = lagrange.nodes_of_triangle_mesh_of_given_degree(mesh, place, degree)
-    K = lagrange.triangle_stiffness_matrices(mesh, nodes, [TriangleLayer(-1, 1, layer)], degree)
+    K = lagrange.triangle_stiffness_matrices(
+        mesh, nodes, [LayerOfTriangulatedBody(-1, 1, layer)], degree
+    )
     H = np.array([[1e-3, 4e-4], [-2e-4, 5e-4]])
     u = nodes.xy @ H.T
     energy = sum(

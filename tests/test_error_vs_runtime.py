@@ -8,19 +8,22 @@ import pytest
 
 import independent
 from drumlin.base.errors import BadInput
-from drumlin.base.journal import Journal
+from drumlin.base.journal import JournalOfCaseResults
 from drumlin.fem.solve import solve
-from drumlin.studies import import_study_and_find_its_folder
-from drumlin.verification.reference import ReferenceResponses, solve_brake_for_reference_values
+from drumlin.studies import import_study_and_find_folder_above_studies
+from drumlin.verification.reference import (
+    ResponsesBehindReferenceValues,
+    solve_brake_for_reference_values,
+)
 from drumlin_studies import work_precision
 from drumlin_studies.recommendation import (
-    TARGET_NAMES,
+    QUANTITY_NAMES_BY_ERROR_KEY,
     recommended_methods_by_brake_and_target,
     rows_of_fastest_methods_by_target,
 )
 from drumlin_studies.work_precision import (
-    ERROR_KEYS,
-    Method,
+    ROW_KEYS_OF_RELATIVE_ERRORS,
+    SolutionMethodOfBrake,
     measure_call_time_over_unit_workload,
     measure_drumlin_method_on_brake,
     relative_uncertainties_of_reference_responses,
@@ -37,7 +40,7 @@ class Stopped(Exception):
     """The run is killed here."""
 
 
-class Stopping(Journal):
+class Stopping(JournalOfCaseResults):
     """A journal whose run is killed after so many cases."""
 
     def __init__(self, path, cases):
@@ -55,7 +58,7 @@ class Stopping(Journal):
 def outcome(tmp_path_factory):
     """The study's module, its result after two interruptions, and its journal at each of them."""
     path = tmp_path_factory.mktemp("study") / "journal.jsonl"
-    module, _ = import_study_and_find_its_folder("error_vs_runtime")
+    module, _ = import_study_and_find_folder_above_studies("error_vs_runtime")
     kept, references = [], {}
 
     def once(brake, refinement):
@@ -70,12 +73,12 @@ def outcome(tmp_path_factory):
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(module, "solve_brake_for_reference_values", once)
         # No test here asks for the times closely.
-        patch.setattr(work_precision, "TIMED_REPEATS", 3)
+        patch.setattr(work_precision, "LEAST_REPEATS_OF_TIMING", 3)
         for cases in (1, 6):
             with Stopping(path, cases) as journal, pytest.raises(Stopped):
                 module.study(short=True, journal=journal)
             kept.append(path.read_text())
-        with Journal(path) as journal:
+        with JournalOfCaseResults(path) as journal:
             assert len(journal) == 7
             return module, module.study(short=True, journal=journal), kept, path.read_text()
 
@@ -103,7 +106,7 @@ def test_finite_elements_know_more_than_laws_and_laws_are_faster(rows):
     fem, law = pick(rows, "graded mesh", kind="quad2", elements=40), pick(rows, "law", model="sine")
     truth = independent.torque("double_shoe/brake")
     assert law["torque_error"] == pytest.approx(abs(independent.SINE_LAW / truth - 1), abs=5e-5)
-    for key in ERROR_KEYS:
+    for key in ROW_KEYS_OF_RELATIVE_ERRORS:
         assert fem[key] < 0.1 * law[key]
     assert law["seconds"] < fem["seconds"] / 3
     assert fem["further"] < fem["seconds"] / 3
@@ -151,7 +154,9 @@ def test_the_floor_lies_below_what_is_claimed(outcome):
         assert 0 < floors["torque_error"] < 1e-6 and floors["pressure_error"] < 1e-3
         for row in rows_of_fastest_methods_by_target(result.rows, result.floors):
             if row["brake"] == name and "error" in row:
-                key = next(k for k, said in TARGET_NAMES.items() if said == row["quantity"])
+                key = next(
+                    k for k, said in QUANTITY_NAMES_BY_ERROR_KEY.items() if said == row["quantity"]
+                )
                 assert floors[key] < row["target"] and row["error"] <= row["target"]
 
 
@@ -160,7 +165,7 @@ def test_every_converged_row_is_whole(outcome):
         if row["status"] == "converged":
             assert row["lower"] <= row["seconds"] <= row["upper"] and row["repeats"] >= 3
             assert 1e5 < row["memory"] < 1e9
-            for key in ERROR_KEYS:
+            for key in ROW_KEYS_OF_RELATIVE_ERRORS:
                 assert math.isfinite(row[key])
 
 
@@ -191,16 +196,22 @@ def test_report(outcome, tmp_path):
 def test_methods_that_do_not_apply_are_rows(brake):
     rows = [
         measure_drumlin_method_on_brake(
-            brake, Method("foundation", "f", {"model": "foundation"}), None, lambda: None
+            brake,
+            SolutionMethodOfBrake("foundation", "f", {"model": "foundation"}),
+            None,
+            lambda: None,
         ),
         measure_drumlin_method_on_brake(
-            brake, Method("weak penalty", "w", {"elements": 4, "penalty": -1.0}), None, lambda: None
+            brake,
+            SolutionMethodOfBrake("weak penalty", "w", {"elements": 4, "penalty": -1.0}),
+            None,
+            lambda: None,
         ),
     ]
     for row in rows:
         assert row["status"].startswith("refused: --")
     with pytest.raises(BadInput):
-        import_study_and_find_its_folder("no_such_study")
+        import_study_and_find_folder_above_studies("no_such_study")
 
 
 def test_times_are_medians_of_enough_repeats_beside_the_unit():
@@ -223,15 +234,15 @@ def test_the_floor_is_the_distance_of_both_references_whose_shoes_do_not_cancel(
     )
     assert other.torque == pytest.approx(one.torque, rel=1e-12)
     assert relative_uncertainties_of_reference_responses(
-        brake, ReferenceResponses(one, one, other)
+        brake, ResponsesBehindReferenceValues(one, one, other)
     )["torque_error"] == pytest.approx(2 / one.torque, rel=1e-12)
     peaks = replace(one, shoes=scaled_pressures(one.shoes, 1.01))
     found = relative_uncertainties_of_reference_responses(
-        brake, ReferenceResponses(one, peaks, None)
+        brake, ResponsesBehindReferenceValues(one, peaks, None)
     )
     assert [found["pressure_error"], found["peak_error"]] == pytest.approx([0.01, 0.01], rel=1e-9)
     assert set(
         relative_uncertainties_of_reference_responses(
-            brake, ReferenceResponses(one, one, one)
+            brake, ResponsesBehindReferenceValues(one, one, one)
         ).values()
     ) == {0.0}

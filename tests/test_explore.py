@@ -21,9 +21,9 @@ from browsing import PROGRAM, browser, play, served
 from conftest import ROOT, STUDY
 from drumlin.base.errors import BadInput
 from drumlin.base.round_numbers import largest_round_number_not_above_value
-from drumlin.brake import read_any, read_brake, vary
+from drumlin.brake import read_brake, read_drum_or_plane_brake, vary
 from drumlin.brake.friction import FrictionTable
-from drumlin.explore.answers import WIDTH_EXPLORE_LEVEL, Explorer
+from drumlin.explore.answers import WIDTH_EXPLORE_LEVEL, SliderSolver
 from drumlin.explore.knobs import (
     brake_at_slider_setting,
     link_query_of_slider_setting,
@@ -50,7 +50,7 @@ pytestmark = pytest.mark.slow
 
 @pytest.fixture(scope="module")
 def explorer():
-    return Explorer(read_brake(STUDY / "brake.toml"))
+    return SliderSolver(read_brake(STUDY / "brake.toml"))
 
 
 def knob(explorer, name):
@@ -97,7 +97,7 @@ def test_shoes_with_their_widths_are_a_choice_of_the_page(explorer):
 
 def test_without_contraction_the_choice_changes_nothing(explorer):
     bare = {"shoe.lining.material.nu": 0.0, "shoe.body.material.nu": 0.0}
-    own = Explorer(vary(explorer.brake, bare))
+    own = SliderSolver(vary(explorer.brake, bare))
     scene = make_prepared_model(own.brake, WIDTH_EXPLORE_LEVEL)
     wide, _ = at_setting(own, WIDE)
     assert wide.found is not None
@@ -108,7 +108,7 @@ def test_without_contraction_the_choice_changes_nothing(explorer):
 def test_the_page_wears_in_plane_stress_only_and_refuses_several_widths(explorer):
     answer, _ = at_setting(explorer, WIDE | {"wear": "2"})
     assert answer.failure == "wear: the page wears linings in plane stress only"
-    several = Explorer(drumlin.example("duplex"))
+    several = SliderSolver(drumlin.example("duplex"))
     _, refused = at_setting(several, WIDE)
     assert refused == ("link: model = 'solid': left out; allowed: fem",)
     assert "with their widths" not in http_reply_to_requested_address(several, "/", "x").text
@@ -229,10 +229,10 @@ def test_a_lining_is_not_worn_beyond_its_thickness():
         read_brake(STUDY / "brake.toml"),
         {"shoe.lining.thickness": "0.2 mm", "shoe.lining.material.E": 3e6},
     )
-    explorer = Explorer(thin)
+    explorer = SliderSolver(thin)
     most = knob(explorer, "wear").high
     answer = explorer.fem_and_law_answer_at_slider_setting(turned(explorer, wear=most))
-    assert answer.found is None
+    assert answer.fem_response is None
     assert "worn out" in answer.failure
 
 
@@ -247,7 +247,7 @@ def test_what_is_kept_changes_no_answer(explorer):
     for setting in [*path, *reversed(path)]:
         assert (
             explorer.fem_and_law_answer_at_slider_setting(setting).found.torque
-            == Explorer(brake).fem_and_law_answer_at_slider_setting(setting).found.torque
+            == SliderSolver(brake).fem_and_law_answer_at_slider_setting(setting).fem_response.torque
         )
 
 
@@ -283,32 +283,34 @@ def test_self_locking_is_said_and_its_distance(explorer):
     limit = min(explorer.cached_self_locking_friction_of_shoe_groups(answer.brake).values())
     # The limit comes from the condensed matrices on 80 elements.
     assert limit == pytest.approx(1.1812, rel=1e-3)
-    assert answer.law_locking == pytest.approx(0.8231, rel=1e-3)
-    locked = Explorer(vary(explorer.brake, {"friction": 0.9}))
+    assert answer.locking_friction_by_law == pytest.approx(0.8231, rel=1e-3)
+    locked = SliderSolver(vary(explorer.brake, {"friction": 0.9}))
     beyond = locked.fem_and_law_answer_at_slider_setting(turned(locked, friction=1.3))
     assert "self-locking" in beyond.failure
     assert "self-locking" in beyond.law_failure
-    assert beyond.found is None
+    assert beyond.fem_response is None
 
 
 def test_a_picture_shows_the_pressure_it_is_of(explorer):
     answer = explorer.fem_and_law_answer_at_slider_setting(turned(explorer, force=6.0))
     picture = picture_of_brake_at_slider_setting(answer, explorer.brake)
-    assert picture.scale == 5
+    assert picture.highest_pressure_of_scale == 5
     for shoe, curve in zip(answer.found.shoes, picture.fem, strict=True):
         area = integral_of_piecewise_polynomial(
             shoe.theta, np.maximum(shoe.pressure, 0), shoe.order
         )
-        assert np.trapezoid(curve.p * 1e6, np.radians(curve.at)) == pytest.approx(area, rel=5e-3)
+        assert np.trapezoid(curve.p * 1e6, np.radians(curve.positions)) == pytest.approx(
+            area, rel=5e-3
+        )
         assert curve.p.min() >= 0
-        sent = pressure_curve_as_whole_numbers(curve, picture.scale)
-        assert np.array(sent["at"]) * 1e-3 == pytest.approx(curve.at, abs=6e-4)
-        assert np.array(sent["p"]) * 1e-4 * picture.scale == pytest.approx(
-            curve.p, abs=6e-5 * picture.scale
+        sent = pressure_curve_as_whole_numbers(curve, picture.highest_pressure_of_scale)
+        assert np.array(sent["at"]) * 1e-3 == pytest.approx(curve.positions, abs=6e-4)
+        assert np.array(sent["p"]) * 1e-4 * picture.highest_pressure_of_scale == pytest.approx(
+            curve.p, abs=6e-5 * picture.highest_pressure_of_scale
         )
     for shoe, curve in zip(answer.law.shoes, picture.law, strict=True):
         assert curve.p * 1e6 == pytest.approx(
-            shoe.pressure_at(np.radians(curve.at)), rel=1e-6, abs=1.0
+            shoe.pressure_at(np.radians(curve.positions)), rel=1e-6, abs=1.0
         )
     torques = [row[2] for row in picture.rows if row[1] == "finite elements"]
     assert sum(map(float, torques)) == pytest.approx(answer.found.torque, rel=1e-5)
@@ -319,8 +321,8 @@ def test_a_picture_shows_the_pressure_it_is_of(explorer):
 
 def test_a_brake_on_a_plane_is_explored_too():
     path = ROOT / "studies/brakes/rail_clamp.toml"
-    brake = read_any(path)
-    explorer = Explorer(brake)
+    brake = read_drum_or_plane_brake(path)
+    explorer = SliderSolver(brake)
     names = set(picked(explorer.knobs, "name"))
     assert {"friction", "force", "shift", "turn", "clearance", "lining"} <= names and not {
         "wear",
@@ -331,13 +333,13 @@ def test_a_brake_on_a_plane_is_explored_too():
     )
     solved = drumlin.solve(brake)
     assert not answer.failure
-    assert answer.found.effect == pytest.approx(solved.effect, rel=1e-3)
+    assert answer.fem_response.effect == pytest.approx(solved.effect, rel=1e-3)
     other = knob(explorer, "friction")
     changed = turned(explorer, friction=0.5 * other.start)
     expected = drumlin.solve(vary(brake, {"friction": 0.5 * other.start}))
-    assert explorer.fem_and_law_answer_at_slider_setting(changed).found.effect == pytest.approx(
-        expected.effect, rel=1e-3
-    )
+    assert explorer.fem_and_law_answer_at_slider_setting(
+        changed
+    ).fem_response.effect == pytest.approx(expected.effect, rel=1e-3)
     back = brake.opposite_direction_of_motion
     setting, lines = slider_setting_from_link_query(explorer.knobs, brake, {"sliding": back})
     assert (
@@ -346,22 +348,22 @@ def test_a_brake_on_a_plane_is_explored_too():
         == f"sliding={back.replace('+', '%2B')}"
     )
     expected = drumlin.solve(vary(brake, {"plane.sliding": back}))
-    assert explorer.fem_and_law_answer_at_slider_setting(setting).found.effect == pytest.approx(
-        expected.effect, rel=1e-3
-    )
+    assert explorer.fem_and_law_answer_at_slider_setting(
+        setting
+    ).fem_response.effect == pytest.approx(expected.effect, rel=1e-3)
     picture = picture_of_brake_at_slider_setting(answer, brake)
     for shoe, curve in zip(solved.shoes, picture.fem, strict=True):
-        assert np.trapezoid(curve.p, curve.at * 1e-3) * 1e6 == pytest.approx(
+        assert np.trapezoid(curve.p, curve.positions * 1e-3) * 1e6 == pytest.approx(
             integral_of_piecewise_polynomial(shoe.theta, shoe.pressure, shoe.order), rel=5e-3
         )
     assert (
-        f"braking force <b>{answer.found.effect:.6g} N</b>" in picture.head
-        and "-0.0 %" not in picture.head
+        f"braking force <b>{answer.fem_response.effect:.6g} N</b>" in picture.torque_line_as_html
+        and "-0.0 %" not in picture.torque_line_as_html
     )
     for address in ("/", "/picture", "/locking", "/brake.toml?friction=0.2"):
         assert http_reply_to_requested_address(explorer, address, "b").status == 200
     assert (
-        read_any(
+        read_drum_or_plane_brake(
             path, http_reply_to_requested_address(explorer, "/brake.toml?friction=0.2", "b").text
         ).friction
         == 0.2
@@ -464,7 +466,7 @@ def test_no_address_breaks_the_page(explorer, junk, query):
 
 
 def test_a_title_with_tags_stays_a_text():
-    explorer = Explorer(vary(read_brake(STUDY / "brake.toml"), {"title": "<b>x</b>"}))
+    explorer = SliderSolver(vary(read_brake(STUDY / "brake.toml"), {"title": "<b>x</b>"}))
     assert "<b>x</b>" not in http_reply_to_requested_address(explorer, "/", "b").text
 
 
@@ -472,8 +474,8 @@ def test_the_saved_file_is_the_brake_that_is_solved(explorer, tmp_path):
     saved = http_reply_to_requested_address(
         explorer, "/brake.toml?friction=0.4&wear=2&turn=5", "mine"
     )
-    assert saved.file == "mine_explored.toml"
-    brake = read_any(tmp_path / "b.toml", saved.text)
+    assert saved.file_name == "mine_explored.toml"
+    brake = read_drum_or_plane_brake(tmp_path / "b.toml", saved.text)
     answer = explorer.fem_and_law_answer_at_slider_setting(
         turned(explorer, friction=0.4, wear=2.0, turn=5.0)
     )
@@ -500,7 +502,7 @@ def test_a_changed_shape_is_drawn_and_the_shape_of_the_file_is_not_sent_again(ex
 
 def test_a_setting_without_answer_saves_nothing(explorer):
     locked = http_reply_to_requested_address(
-        Explorer(vary(explorer.brake, {"friction": 0.9})), "/brake.toml?friction=1.5", "b"
+        SliderSolver(vary(explorer.brake, {"friction": 0.9})), "/brake.toml?friction=1.5", "b"
     )
     assert locked.status == 422
     assert "self-locking" in locked.text
@@ -518,28 +520,28 @@ def test_every_example_can_be_explored(path):
     brake = read_brake(path)
     if isinstance(brake.friction_as_written, FrictionTable):
         with pytest.raises(BadInput, match=r"friction\.pressure"):
-            Explorer(brake)
+            SliderSolver(brake)
         return
-    explorer = Explorer(brake)
+    explorer = SliderSolver(brake)
     answer = explorer.fem_and_law_answer_at_slider_setting(
         slider_setting_at_brake_file_values(brake)
     )
-    assert answer.found.torque == pytest.approx(drumlin.solve(brake).torque, rel=1e-3)
+    assert answer.fem_response.torque == pytest.approx(drumlin.solve(brake).torque, rel=1e-3)
     assert http_reply_to_requested_address(explorer, "/", "b").status == 200
 
 
 @pytest.mark.parametrize("brake", [cam_brake(body=0.01), servo(body=0.01)], ids=["cam", "servo"])
 def test_shoes_that_share_a_force_are_explored_by_it(brake):
-    explorer = Explorer(brake)
+    explorer = SliderSolver(brake)
     answer = explorer.fem_and_law_answer_at_slider_setting(
         slider_setting_at_brake_file_values(brake)
     )
     assert not answer.failure
-    assert answer.found.torque == pytest.approx(drumlin.solve(brake).torque, rel=1e-3)
+    assert answer.fem_response.torque == pytest.approx(drumlin.solve(brake).torque, rel=1e-3)
     force = knob(explorer, "force")
     twice = explorer.fem_and_law_answer_at_slider_setting(turned(explorer, force=2 * force.start))
     # Without a clearance pressures are proportional to the force.
-    assert twice.found.torque == pytest.approx(2 * answer.found.torque, rel=1e-6)
+    assert twice.fem_response.torque == pytest.approx(2 * answer.fem_response.torque, rel=1e-6)
     assert (
         http_reply_to_requested_address(explorer, "/", "b").status
         == http_reply_to_requested_address(explorer, "/picture", "b").status

@@ -11,9 +11,9 @@ import pytest
 
 from conftest import ROOT, STUDY
 from drumlin.base.errors import BadInput
-from drumlin.brake.plane_brake import read_any
+from drumlin.brake.plane_brake import read_drum_or_plane_brake
 from drumlin.brake.writing import brake_file_text
-from drumlin.explore.answers import Explorer
+from drumlin.explore.answers import SliderSolver
 from drumlin.explore.page import http_reply_to_requested_address
 from drumlin.explore.serve import _Server
 from picking import picked
@@ -38,7 +38,7 @@ NAMES = [
 
 @pytest.fixture(scope="module")
 def explorer():
-    return Explorer(read_any(STUDY / "brake.toml"))
+    return SliderSolver(read_drum_or_plane_brake(STUDY / "brake.toml"))
 
 
 def require_equal_up_to_rounding(found, meant):
@@ -59,16 +59,18 @@ def require_equal_up_to_rounding(found, meant):
 def test_the_saved_file_is_the_same_brake_whatever_the_file_was_called(explorer, tmp_path, name):
     saved = http_reply_to_requested_address(explorer, "/brake.toml?friction=0.4", name)
     assert (
-        saved.status == 200 and saved.file.isprintable() and not set(saved.file) & set('/\\:*?"<>|')
+        saved.status == 200
+        and saved.file_name.isprintable()
+        and not set(saved.file_name) & set('/\\:*?"<>|')
     )
     data = saved.text.encode("utf-8", errors="strict")
-    path = tmp_path / saved.file[-100:]
+    path = tmp_path / saved.file_name[-100:]
     path.write_bytes(data)
     assert set(tomllib.loads(data.decode())) == set(
         tomllib.loads((STUDY / "brake.toml").read_text())
     )
     meant = explorer.brake.model_copy(update={"friction_as_written": 0.4})
-    require_equal_up_to_rounding(read_any(path).model_dump(), meant.model_dump())
+    require_equal_up_to_rounding(read_drum_or_plane_brake(path).model_dump(), meant.model_dump())
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -105,12 +107,12 @@ def copied(folder: Path) -> Path:
 def test_mesh_files_are_found_from_any_folder(tmp_path, monkeypatch, name):
     copied(tmp_path / name)
     monkeypatch.chdir(tmp_path)
-    brake = read_any(Path(name) / "double_shoe.toml")
-    saved = http_reply_to_requested_address(Explorer(brake), "/brake.toml", "b")
+    brake = read_drum_or_plane_brake(Path(name) / "double_shoe.toml")
+    saved = http_reply_to_requested_address(SliderSolver(brake), "/brake.toml", "b")
     (tmp_path / "elsewhere").mkdir()
-    (tmp_path / "elsewhere" / saved.file).write_text(saved.text, encoding="utf-8")
+    (tmp_path / "elsewhere" / saved.file_name).write_text(saved.text, encoding="utf-8")
     monkeypatch.chdir("/")
-    again = read_any(tmp_path / "elsewhere" / saved.file)
+    again = read_drum_or_plane_brake(tmp_path / "elsewhere" / saved.file_name)
     assert picked(again.shoes, "mesh") == [tmp_path / shoe.mesh for shoe in brake.shoes]
     shoes = tuple(
         shoe.model_copy(update={"mesh": mine.mesh})
@@ -121,8 +123,8 @@ def test_mesh_files_are_found_from_any_folder(tmp_path, monkeypatch, name):
 
 
 def test_a_mesh_that_no_brake_file_can_name_is_refused_in_a_line(tmp_path):
-    brake = read_any(copied(tmp_path / os.fsdecode(b"fol\xffder")))
+    brake = read_drum_or_plane_brake(copied(tmp_path / os.fsdecode(b"fol\xffder")))
     with pytest.raises(BadInput, match="has bytes that are no UTF-8"):
         brake_file_text(brake)
-    saved = http_reply_to_requested_address(Explorer(brake), "/brake.toml", "b")
-    assert saved.status == 422 and "no UTF-8" in saved.text and not saved.file
+    saved = http_reply_to_requested_address(SliderSolver(brake), "/brake.toml", "b")
+    assert saved.status == 422 and "no UTF-8" in saved.text and not saved.file_name

@@ -5,22 +5,25 @@ import pytest
 from drumlin.base.errors import NoAnswer
 from drumlin.fem.solve import solve
 from drumlin.response.norms import relative_distance_of_pressures
-from drumlin_studies.extreme_cases import KnobCase
+from drumlin_studies.extreme_cases import ExtremeCase
 from drumlin_studies.trial import text_of_changed_quantities
 
-QUICK = [KnobCase(thickness=1 / 3), KnobCase(arc=170.0)]
+QUICK = [ExtremeCase(thickness=1 / 3), ExtremeCase(arc=170.0)]
 SLOW = [
-    *(KnobCase(shoe=ratio) for ratio in (1e-6, 1e-4, 1e-2, 1.0, 1e2, 1e4, 1e6)),
-    *(KnobCase(thickness=share) for share in (1e-3, 1e-2, 0.1)),
-    *(KnobCase(arc=arc, force=force) for arc, force in ((1.0, 20.0), (5.0, 100.0), (60.0, 2000.0))),
-    KnobCase(nu=0.0),
-    KnobCase(nu=0.49),
-    KnobCase(friction=1.0),
-    KnobCase(clearance=1e-3),
-    KnobCase(clearance="split"),
-    *(KnobCase(shoes=2, ring=ring, support="free") for ring in (10.0, 1e3, 1e5)),
-    KnobCase(shoe=1e4, arc=5.0, force=100.0),
-    KnobCase(shoe=1e6, thickness=0.2, nu=0.49),
+    *(ExtremeCase(shoe=ratio) for ratio in (1e-6, 1e-4, 1e-2, 1.0, 1e2, 1e4, 1e6)),
+    *(ExtremeCase(thickness=share) for share in (1e-3, 1e-2, 0.1)),
+    *(
+        ExtremeCase(arc=arc, force=force)
+        for arc, force in ((1.0, 20.0), (5.0, 100.0), (60.0, 2000.0))
+    ),
+    ExtremeCase(nu=0.0),
+    ExtremeCase(nu=0.49),
+    ExtremeCase(friction=1.0),
+    ExtremeCase(clearance=1e-3),
+    ExtremeCase(clearance="split"),
+    *(ExtremeCase(shoes=2, ring=ring, support="free") for ring in (10.0, 1e3, 1e5)),
+    ExtremeCase(shoe=1e4, arc=5.0, force=100.0),
+    ExtremeCase(shoe=1e6, thickness=0.2, nu=0.49),
 ]
 
 
@@ -54,7 +57,7 @@ def test_farther_apart(case):
 
 @pytest.mark.slow
 def test_a_thin_lining_on_a_shoe_far_softer_is_refused_a_fine_tolerance_and_says_what_it_reached():
-    case = KnobCase(shoe=1e-3, thickness=1e-3)
+    case = ExtremeCase(shoe=1e-3, thickness=1e-3)
     check(case)
     with pytest.raises(NoAnswer, match=r"not reached.* estimated error of p"):
         solve(case.brake(), tolerance=1e-4)

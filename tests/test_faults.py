@@ -13,13 +13,13 @@ import pytest
 from conftest import ROOT, partly
 from drumlin import solve
 from drumlin.base.errors import BadInput
-from drumlin.brake.plane_brake import read_any
+from drumlin.brake.plane_brake import read_drum_or_plane_brake
 from drumlin.cli import process
 from drumlin.fem.mesh import vtu
 from drumlin.fem.mesh.inp import read_mesh_from_inp_text
 from drumlin_studies.fuzzing import endings, soundness, trials
 from drumlin_studies.fuzzing.broken_meshes import (
-    MESH_SUFFIXES,
+    SUFFIXES_OF_BROKEN_MESH_FILES,
     input_with_mesh_file,
     valid_mesh_files_by_suffix,
 )
@@ -33,7 +33,7 @@ from drumlin_studies.fuzzing.faults import (
     content_of_reference_file,
     csv_table_of_pressure_over_angle,
 )
-from drumlin_studies.fuzzing.inputs import BrokenInput, content_of_brake_file
+from drumlin_studies.fuzzing.inputs import FilesAndCommandLineOfBrokenInput, content_of_brake_file
 from judged_endings import BAD, GIVEN, GOOD, REFUSED
 from picking import saying
 
@@ -49,7 +49,11 @@ below begins with the same inputs and goes on.
 
 
 @pytest.mark.parametrize(
-    "generator", partly(trials.GENERATORS, set(trials.GENERATORS) - {"huge", "impossible meshes"})
+    "generator",
+    partly(
+        trials.INPUT_GENERATORS_BY_NAME,
+        set(trials.INPUT_GENERATORS_BY_NAME) - {"huge", "impossible meshes"},
+    ),
 )
 def test_the_first_inputs_of_a_generator_end_as_promised(generator):
     verdicts = [
@@ -68,14 +72,15 @@ def test_no_broken_input_ends_in_a_fault():
     start, number, faults = time.monotonic(), 0, []
     while number < 30 or (time.monotonic() - start < SECONDS and number < 300):
         faults += [
-            trials.run_and_judge_input(generator, number).fault for generator in trials.GENERATORS
+            trials.run_and_judge_input(generator, number).fault
+            for generator in trials.INPUT_GENERATORS_BY_NAME
         ]
         number += 1
     assert not any(faults), "\n".join(filter(None, faults))
 
 
 def test_each_generator_repeats_itself_and_varies():
-    for maker, _ in trials.GENERATORS.values():
+    for maker, _ in trials.INPUT_GENERATORS_BY_NAME.values():
         assert maker(random.Random(1)) == maker(random.Random(1))
         assert len({repr(maker(random.Random(i))) for i in range(8)}) > 4
 
@@ -115,7 +120,7 @@ def test_words_that_no_process_can_be_given_are_tried_in_this_one():
 
 
 def test_what_waits_without_end_is_found(monkeypatch):
-    monkeypatch.setattr(endings, "LONGEST_WAIT", 0.05)
+    monkeypatch.setattr(endings, "WALL_SECONDS_AFTER_WHICH_RUN_IS_STOPPED", 0.05)
     monkeypatch.setattr(process, "run_command_line", lambda words: threading.Event().wait(60))
     assert "RunTooLong" in describe_fault_of_run(GIVEN, run_input_in_this_process(GIVEN))
 
@@ -130,13 +135,13 @@ def test_a_warning_and_a_run_that_works_without_end_are_found(monkeypatch):
         while True:
             pass
 
-    monkeypatch.setattr(endings, "LONGEST_RUN", 0.2)
+    monkeypatch.setattr(endings, "PROCESSOR_SECONDS_ABOVE_WHICH_RUN_IS_FAULT", 0.2)
     monkeypatch.setattr(process, "run_command_line", slow)
     assert "took" in describe_fault_of_run(GIVEN, run_input_in_this_process(GIVEN))
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("suffix", MESH_SUFFIXES)
+@pytest.mark.parametrize("suffix", SUFFIXES_OF_BROKEN_MESH_FILES)
 def test_a_sound_mesh_is_answered_and_that_of_an_impossible_one_is_a_fault(suffix, monkeypatch):
     """A sound mesh is answered, and a generator that calls a sound mesh impossible is caught.
 
@@ -152,7 +157,7 @@ def test_a_sound_mesh_is_answered_and_that_of_an_impossible_one_is_a_fault(suffi
 
 
 def test_an_answer_that_cannot_be_true_is_found(monkeypatch):
-    brake = read_any(ROOT / "studies" / f"{BRAKE}.toml")
+    brake = read_drum_or_plane_brake(ROOT / "studies" / f"{BRAKE}.toml")
     answer = solve(brake, "fem", elements=6)
     assert soundness.explain_wrong_response(brake, answer) == ""
 
@@ -204,7 +209,7 @@ def test_brake_files_that_used_to_fall(case):
     before, after = TEXTS[case]
     text = content_of_brake_file(BRAKE).decode()
     assert before in text
-    given = BrokenInput(
+    given = FilesAndCommandLineOfBrokenInput(
         case,
         {"b.toml": text.replace(before, after, 1).encode()},
         ["solve", "b.toml", "--elements", "6"],
@@ -232,7 +237,7 @@ def test_command_lines_that_used_to_fall(case):
         "b.toml": content_of_brake_file(BRAKE),
         "post.toml": content_of_brake_file("post_brake/brake"),
     }
-    given = BrokenInput(case, files, WORDS[case])
+    given = FilesAndCommandLineOfBrokenInput(case, files, WORDS[case])
     end = run_input_in_this_process(given)
     assert end.status == 2 and describe_fault_of_run(given, end) == ""
 
@@ -240,7 +245,7 @@ def test_command_lines_that_used_to_fall(case):
 def test_a_small_vtu_that_unpacks_to_much_is_refused_before(monkeypatch):
     data = valid_mesh_files_by_suffix()[".vtu"]
     vtu.check_decompressed_vtu_size_fits_memory(data)
-    monkeypatch.setattr(vtu, "MOST_UNPACKED", 1000)
+    monkeypatch.setattr(vtu, "LARGEST_UNPACKED_VTU_SIZE", 1000)
     with pytest.raises(ValueError, match="unpacks to more than 1000 bytes"):
         vtu.check_decompressed_vtu_size_fits_memory(data)
     with pytest.raises(ValueError, match="unpacks"):
@@ -278,7 +283,9 @@ def test_the_sound_files_are_sound():
         "ref.json": content_of_reference_file(),
         "r.csv": csv_table_of_pressure_over_angle(),
     }
-    given = BrokenInput("x", files, ["check", "b.toml", "r.csv", "--reference", "ref.json"])
+    given = FilesAndCommandLineOfBrokenInput(
+        "x", files, ["check", "b.toml", "r.csv", "--reference", "ref.json"]
+    )
     end = run_input_in_this_process(given)
     assert (
         end.status == 0

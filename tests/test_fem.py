@@ -61,7 +61,7 @@ def test_a_stiff_shoe_with_a_thin_lining_returns_to_the_sine_law(rotation):
         assert np.linalg.norm(b.hinge_reaction - a.hinge_reaction) < 5e-3 * np.linalg.norm(
             a.hinge_reaction
         )
-        phi = spec.frame.phi(b.theta)
+        phi = spec.frame.phi_of_surface_coordinates(b.theta)
         inside = (phi > phi.min() + 0.1) & (phi < phi.max() - 0.1)
         ratio = b.pressure[inside] / np.sin(phi[inside])
         assert np.ptp(ratio) < 0.01 * ratio.mean()
@@ -216,7 +216,7 @@ def test_contact_ends_are_located_inside_an_element(kind, open_heels):
 def test_without_friction_the_friction_path_equals_the_frictionless_one():
     still = vary(BRAKE, {"friction": 0})
     frictionless = make_prepared_model(still, elements=40)
-    assert frictionless.bodies[0].closure_by_friction is None
+    assert frictionless.bodies[0].gap_closure_by_friction is None
     a, b = solve_prepared_model(SCENE, still), solve_prepared_model(frictionless, still)
     assert a.torque == b.torque == 0
     same(a, b, 1e-12)

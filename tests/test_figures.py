@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from drumlin.brake import read_any
+from drumlin.brake import read_drum_or_plane_brake
 from drumlin.door import solve
 from drumlin.report import figures
 from drumlin.report.drawing import draw_brake
 from drumlin.report.field_picture import rounded_up_to_end_of_colour_bar
-from drumlin.report.palette import CATEGORIES, COLOR_AND_LINE_STYLE_BY_MODEL, GRADES
+from drumlin.report.palette import COLOR_AND_LINE_STYLE_BY_MODEL, CURVE_COLORS, ERROR_SCALE_COLORS
 from picking import saying
 
 # Dichromats by Machado, Oliveira & Fernandes (2009), severity 1, on linear RGB
@@ -76,19 +76,19 @@ def test_the_simulation_knows_what_dichromats_confuse():
 
 
 @pytest.mark.parametrize("sight", SIGHT)
-@pytest.mark.parametrize("colours", [CATEGORIES, GRADES])
+@pytest.mark.parametrize("colours", [CURVE_COLORS, ERROR_SCALE_COLORS])
 def test_the_colours_stay_apart(colours, sight):
     assert len(set(colours)) == len(colours)
     for a, b in combinations(colours, 2):
         assert distance(a, b, sight) > APART, (a, b)
-    for colour in CATEGORIES:
+    for colour in CURVE_COLORS:
         assert distance(colour, "#ffffff", sight) > APART
 
 
 def test_every_model_has_a_look_of_its_own():
     looks = [(colour, str(style)) for colour, style in COLOR_AND_LINE_STYLE_BY_MODEL.values()]
     assert len(set(looks)) == len(looks)
-    assert {colour for colour, _ in COLOR_AND_LINE_STYLE_BY_MODEL.values()} <= set(CATEGORIES)
+    assert {colour for colour, _ in COLOR_AND_LINE_STYLE_BY_MODEL.values()} <= set(CURVE_COLORS)
 
 
 def test_a_pressure_that_is_cut_off_is_marked_and_two_curves_have_their_names_beside_them(brake):
@@ -126,7 +126,7 @@ def test_a_pressure_that_is_cut_off_is_marked_and_two_curves_have_their_names_be
 def drawn(path):
     figure = Figure()
     axes = figure.subplots()
-    draw_brake(axes, read_any(path))
+    draw_brake(axes, read_drum_or_plane_brake(path))
     dashed = [np.array(line.get_xydata()) for line in axes.lines if line.get_linestyle() == "--"]
     return axes, texts_of(axes.texts), dashed
 
@@ -154,7 +154,7 @@ def test_forces_are_written_once_a_place(root, name, words):
 
 
 def test_a_rigid_arm_is_drawn_from_what_holds_and_pushes_a_block_to_its_grip(root):
-    brake = read_any(root / "studies/brakes/block_on_lever.toml")
+    brake = read_drum_or_plane_brake(root / "studies/brakes/block_on_lever.toml")
     axes, _, dashed = drawn(root / "studies/brakes/block_on_lever.toml")
     ends = [line[-1].tolist() for line in dashed]
     assert ends == [[-250, 200], [450, 200]]
@@ -190,7 +190,7 @@ def test_the_top_of_a_colour_bar_is_round_in_its_quarters_and_near():
 
 def test_panels_of_other_angles_say_their_own(root, brake):
     """Panels of blocks at different angles have separate axes; rotations of a shoe share one."""
-    band = read_any(root / "studies/brakes/band.toml")
+    band = read_drum_or_plane_brake(root / "studies/brakes/band.toml")
     blocks = [(shoe.name, {"rigid": shoe}) for shoe in solve(band, "rigid").shoes]
     shown = [
         axes

@@ -17,7 +17,7 @@ from conftest import STUDY
 from drumlin.base.errors import (
     BadInput,
     NoAnswer,
-    Stopped,
+    StoppedBySignal,
     call_function_and_return_exit_status,
     error_line_and_exit_status,
 )
@@ -33,7 +33,7 @@ from drumlin.base.files import (
     write_text,
 )
 from drumlin.base.texts import (
-    MOST_DIGITS,
+    MAX_CONSECUTIVE_DIGITS_OF_NUMBER,
     check_numbers_have_few_digits,
     check_toml_parses_quickly,
     command_text_without_folders,
@@ -177,7 +177,7 @@ def test_a_file_that_standard_output_goes_to_keeps_what_is_printed(tmp_path):
 def test_a_stopped_run_leaves_the_earlier_file_and_no_other(tmp_path):
     path = tmp_path / "r.json"
     path.write_text("earlier")
-    for error in (Stopped(15), KeyboardInterrupt(), ValueError()):
+    for error in (StoppedBySignal(15), KeyboardInterrupt(), ValueError()):
         with pytest.raises(type(error)), temporary_file_replacing_output(path) as partial:
             partial.write_text("half")
             raise error
@@ -377,11 +377,14 @@ def test_lines_for_people_are_printable_and_short():
 
 
 def test_texts_are_limited_before_a_parser_sees_them():
-    check_numbers_have_few_digits("9" * MOST_DIGITS)
-    assert math.isfinite(float(int("9" * MOST_DIGITS)))
+    check_numbers_have_few_digits("9" * MAX_CONSECUTIVE_DIGITS_OF_NUMBER)
+    assert math.isfinite(float(int("9" * MAX_CONSECUTIVE_DIGITS_OF_NUMBER)))
     with pytest.raises(OverflowError):
-        float(10 ** (MOST_DIGITS + 1))
-    for text in ("9" * (MOST_DIGITS + 1), "x = 1" + "_1" * MOST_DIGITS):
+        float(10 ** (MAX_CONSECUTIVE_DIGITS_OF_NUMBER + 1))
+    for text in (
+        "9" * (MAX_CONSECUTIVE_DIGITS_OF_NUMBER + 1),
+        "x = 1" + "_1" * MAX_CONSECUTIVE_DIGITS_OF_NUMBER,
+    ):
         with pytest.raises(ValueError, match="digits"):
             check_numbers_have_few_digits(text)
     check_toml_parses_quickly("# " + "." * 1000 + '\na.b."c.d" = ["1.5 mm", 2.5]\n')
@@ -415,7 +418,7 @@ def test_numbers_and_harmless_texts_are_cells_as_they_are(value):
 ENDS = {
     "bad input": (BadInput("x"), "x", 2),
     "no answer": (NoAnswer("x"), "x", 3),
-    "signal": (Stopped(15), "stopped by a signal", 143),
+    "signal": (StoppedBySignal(15), "stopped by a signal", 143),
     "Ctrl-C": (KeyboardInterrupt(), "stopped", 130),
     "reader gone": (BrokenPipeError(), "", 141),
     "memory": (MemoryError(), "not enough memory", 3),

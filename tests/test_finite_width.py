@@ -11,8 +11,8 @@ from command_line import drumlin
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.base.texts import error_text_in_percent
 from drumlin.brake.file import read_brake, vary
-from drumlin.brake.plane_brake import read_any
-from drumlin.fem.error_control.levels import LEVELS
+from drumlin.brake.plane_brake import read_drum_or_plane_brake
+from drumlin.fem.error_control.levels import REFINEMENT_LEVELS_FROM_COARSE_TO_FINE
 from drumlin.fem.error_control.singular_points import singular_points_of_each_shoe_shape
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.solve import solve
@@ -38,7 +38,7 @@ def one_width(brake):
     return brake
 
 
-def solid_answer(brake, plane, degree=5, level=LEVELS[1]):
+def solid_answer(brake, plane, degree=5, level=REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[1]):
     """The answer of shoes with their widths on the second level of the section."""
     points = singular_points_of_each_shoe_shape(
         brake, plane, error=level.pressure_error_due_to_column_size_ratio
@@ -153,7 +153,7 @@ def test_a_solve_prints_what_remains_alone_and_with_the_error_of_the_mesh(root, 
 def test_where_the_model_of_the_width_does_not_apply_it_is_refused(root, file, reason):
     said = f"--finite-width: does not apply to this brake: .*{reason}"
     with pytest.raises(BadInput, match=said):
-        solve(read_any(root / file), finite_width=True)
+        solve(read_drum_or_plane_brake(root / file), finite_width=True)
 
 
 def test_where_the_coarse_section_has_no_answer_it_is_refused(brake, monkeypatch):
@@ -168,7 +168,7 @@ def test_where_the_coarse_section_has_no_answer_it_is_refused(brake, monkeypatch
 
 @pytest.mark.slow
 def test_it_corrects_brakes_on_a_plane(root):
-    brake = read_any(root / "studies" / "brakes" / "rail_clamp.toml")
+    brake = read_drum_or_plane_brake(root / "studies" / "brakes" / "rail_clamp.toml")
     plane, found = solve(brake), solve(brake, finite_width=True)
     assert found.effect == pytest.approx(plane.effect, rel=0.1)
     sizes = relative_distance_of_plane_stress_from_width_solution(brake, plane, found).brake

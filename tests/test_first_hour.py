@@ -15,11 +15,11 @@ from command_line import drumlin as run
 from conftest import partly
 from drumlin.base.arrays import are_nested_values_with_arrays_equal
 from drumlin.base.texts import error_text_in_percent
-from drumlin.cli.solving import _SolvedBrake
+from drumlin.cli.solving import _BrakeWithResponseOrFailure
 from drumlin.fem import solve as fem_solve
 from drumlin.fem.error_control.adapt import solve_brake_to_tolerance
-from drumlin.models import BUILT_IN_MODELS, MODELS
-from drumlin.studies import PACKAGES_OF_STUDIES, paths_of_all_examples
+from drumlin.models import MODELS, NAMES_OF_BUILT_IN_MODELS
+from drumlin.studies import OPTIONAL_PACKAGE_BY_STUDY_NAME, paths_of_all_examples
 from drumlin.sweeps.sweep_table import SweepTable
 
 
@@ -35,7 +35,7 @@ def here(tmp_path, monkeypatch):
 def laws():
     """The registered models, which are as they were after the test."""
     yield MODELS
-    for name in set(MODELS) - BUILT_IN_MODELS:
+    for name in set(MODELS) - NAMES_OF_BUILT_IN_MODELS:
         del MODELS[name]
 
 
@@ -453,7 +453,7 @@ def test_the_terminal_names_its_options(here):
 def test_json_of_the_terminal_names_its_options_too(brake):
     failure = drumlin.NoAnswer("--tolerance = 1e-12: is not reached")
     failure.replace_options_by_python_arguments_in_message()
-    data = _SolvedBrake(Path("my.toml"), brake, None, failure).as_dict()
+    data = _BrakeWithResponseOrFailure(Path("my.toml"), brake, None, failure).as_dict()
     assert data == {"brake_file": "my.toml", "failure": "--tolerance = 1e-12: is not reached"}
 
 
@@ -562,7 +562,7 @@ def test_a_printed_example_names_no_schema_that_is_not_there():
 
 
 def test_the_manual_names_its_extra(here, monkeypatch):
-    monkeypatch.setitem(PACKAGES_OF_STUDIES, "manual", "no_such_package")
+    monkeypatch.setitem(OPTIONAL_PACKAGE_BY_STUDY_NAME, "manual", "no_such_package")
     done = run("study", "manual")
     assert done.returncode == 3 and 'pip install "drumlin[manual]"' in done.stderr
 

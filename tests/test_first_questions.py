@@ -10,7 +10,10 @@ import drumlin
 from command_line import drumlin as run
 from conftest import ROOT
 from drumlin.base.errors import BadInput
-from drumlin.brake.plausibility import LARGE_EVEN_CLEARANCE, notes_on_implausible_brake_values
+from drumlin.brake.plausibility import (
+    LARGEST_USUAL_UNIFORM_CLEARANCE_OVER_RADIUS,
+    notes_on_implausible_brake_values,
+)
 from drumlin.fem.width.prepare import reason_why_width_model_does_not_apply
 
 WHICH_LAW = ROOT / "studies" / "manual" / "pages" / "engineer" / "which_law.md"
@@ -102,7 +105,9 @@ def test_the_gap_of_an_adjuster_changes_nothing_but_an_even_gap_does(brake):
     (note,) = notes_on_implausible_brake_values(even)
     assert "shoe[0].lining.clearance = 0.3 mm is a gap along the whole lining" in note
     assert "which the shoe closes by a turn about its pin (1 more shoe alike)" in note
-    small = drumlin.vary(brake, {"shoe.lining.clearance": 0.99 * LARGE_EVEN_CLEARANCE * 0.15})
+    small = drumlin.vary(
+        brake, {"shoe.lining.clearance": 0.99 * LARGEST_USUAL_UNIFORM_CLEARANCE_OVER_RADIUS * 0.15}
+    )
     assert not notes_on_implausible_brake_values(small)
 
 

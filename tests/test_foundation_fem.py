@@ -17,7 +17,7 @@ from drumlin.fem.mesh.degree import nodal_basis_of_mesh
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.solve import solve
-from drumlin.foundation.ring import ring_displacement_per_radial_force
+from drumlin.foundation.ring import inward_ring_displacement_per_radial_force
 from drumlin.laws import solve_brake_by_sine_law
 
 STUDY = read_brake(ROOT / "studies" / "post_brake" / "brake.toml")
@@ -163,7 +163,7 @@ def test_a_ring_of_finite_elements_moves_by_the_closed_form(share, slack, twin):
     thick, thin = (
         float(
             N
-            @ ring_displacement_per_radial_force(
+            @ inward_ring_displacement_per_radial_force(
                 brake.drum.ring, 2.0, d, twin=twin, sign=-1, thick=thick
             )
             @ N
@@ -226,7 +226,9 @@ def test_beam_and_rim_of_the_finite_elements_move_as_those_of_the_foundation_mod
             np.interp(x, answer.deformation.x, answer.deformation.w), abs=0.05 * w.max()
         )
     theta, z = angles_and_inward_displacements_of_ring_surface(scene, brake, fem)
-    whole = foundation.ring_displacement_under_each_shoe(brake, mine, theta, ["all"]).sum(axis=0)
+    whole = foundation.inward_ring_displacement_under_each_shoe(brake, mine, theta, ["all"]).sum(
+        axis=0
+    )
     assert np.ptp(theta) > 6
     assert np.abs(z - whole).max() < 0.03 * np.abs(z).max()
     with pytest.raises(BadInput, match="rigid drum"):

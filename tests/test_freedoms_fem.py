@@ -11,7 +11,7 @@ from drumlin.base.errors import BadInput
 from drumlin.brake.file import make_drum_brake_from_data, vary
 from drumlin.fem.analysis.fields import stress_and_displacement_fields_of_shoe
 from drumlin.fem.equilibrium.group import divide_pressed_shoes_into_groups
-from drumlin.fem.error_control.levels import LEVELS
+from drumlin.fem.error_control.levels import REFINEMENT_LEVELS_FROM_COARSE_TO_FINE
 from drumlin.fem.model import solve_full_system_of_group_by_refinement
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.solve import prepared_model_with_finest_elements
@@ -96,7 +96,7 @@ def test_the_whole_system_refined_is_the_same_answer() -> None:
     for kind in KINDS:
         brake = brake_of(kind, 1, body=BODY)
         (group,) = divide_pressed_shoes_into_groups(
-            make_prepared_model(brake, LEVELS[1]), brake, 1e6
+            make_prepared_model(brake, REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[1]), brake, 1e6
         )
         group, found = group.solve_contact_and_abutment_friction()
         for order in ("COLAMD", "MMD_AT_PLUS_A"):

@@ -13,10 +13,10 @@ from pytest import approx
 import drumlin
 from drumlin import BadInput, Brake, NoAnswer
 from drumlin.brake.file import make_drum_brake_from_data, make_validated_brake_part, vary
-from drumlin.brake.plane_brake import FlatBrake, read_any
-from drumlin.laws import LAWS, rigid, solve_brake_by_its_rigid_shoe_law
+from drumlin.brake.plane_brake import FlatBrake, read_drum_or_plane_brake
+from drumlin.laws import LAWS_OF_HINGED_SHOES_BY_NAME, rigid, solve_brake_by_its_rigid_shoe_law
 from drumlin.laws.hinged import angles_and_radii_of_hinged_shoe
-from drumlin.laws.shapes import ratio_of_equivalent_friction
+from drumlin.laws.shapes import ratio_of_equivalent_to_lining_friction
 from drumlin.models import MODELS, applicable_models
 from drumlin.response.balance import brake_with_forces_of_response, resultant_of_contact_on_shoe
 from drumlin.response.response import Response, ShoeResponse
@@ -293,7 +293,9 @@ def test_the_law_of_a_hinge_is_the_sine_law_and_that_of_a_guide_the_cosine(spin)
     shoe = solve_brake_by_its_rigid_shoe_law(guided).shoes[0]
     # The friction acts across the guide and does not change the normal force.
     N = F
-    assert shoe.torque == approx(0.3 * float(ratio_of_equivalent_friction(0.9)) * N * R, rel=1e-12)
+    assert shoe.torque == approx(
+        0.3 * float(ratio_of_equivalent_to_lining_friction(0.9)) * N * R, rel=1e-12
+    )
     assert shoe.pressure == approx(shoe.peak_pressure * np.cos(shoe.theta), rel=1e-12)
 
 
@@ -369,7 +371,7 @@ def kinds(draw: Any, mu: float, spin: int) -> Brake:
     if kind in {"pivot", "guide"}:
         del one["abutment"]
     if kind == "pivot":
-        reach = float(ratio_of_equivalent_friction(half)) * draw(st.floats(0.9, 1.1))
+        reach = float(ratio_of_equivalent_to_lining_friction(half)) * draw(st.floats(0.9, 1.1))
         one |= {
             "hinge": {"x": 0.03, "y": -0.2},
             "pivot": {"radius": R * reach, "angle": at + 0.1 * m},
@@ -496,7 +498,7 @@ def test_every_brake_has_the_rigid_law_under_exactly_one_name(root: Any) -> None
     for brake in (
         cam_brake(0.3, 1),
         brake_of(abutted(0.3, 1, 0.1)),
-        read_any(root / "studies/laws/pad.toml"),
+        read_drum_or_plane_brake(root / "studies/laws/pad.toml"),
     ):
         assert len(names & set(picked(applicable_models(brake), "name"))) == 1
     one = vary(cam_brake(0.3, 1), {"actuation": None, "shoe.actuation.force": F})
@@ -504,7 +506,7 @@ def test_every_brake_has_the_rigid_law_under_exactly_one_name(root: Any) -> None
     assert solve_brake_by_its_rigid_shoe_law(one).torque == approx(
         float(MODELS["sine"].solve(one).torque), rel=1e-12
     )
-    assert LAWS["sine"].self_locking_friction(
+    assert LAWS_OF_HINGED_SHOES_BY_NAME["sine"].self_locking_friction(
         angles_and_radii_of_hinged_shoe(one, one.shoes[0])
     ) == approx(rigid.self_locking_friction_of_rigid_shoe(one, one.shoes[0]), rel=1e-9)
 

@@ -74,7 +74,7 @@ def test_a_foot_on_a_rough_face_sticks_and_slips_as_the_linings_do(spin: int) ->
     assert lever[-1] == 0
     end, n = find_drum_rotation_of_full_slip(scene, brake), len(lever)
     nothing, seen = np.zeros(n), set()
-    before = stick_slip.SlipHistory(nothing, nothing)
+    before = stick_slip.TractionsAndSlipsOfLastIncrement(nothing, nothing)
     at = stick_slip.solve_stick_slip_load_increment(
         problem, mu, before, np.full(n, stick_slip.STICK)
     )

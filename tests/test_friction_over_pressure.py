@@ -1,7 +1,6 @@
 """Friction that depends on pressure, speed and temperature: closed forms, equilibria, refusals."""
 
 import math
-from typing import Any
 
 import numpy as np
 import pytest
@@ -11,38 +10,31 @@ from scipy.integrate import quad
 import drumlin
 from conftest import ROOT
 from drumlin.base.errors import BadInput, NoAnswer
-from drumlin.brake import read_any
+from drumlin.brake import read_drum_or_plane_brake
 from drumlin.brake.file import make_drum_brake_from_data, make_validated_brake_part, vary
 from drumlin.brake.plane_brake import FlatBrake
 from drumlin.brake.writing import brake_file_text
 from drumlin.contact import pressure_friction
 from drumlin.contact.active_set import solve_contact_problem
 from drumlin.contact.pressure_friction import (
-    NodalFriction,
+    NodalFrictionAndSlope,
     solve_contact_with_pressure_dependent_friction,
 )
 from drumlin.contact.self_locking import FrictionDependentProblem
-from drumlin.explore.answers import Explorer
+from drumlin.explore.answers import SliderSolver
 from drumlin.fem.analysis.sensitivity import sensitivity_as_text_lines
 from drumlin.fem.solve import solve
 from drumlin.peers.peer import mesh_shoes_for_peer_program
 from drumlin.response.balance import relative_imbalance_of_shoe
 from drumlin.response.resultants import integral_of_piecewise_polynomial
 from drumlin.verification.triangles import solve_brake_on_sequence_of_triangle_meshes
-from drumlin.verification.triangles.levels import TRIANGLE_LEVELS
+from drumlin.verification.triangles.levels import TRIANGLE_MESH_LEVELS_FROM_COARSE_TO_FINE
 from drumlin_studies.random_brake import draw_random_brake
 from drumlin_studies.stated_true import true_errors_of_response
 from flat_pads import pad
+from friction_tables import EVEN, FALLING, KINKED, over_pressure
 from shared_forces import cam_brake, servo
 from winkler_lining import FORCE, PIN, RADIUS, WIDTH, K, winkler
-
-FALLING: dict[str, Any] = {"pressure": ["0 MPa", "1 MPa"], "mu": [0.45, 0.3]}
-KINKED: dict[str, Any] = {"pressure": ["0 MPa", "0.3 MPa", "1 MPa"], "mu": [0.4, 0.42, 0.25]}
-EVEN = {"pressure": ["0 MPa", "1 MPa"], "mu": [0.35, 0.35]}
-
-
-def over_pressure(brake, table=FALLING, **changes):
-    return vary(brake, {"friction": table} | changes)
 
 
 def on_mesh(brake):
@@ -63,7 +55,7 @@ def test_a_winkler_lining_under_friction_linear_in_pressure_has_its_closed_form(
 
     def friction(p):
         steps.append(p)
-        return NodalFriction(mu + slope * p, np.full(len(p), slope))
+        return NodalFrictionAndSlope(mu + slope * p, np.full(len(p), slope))
 
     start = solve_contact_problem(without)
     found = solve_contact_with_pressure_dependent_friction(problem, friction, start, 0 * phi)
@@ -254,7 +246,7 @@ def test_friction_agrees_with_the_pressure_and_every_shoe_balances(brake, name):
         assert_allclose(shoe.friction_stress, stress, atol=2e-10 * stress.max())
         # The torque is that of the friction stress, integrated by hand.
         force = integral_of_piecewise_polynomial(shoe.theta, stress, shoe.order)
-        area = given.lining.width * table.scale_factor**2
+        area = given.lining.width * table.length_per_surface_coordinate**2
         i = found.shoes.index(shoe)
         assert found.effects[i] == pytest.approx(area * force, rel=1e-4)
 
@@ -398,9 +390,11 @@ UNLIKE = {"friction": KINKED, "shoe[1].lining.friction": FALLING}
 )
 def test_the_second_solver_has_the_same_friction_over_pressure(file, friction):
     """Triangles iterate mu(p) at fixed coefficients, by no code of the elements."""
-    brake = vary(read_any(ROOT / "studies" / file), friction)
+    brake = vary(read_drum_or_plane_brake(ROOT / "studies" / file), friction)
     found = drumlin.solve(brake, tolerance=1e-3, model_error=False)
-    coarse, fine = solve_brake_on_sequence_of_triangle_meshes(brake, TRIANGLE_LEVELS[:2])
+    coarse, fine = solve_brake_on_sequence_of_triangle_meshes(
+        brake, TRIANGLE_MESH_LEVELS_FROM_COARSE_TO_FINE[:2]
+    )
     own = true_errors_of_response(brake, coarse, fine)
     true = true_errors_of_response(brake, found.shoes, fine)
     for name in ("pressure", "torque", "peak", "reaction"):
@@ -495,7 +489,7 @@ def test_a_brake_with_a_table_is_written_and_read_again(brake, tmp_path):
     )
     path = tmp_path / "brake.toml"
     path.write_text(brake_file_text(table), encoding="utf-8")
-    assert read_any(path) == table
+    assert read_drum_or_plane_brake(path) == table
     assert vary(table, {"friction": 0.3, "shoe.lining.friction": None, "drum.speed": None}) == vary(
         brake, {"friction": 0.3}
     )
@@ -549,7 +543,7 @@ REFUSED = {
         vary(cam_brake(), {"friction": brake.friction_as_written})
     ),
     "reference": drumlin.reference,
-    "explore": Explorer,
+    "explore": SliderSolver,
     "worn in": lambda brake: drumlin.solve(brake, worn_in=True),
     "finite width": lambda brake: drumlin.solve(brake, finite_width=True),
     "solid": lambda brake: drumlin.solve(brake, "solid"),

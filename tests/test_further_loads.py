@@ -12,23 +12,29 @@ from drumlin.brake.brake import Brake
 from drumlin.brake.file import make_drum_brake_from_data
 from drumlin.fem.analysis.sensitivity import compute_torque_sensitivity
 from drumlin.fem.equilibrium.group import divide_pressed_shoes_into_groups
-from drumlin.fem.error_control.levels import LEVELS
+from drumlin.fem.error_control.levels import REFINEMENT_LEVELS_FROM_COARSE_TO_FINE
 from drumlin.fem.model import solve_full_system_of_group_by_refinement
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.solve import solve
 from drumlin.laws.rigid import solve_brake_by_rigid_shoe_law
 from drumlin.peers.getfem import solve_brake_in_getfem_process
-from drumlin.verification.triangles.levels import TRIANGLE_LEVELS, solve_brake_on_one_triangle_mesh
-from further_loads import BODY, FORCE, SUPPORTS, R, brake_with, moment, single_force, two_shoes
+from drumlin.verification.triangles.levels import (
+    TRIANGLE_MESH_LEVELS_FROM_COARSE_TO_FINE,
+    solve_brake_on_one_triangle_mesh,
+)
+from further_loads import (
+    BODY,
+    FORCE,
+    PULL,
+    SUPPORTS,
+    R,
+    brake_with,
+    moment,
+    single_force,
+    two_shoes,
+)
 
 ACTUATION = {"force": 1000.0, "direction": 0.0, "point": {"x": 0.02, "y": 0.08}}
-PULL = {
-    "shoe": "right",
-    "to": "left",
-    "point": {"x": 0.05, "y": 0.03},
-    "end": {"x": -0.05, "y": 0.03},
-    "preload": 100.0,
-}
 TO_FRAME = {"shoe": "shoe", "point": {"x": 0.05, "y": 0.03}, "end": {"x": -0.02, "y": 0.03}}
 ELEMENTS = 16
 
@@ -152,7 +158,7 @@ def test_triangles_agree(loads: str) -> None:
         if loads == "force"
         else two_shoes(body=True, spring=[PULL])
     )
-    fine = solve_brake_on_one_triangle_mesh(brake, TRIANGLE_LEVELS[0])
+    fine = solve_brake_on_one_triangle_mesh(brake, TRIANGLE_MESH_LEVELS_FROM_COARSE_TO_FINE[0])
     for a, b in zip(solve(brake).shoes, fine, strict=True):
         assert a.torque == pytest.approx(b.torque, rel=1e-3)
         assert a.hinge_reaction == pytest.approx(b.hinge_reaction, rel=2e-3)
@@ -183,7 +189,9 @@ def test_getfem_agrees(loads: str) -> None:
 def test_refined_full_system_takes_the_further_force(kind: str) -> None:
     """The full system in long double has the pressures of the condensed one."""
     brake = brake_with(kind, force=[FORCE], body=BODY)
-    (group,) = divide_pressed_shoes_into_groups(make_prepared_model(brake, LEVELS[1]), brake, 1e6)
+    (group,) = divide_pressed_shoes_into_groups(
+        make_prepared_model(brake, REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[1]), brake, 1e6
+    )
     group, found = group.solve_contact_and_abutment_friction()
     refined = solve_full_system_of_group_by_refinement(group, found.active)
     np.testing.assert_allclose(refined.p[0], found.p, atol=1e-8 * found.p.max())

@@ -9,8 +9,8 @@ from scipy.integrate import quad
 import drumlin
 from conftest import ROOT
 from drumlin.base.errors import BadInput
-from drumlin.brake import read_any, read_brake, vary
-from drumlin.brake.components import Beam
+from drumlin.brake import read_brake, read_drum_or_plane_brake, vary
+from drumlin.brake.components import BeamBody
 from drumlin.brake.drum_brake import DrumBrake
 from drumlin.brake.file import make_drum_brake_from_data
 from drumlin.brake.heat import (
@@ -21,7 +21,7 @@ from drumlin.brake.heat import (
 from drumlin.brake.writing import brake_file_text
 from drumlin.fem.analysis.fields import stress_and_displacement_fields_of_shoe
 from drumlin.fem.equilibrium.group import divide_pressed_shoes_into_groups
-from drumlin.fem.error_control.levels import LEVELS
+from drumlin.fem.error_control.levels import REFINEMENT_LEVELS_FROM_COARSE_TO_FINE
 from drumlin.fem.error_control.refinement import (
     assemble_full_system_of_group,
     solve_full_system_by_iterative_refinement,
@@ -32,7 +32,7 @@ from drumlin.fem.preparation.bodies import functions_of_free_thermal_strain_by_l
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.solve import solve
 from drumlin.verification.triangles.levels import (
-    CONTACT_FINDING_LEVEL,
+    COARSE_MESH_LEVEL_TO_FIND_CONTACT_ENDS,
     solve_brake_on_sequence_of_triangle_meshes,
 )
 from drumlin_studies.heat_error import rows_of_stated_and_true_errors_of_drawn_brake
@@ -48,10 +48,12 @@ BODY = {"shoe.body.material.expansion": 12e-6, "shoe.body.temperature_rise": 40.
 RING = {"thickness": 0.015, "width": 0.06, "material": {"E": 1.1e11, "nu": 0.26}}
 SOFT = 1e-10
 """Contact stiffness relative to the lining's: the elements are then as stiff as a rigid shoe."""
-DIVISIONS = pytest.mark.parametrize("level", [LEVELS[0], None], ids=["hp elements", "mesh"])
+DIVISIONS = pytest.mark.parametrize(
+    "level", [REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[0], None], ids=["hp elements", "mesh"]
+)
 
 
-def solved(brake, level=LEVELS[0], elements=40):
+def solved(brake, level=REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[0], elements=40):
     """The response of a brake on one division."""
     return solve_prepared_model(make_prepared_model(brake, level, elements=elements), brake)
 
@@ -176,7 +178,7 @@ def test_an_evenly_hot_free_ring_grows_as_a_rigid_drum():
 def thin_lining_on_rigid_shoe():
     """A hot brake with thin linings on rigid shoes."""
     return vary(
-        read_any(ROOT / "studies" / "laws" / "double_shoe_external.toml"),
+        read_drum_or_plane_brake(ROOT / "studies" / "laws" / "double_shoe_external.toml"),
         {
             "shoe.lining.thickness": 1e-4,
             "shoe.body": None,
@@ -207,8 +209,11 @@ def test_both_divisions_have_the_same_hot_brake(gradient):
     if gradient:
         heat |= {"shoe.lining.back_temperature_rise": 30.0, "shoe.body.back_temperature_rise": 0.0}
     brake = vary(MAIN, heat)
-    columns, mesh = solved(brake, LEVELS[1]), solved(brake, None, 160)
-    cold = solved(MAIN, LEVELS[1])
+    columns, mesh = (
+        solved(brake, REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[1]),
+        solved(brake, None, 160),
+    )
+    cold = solved(MAIN, REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[1])
     assert abs(columns.torque / cold.torque - 1) > 0.05
     assert mesh.torque == pytest.approx(columns.torque, rel=3e-5)
     for response in (columns, mesh):
@@ -265,7 +270,9 @@ def test_a_block_of_a_mesh_before_a_straight_beam_has_one_temperature():
 @pytest.mark.slow
 def test_stated_errors_hold_for_a_post_whose_block_is_hotter_at_its_back():
     """Strains with a kink inside elements fell more slowly from level to level than is stated."""
-    assert isinstance(draw_random_brake_with_loads_and_lining_friction(540005).shoes[0].body, Beam)
+    assert isinstance(
+        draw_random_brake_with_loads_and_lining_friction(540005).shoes[0].body, BeamBody
+    )
     for row in rows_of_stated_and_true_errors_of_drawn_brake(
         draw_random_brake_with_loads_and_lining_friction, 540005
     ):
@@ -286,7 +293,7 @@ def test_heat_and_its_opposite_move_the_contact_force_of_a_free_lining_alike():
 
 def test_the_refinement_in_long_double_has_the_heat_as_well():
     brake = vary(MAIN, LINING | BODY)
-    scene = make_prepared_model(brake, LEVELS[0])
+    scene = make_prepared_model(brake, REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[0])
     warm, torque = solve_prepared_model(scene, brake), 0.0
     for group in divide_pressed_shoes_into_groups(scene, brake):
         refined = solve_full_system_by_iterative_refinement(
@@ -327,7 +334,7 @@ def test_the_bond_of_a_thin_hot_lining_is_pressed_along(level):
 @pytest.mark.parametrize("file", ["studies/heat/brake.toml", "studies/brakes/simplex_abutted.toml"])
 def test_the_second_solver_has_the_same_hot_brake(file):
     """Triangles integrate B^T D eps_0 over layers that know only their two faces' strains."""
-    brake = read_any(ROOT / file)
+    brake = read_drum_or_plane_brake(ROOT / file)
     if brake != HOT:
         brake = vary(
             brake,
@@ -348,7 +355,9 @@ def test_the_second_solver_has_the_same_hot_brake(file):
 @pytest.mark.slow
 def test_triangles_on_a_coarse_mesh_have_the_same_hot_brake():
     brake = vary(MAIN, LINING | BODY | {"shoe.body.back_temperature_rise": 0.0})
-    shoes = solve_brake_on_sequence_of_triangle_meshes(brake, [CONTACT_FINDING_LEVEL])[-1]
+    shoes = solve_brake_on_sequence_of_triangle_meshes(
+        brake, [COARSE_MESH_LEVEL_TO_FIND_CONTACT_ENDS]
+    )[-1]
     assert sum(shoe.torque for shoe in shoes) == pytest.approx(solved(brake).torque, rel=2e-3)
 
 
@@ -414,7 +423,7 @@ def test_what_takes_no_heated_shoes_says_so(ask, words):
 
 
 def test_a_cam_on_heated_shoes_is_refused():
-    brake = vary(read_any(ROOT / "studies" / "brakes" / "s_cam.toml"), LINING)
+    brake = vary(read_drum_or_plane_brake(ROOT / "studies" / "brakes" / "s_cam.toml"), LINING)
     with pytest.raises(BadInput, match="cam on heated shoes"):
         drumlin.solve(brake)
 

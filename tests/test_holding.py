@@ -137,9 +137,12 @@ def test_every_increment_obeys_contact_and_friction():
         turn = lever * (brake.sign_of_motion / brake.shoes[0].actuation.force)
         nothing = np.zeros(len(lever))
         at = stick_slip.solve_stick_slip_load_increment(
-            problem, mu, stick_slip.SlipHistory(nothing, nothing), np.full(len(lever), STICK)
+            problem,
+            mu,
+            stick_slip.TractionsAndSlipsOfLastIncrement(nothing, nothing),
+            np.full(len(lever), STICK),
         )
-        before = stick_slip.SlipHistory(nothing, nothing)
+        before = stick_slip.TractionsAndSlipsOfLastIncrement(nothing, nothing)
         for rotation in end * np.array([0.1, 0.5, 1.0, 0.6, -0.4]):
             q_s = problem.q_s + turn * rotation
             before, at = (

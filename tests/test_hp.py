@@ -25,9 +25,18 @@ from drumlin.fem.analysis.holding import (
 )
 from drumlin.fem.analysis.sensitivity import compute_torque_sensitivity
 from drumlin.fem.equilibrium.group import divide_pressed_shoes_into_groups
-from drumlin.fem.error_control.adapt import DEFAULT_TOLERANCE, solve_brake_to_tolerance
-from drumlin.fem.error_control.estimate import FACTORS, estimate_errors_from_two_mesh_levels
-from drumlin.fem.error_control.levels import LEVELS, solve_brake_on_finer_and_finer_mesh_levels
+from drumlin.fem.error_control.adapt import (
+    DEFAULT_TOLERANCES_OF_PRESSURE_AND_TORQUE,
+    solve_brake_to_tolerance,
+)
+from drumlin.fem.error_control.estimate import (
+    SAFETY_FACTORS_OF_ERROR_ESTIMATE,
+    estimate_errors_from_two_mesh_levels,
+)
+from drumlin.fem.error_control.levels import (
+    REFINEMENT_LEVELS_FROM_COARSE_TO_FINE,
+    solve_brake_on_finer_and_finer_mesh_levels,
+)
 from drumlin.fem.error_control.singular_points import singular_points_of_each_shoe_shape
 from drumlin.fem.hp import division
 from drumlin.fem.hp.arc import (
@@ -45,7 +54,7 @@ from drumlin.fem.hp.columns import (
     rotate_node_axes_of_matrix,
 )
 from drumlin.fem.hp.division import (
-    Singularity,
+    KindOfSingularPoint,
     SingularPoint,
     divide_shoe_into_hp_elements,
     element_sizes_growing_from_both_ends,
@@ -61,16 +70,16 @@ from drumlin.fem.hp.shoe import (
     node_coordinates_of_layers_and_columns,
 )
 from drumlin.fem.model import (
-    PENALTY,
+    DEFAULT_PENALTY_FACTOR,
     solve_full_system_of_group_by_refinement,
     solve_prepared_model,
 )
-from drumlin.fem.preparation.bodies import load_column_factors_and_pin_moment_per_newton
-from drumlin.fem.preparation.cache import Cache
+from drumlin.fem.preparation.bodies import actuation_factors_and_pin_moment_per_newton
+from drumlin.fem.preparation.cache import CacheOfCondensedBodies
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.solve import prepared_model_with_finest_elements, solve
 from drumlin.fem.substructure.body import (
-    FRAME,
+    DEGREES_OF_FREEDOM_OF_BODY_FRAME,
     condense_body_to_contact_and_hinge_face,
     rigid_body_displacements_of_nodes,
 )
@@ -101,7 +110,7 @@ POST = {
 
 def contact_end(at, length):
     """The singular point at an end of a contact of the given length."""
-    return SingularPoint(at, length, Singularity.END)
+    return SingularPoint(at, length, KindOfSingularPoint.END)
 
 
 def curved(p):
@@ -198,7 +207,7 @@ def test_columns_merged_in_any_order_are_the_whole_eliminated_at_once():
     )
     of = numbering_of_element_column_unknowns(p, layers, contact=True, held=False)
     parts = [
-        ColumnSubstructure(part, of.line, of.line)
+        ColumnSubstructure(part, of.number_of_side_unknowns, of.number_of_side_unknowns)
         for part in condensed_element_column_stiffness(K, of)
     ]
     whole = assemble_and_condense_row_of_element_columns(parts, 2)
@@ -208,7 +217,7 @@ def test_columns_merged_in_any_order_are_the_whole_eliminated_at_once():
         one_by_one = join_and_condense_neighbouring_substructures(one_by_one, part, 2)
     size = np.abs(whole.K).max()
     np.testing.assert_allclose(whole.K, one_by_one.K, atol=1e-11 * size)
-    assert len(whole.K) == 2 * of.line + 2 * (m * p + 1)
+    assert len(whole.K) == 2 * of.number_of_side_unknowns + 2 * (m * p + 1)
     assert np.abs(whole.K.reshape(len(whole.K), -1, 2).sum(axis=1)).max() < 1e-12 * size
     ends = assemble_and_condense_row_of_element_columns(
         [
@@ -260,7 +269,7 @@ def test_columns_of_an_arc_by_symmetric_and_antisymmetric_motions_are_those_of_t
         held=held,
     )
     for K, own, side in zip(theirs, ours, half, strict=True):
-        lines = np.full(of.line // 2, side)
+        lines = np.full(of.number_of_side_unknowns // 2, side)
         ends = np.concatenate([[-side], np.zeros(nodes - 2), [side]]) if contact else []
         expected = rotate_node_axes_of_matrix(K, np.concatenate([lines * -1, ends, lines]))
         np.testing.assert_allclose(own, expected, rtol=0, atol=1e-11 * np.abs(expected).max())
@@ -289,7 +298,7 @@ def every_unknown_at_once(K, p):
     )
 
 
-def body_and_parts(brake, index=0, level=LEVELS[1]):
+def body_and_parts(brake, index=0, level=REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[1]):
     return brake.shoes[index], make_prepared_model(brake, level).bodies[index]
 
 
@@ -344,7 +353,7 @@ def test_a_post_is_what_one_sparse_factorisation_leaves():
     assert middles[1] == pytest.approx(
         shoe.convert_points_to_shoe_frame(shoe.actuation.point.xy), abs=1e-12
     )
-    assert body.load_centre == pytest.approx(middles[1])
+    assert body.application_point_of_actuation_loads == pytest.approx(middles[1])
 
 
 @pytest.mark.parametrize(
@@ -363,10 +372,10 @@ def test_what_round_off_took_from_the_answer_is_little_and_seen(flexible, which,
     brake = vary(brake, {"shoe.body.material.E": softer * brake.shoes[0].body.material.E})
     made, response = list(
         solve_brake_on_finer_and_finer_mesh_levels(
-            brake, solve_prepared_model, levels=LEVELS[: level + 1]
+            brake, solve_prepared_model, levels=REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[: level + 1]
         )
     )[-1]
-    (group, *_) = divide_pressed_shoes_into_groups(made, brake, PENALTY)
+    (group, *_) = divide_pressed_shoes_into_groups(made, brake, DEFAULT_PENALTY_FACTOR)
     group, found = group.solve_contact_and_abutment_friction(None)
     refined = solve_full_system_of_group_by_refinement(group, found.active)
     p, error = (
@@ -386,7 +395,7 @@ def test_the_turn_of_the_frame_moves_the_contact_as_a_rigid_body(brake):
     assert body.condensed.L_cc @ body.condensed.L_fc.T == pytest.approx(
         -(body.condensed.L_cc @ body.condensed.L_cc.T) @ motion, rel=1e-6, abs=1e-6 * 3e8
     )
-    assert motion.shape == (len(body.rotation_mode), FRAME)
+    assert motion.shape == (len(body.rotation_mode), DEGREES_OF_FREEDOM_OF_BODY_FRAME)
     assert body.rotation_mode == pytest.approx(motion[:, 2])
 
 
@@ -409,7 +418,7 @@ def test_a_ring_under_even_pressure_grows_as_lame_says(brake, support):
         "shoe[0].hinge": {"x": 0.0, "y": -0.125},
         "shoe[1].hinge": {"x": 0.0, "y": -0.125},
     }
-    made = make_prepared_model(vary(brake, halves), LEVELS[2])
+    made = make_prepared_model(vary(brake, halves), REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[2])
     p = [np.full(len(body.line.phi), 1e6) for body in made.bodies]
     halves_of_ring = made.ring.normal_half_flexibilities
     opened = sum(halves_of_ring[j] @ p[j] for j in range(2))
@@ -428,7 +437,11 @@ def test_rings_of_columns_and_of_a_mesh_answer_alike(brake, support):
     ringed = vary(brake, drum_ring(0.012, support))
     theirs = solve_prepared_model(make_prepared_model(ringed, elements=120), ringed)
     mine = solve_prepared_model(
-        make_prepared_model(ringed, LEVELS[2], singular_points_of_each_shoe_shape(ringed, theirs)),
+        make_prepared_model(
+            ringed,
+            REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[2],
+            singular_points_of_each_shoe_shape(ringed, theirs),
+        ),
         ringed,
     )
     assert mine.torque == pytest.approx(theirs.torque, rel=2e-5)
@@ -462,8 +475,8 @@ def test_levels_converge_fast_and_the_estimate_is_an_upper_value(flexible):
 def test_every_solve_states_its_error_and_columns_end_where_the_contact_ends(brake):
     half = vary(brake, {"shoe.lining.clearance": 1e-4})
     response = solve(half)
-    assert response.error["pressure"] <= DEFAULT_TOLERANCE.pressure
-    assert response.error["torque"] <= DEFAULT_TOLERANCE.torque
+    assert response.error["pressure"] <= DEFAULT_TOLERANCES_OF_PRESSURE_AND_TORQUE.pressure
+    assert response.error["torque"] <= DEFAULT_TOLERANCES_OF_PRESSURE_AND_TORQUE.torque
     assert (
         set(response.error)
         == set(response.shoes[0].error)
@@ -517,9 +530,11 @@ def test_columns_of_the_first_level_end_where_a_short_contact_ends(seed):
     """
     brake = draw_random_brake(seed, "small contact")
     found = next(solve_brake_on_finer_and_finer_mesh_levels(brake, solve_prepared_model))
-    line, shoe = found.scene.bodies[0].line, found.response.shoes[0]
+    line, shoe = found.prepared_model.bodies[0].line, found.response.shoes[0]
     first, last = shoe.contact_arcs[0]
-    ends = brake.shoes[0].frame.theta(line.phi[:: line.interpolation_degree_along_contact_line])
+    ends = brake.shoes[0].frame.surface_coordinates_of_phi(
+        line.phi[:: line.interpolation_degree_along_contact_line]
+    )
     assert max(np.abs(ends - first).min(), np.abs(ends - last).min()) <= 0.02 * (last - first)
 
 
@@ -587,7 +602,7 @@ def test_corners_beyond_a_short_contact_cost_little_and_change_nothing(monkeypat
         lambda size, distance, *, coarsens: size,
     ):
         monkeypatch.setattr(division, "relative_element_size_far_from_contact", rule)
-        made = make_prepared_model(brake, LEVELS[2], places)
+        made = make_prepared_model(brake, REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[2], places)
         found.append((made.bodies[0].unknowns, solve_prepared_model(made, brake)))
     (unknowns, last), (more, fine) = found
     assert unknowns < 0.85 * more
@@ -616,8 +631,14 @@ def test_most_short_contacts_are_known_by_default_on_the_third_level():
         return np.array(found)
 
     found = steps_of_p()
-    assert np.count_nonzero(FACTORS.pressure * found < 1.5e-3) >= 5
-    assert np.count_nonzero(FACTORS.pressure * found < DEFAULT_TOLERANCE.pressure) >= 6
+    assert np.count_nonzero(SAFETY_FACTORS_OF_ERROR_ESTIMATE.pressure * found < 1.5e-3) >= 5
+    assert (
+        np.count_nonzero(
+            SAFETY_FACTORS_OF_ERROR_ESTIMATE.pressure * found
+            < DEFAULT_TOLERANCES_OF_PRESSURE_AND_TORQUE.pressure
+        )
+        >= 6
+    )
 
 
 def test_a_short_contact_is_graded_faster():
@@ -637,9 +658,9 @@ def test_a_short_contact_is_graded_faster():
         found = solve_prepared_model(made, brake).shoes[0]
         return made.bodies[0].unknowns, relative_distance_of_pressures(found, true.shoes[0])
 
-    level = LEVELS[2]
+    level = REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[2]
     unknowns, error = solved(level)
-    more, as_well = solved(replace(level, opening=level.ratio))
+    more, as_well = solved(replace(level, size_ratio_at_short_contacts=level.column_size_ratio))
     assert 1.2 * unknowns < more and 0.5 * error < as_well
 
 
@@ -651,7 +672,10 @@ def test_what_a_level_cannot_reach_is_said(brake):
     ):
         solve(brake, tolerance=1e-12)
     answered = solve_brake_to_tolerance(
-        brake, DEFAULT_TOLERANCE._replace(torque=0.0), solve_prepared_model, must=False
+        brake,
+        DEFAULT_TOLERANCES_OF_PRESSURE_AND_TORQUE._replace(torque=0.0),
+        solve_prepared_model,
+        must=False,
     ).response
     assert (
         answered.notes[-1].startswith("warning: tolerance ") and "not reached" in answered.notes[-1]
@@ -672,12 +696,17 @@ def test_divisions_grow_from_their_ends_and_contain_what_they_must(brake):
     beside = divide_shoe_into_hp_elements(
         shoe,
         brake.drum.radius,
-        LEVELS[2],
+        REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[2],
         [contact_end(start + 2e-10, 1e-7), contact_end(start + 1e-7, 1e-7)],
     )
     # The bound holds however near to its end a lining is open; sizes are powers of two.
-    assert np.diff(beside.angles).min() >= 0.5 * division.SMALLEST_COLUMN * t
-    div = divide_shoe_into_hp_elements(shoe, brake.drum.radius, LEVELS[2], [contact_end(1.0, 0.5)])
+    assert (
+        np.diff(beside.angles).min()
+        >= 0.5 * division.SMALLEST_ELEMENT_SIZE_OVER_LINING_THICKNESS * t
+    )
+    div = divide_shoe_into_hp_elements(
+        shoe, brake.drum.radius, REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[2], [contact_end(1.0, 0.5)]
+    )
     assert 1.0 in div.angles
     at = int(np.flatnonzero(div.angles == 1.0)[0])
     assert (
@@ -687,10 +716,17 @@ def test_divisions_grow_from_their_ends_and_contain_what_they_must(brake):
     end = shoe.arc[1]
     borne = np.diff(
         divide_shoe_into_hp_elements(
-            shoe, brake.drum.radius, LEVELS[2], [contact_end(1.0, 0.5), contact_end(end, 0.5)]
+            shoe,
+            brake.drum.radius,
+            REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[2],
+            [contact_end(1.0, 0.5), contact_end(end, 0.5)],
         ).angles
     )
-    everywhere = np.diff(divide_shoe_into_hp_elements(shoe, brake.drum.radius, LEVELS[2]).angles)
+    everywhere = np.diff(
+        divide_shoe_into_hp_elements(
+            shoe, brake.drum.radius, REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[2]
+        ).angles
+    )
     assert borne[-1] == pytest.approx(everywhere[-1])
     assert borne[0] > 3 * everywhere[0], "no pressure there: not graded to its spike"
     values, which = distinct_sizes_and_index_of_each_size(np.array([0.1, 0.2, 0.1 * (1 + 1e-15)]))
@@ -712,7 +748,7 @@ def test_a_table_of_many_clearances_is_a_curve(brake):
 
 
 def test_the_column_at_an_end_of_the_lining_is_as_narrow_as_the_contact_that_reaches_it(brake):
-    shoe, level, R = brake.shoes[0], LEVELS[1], brake.drum.radius
+    shoe, level, R = brake.shoes[0], REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[1], brake.drum.radius
     (start, end), t = shoe.arc, shoe.lining.thickness / R
 
     def first(*contact):
@@ -721,14 +757,18 @@ def test_the_column_at_an_end_of_the_lining_is_as_narrow_as_the_contact_that_rea
         ).angles
         return angles[1] - angles[0]
 
-    unknown = min(level.edge * t, level.zone * math.radians(0.2))
+    unknown = min(level.lining_end_column_size * t, level.face_layer_size * math.radians(0.2))
     assert first() == pytest.approx(unknown, rel=1e-9)
     assert first(start, start + 1.0) == pytest.approx(unknown, rel=1e-9)
-    assert first(start, start + 1e-3) == pytest.approx(level.edge * 5e-4, rel=1e-9)
+    assert first(start, start + 1e-3) == pytest.approx(
+        level.lining_end_column_size * 5e-4, rel=1e-9
+    )
     # A contact that all but reaches the end counts as one that reaches it.
-    assert first(start + 1e-7, start + 1e-7 + 1e-3) == pytest.approx(level.edge * 5e-4, rel=1e-9)
+    assert first(start + 1e-7, start + 1e-7 + 1e-3) == pytest.approx(
+        level.lining_end_column_size * 5e-4, rel=1e-9
+    )
     # Nothing presses at this end, so that the columns there may be wide.
-    assert first(start + 0.1, end) == pytest.approx(level.back * t, rel=1e-9)
+    assert first(start + 0.1, end) == pytest.approx(level.interface_layer_size * t, rel=1e-9)
 
 
 @pytest.mark.parametrize("at_start", [True, False])
@@ -742,8 +782,12 @@ def test_what_is_open_beside_an_end_of_the_lining_is_columns_of_its_own(brake, a
     start, end = shoe.arc
     length, gap = 2e-3, 8e-6
     contact = (start + gap, start + gap + length) if at_start else (end - gap - length, end - gap)
-    fine = [level for level in LEVELS if level.end * length < gap]
-    assert 2 < len(fine) < len(LEVELS)
+    fine = [
+        level
+        for level in REFINEMENT_LEVELS_FROM_COARSE_TO_FINE
+        if level.contact_end_column_size * length < gap
+    ]
+    assert 2 < len(fine) < len(REFINEMENT_LEVELS_FROM_COARSE_TO_FINE)
     for level in fine:
         angles = divide_shoe_into_hp_elements(
             shoe, R, level, [contact_end(x, length) for x in contact]
@@ -760,7 +804,9 @@ def test_a_contact_that_ends_all_but_at_an_end_of_the_lining_converges():
     *_, one, other = (
         step.response.shoes[0]
         for step in solve_brake_on_finer_and_finer_mesh_levels(
-            draw_random_brake(7986), solve_prepared_model, levels=LEVELS[:5]
+            draw_random_brake(7986),
+            solve_prepared_model,
+            levels=REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[:5],
         )
     )
     assert relative_distance_of_pressures(one, other) < 5e-4
@@ -769,12 +815,18 @@ def test_a_contact_that_ends_all_but_at_an_end_of_the_lining_converges():
 def test_places_are_the_ends_of_the_contact_and_kinks(brake):
     kinked = vary(brake, {"shoe[0].lining.clearance": [(-0.5, 5e-5), (0.1, 0.0), (0.6, 5e-5)]})
     places = singular_points_of_each_shoe_shape(kinked, solve(kinked, elements=40))
-    kinks = sorted(point.at for point in chain(*places.values()) if point.kind == Singularity.KINK)
-    assert kinks == pytest.approx(
-        sorted(brake.shoes[0].frame.phi(np.array([-0.5, 0.1, 0.6])).tolist())
+    kinks = sorted(
+        point.position
+        for point in chain(*places.values())
+        if point.kind == KindOfSingularPoint.KINK
     )
-    (tip,) = (point for point in chain(*places.values()) if point.kind == Singularity.TIP)
-    assert tip.at == pytest.approx(float(brake.shoes[0].frame.phi(np.array(0.1))))
+    assert kinks == pytest.approx(
+        sorted(brake.shoes[0].frame.phi_of_surface_coordinates(np.array([-0.5, 0.1, 0.6])).tolist())
+    )
+    (tip,) = (point for point in chain(*places.values()) if point.kind == KindOfSingularPoint.TIP)
+    assert tip.position == pytest.approx(
+        float(brake.shoes[0].frame.phi_of_surface_coordinates(np.array(0.1)))
+    )
     theta = solve(kinked).shoes[0].theta
     for angle in (-0.5, 0.1, 0.6):
         assert np.abs(theta - angle).min() < 1e-12
@@ -792,8 +844,12 @@ def test_an_open_node_between_two_that_press_is_a_place(brake):
     )
     before = singular_points_of_each_shoe_shape(brake, response)
     (found,) = set(chain.from_iterable(places.values())) - set(chain.from_iterable(before.values()))
-    assert (found.at, found.length) == pytest.approx(
-        (brake.shoes[0].frame.phi(shoe.theta[i]), shoe.theta[i + 1] - shoe.theta[i - 1]), rel=1e-5
+    assert (found.position, found.length) == pytest.approx(
+        (
+            brake.shoes[0].frame.phi_of_surface_coordinates(shoe.theta[i]),
+            shoe.theta[i + 1] - shoe.theta[i - 1],
+        ),
+        rel=1e-5,
     )
 
 
@@ -828,7 +884,7 @@ def test_an_opening_that_is_nothing_beside_its_contact_is_no_place(brake):
 def test_a_level_with_more_contact_nodes_than_memory_can_take_is_said_to_miss_the_tolerance(
     brake, monkeypatch
 ):
-    monkeypatch.setattr("drumlin.fem.preparation.columns.MOST_CONTACT_NODES", 110)
+    monkeypatch.setattr("drumlin.fem.preparation.columns.MAX_NODES_OF_CONTACT_PROBLEM", 110)
     with pytest.raises(
         NoAnswer, match=r"not reached, the next level: its \d+ contact nodes are more than the 110"
     ):
@@ -837,21 +893,36 @@ def test_a_level_with_more_contact_nodes_than_memory_can_take_is_said_to_miss_th
 
 def test_nodes_that_meet_through_a_ring_are_counted_together(brake, monkeypatch):
     ringed = vary(brake, drum_ring(0.02, "fixed"))
-    nodes = sum(map(len, picked(make_prepared_model(ringed, LEVELS[0]).bodies, "line.nodes")))
-    monkeypatch.setattr("drumlin.fem.preparation.columns.MOST_CONTACT_NODES", nodes - 1)
+    nodes = sum(
+        map(
+            len,
+            picked(
+                make_prepared_model(ringed, REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[0]).bodies,
+                "line.nodes",
+            ),
+        )
+    )
+    monkeypatch.setattr("drumlin.fem.preparation.columns.MAX_NODES_OF_CONTACT_PROBLEM", nodes - 1)
     with pytest.raises(
         NoAnswer, match=f"its {nodes} contact nodes are more than the {nodes - 1} that"
     ):
-        make_prepared_model(ringed, LEVELS[0])
-    make_prepared_model(brake, LEVELS[0])
+        make_prepared_model(ringed, REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[0])
+    make_prepared_model(brake, REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[0])
 
 
 def test_shoes_of_either_hand_are_divided_alike(brake):
     one, other = (
-        divide_shoe_into_hp_elements(shoe, brake.drum.radius, LEVELS[1]) for shoe in brake.shoes
+        divide_shoe_into_hp_elements(
+            shoe, brake.drum.radius, REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[1]
+        )
+        for shoe in brake.shoes
     )
-    assert one.part == other.part and len(one.before) > 1 and len(one.after) > 1
-    for name in ("angles", "before", "after", "depths"):
+    assert (
+        one.part == other.part
+        and len(one.column_ends_before_lining) > 1
+        and len(one.column_ends_behind_lining) > 1
+    )
+    for name in ("angles", "column_ends_before_lining", "column_ends_behind_lining", "depths"):
         np.testing.assert_allclose(getattr(one, name), getattr(other, name), rtol=0, atol=1e-12)
 
 
@@ -874,7 +945,9 @@ def test_fields_recovered_on_a_grid_are_in_balance(brake):
     The assembled stiffness times the displacements of all nodes gives these forces back.
     """
     made = make_prepared_model(
-        brake, LEVELS[1], singular_points_of_each_shoe_shape(brake, solve(brake))
+        brake,
+        REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[1],
+        singular_points_of_each_shoe_shape(brake, solve(brake)),
     )
     found = solve_prepared_model(made, brake)
     shoe, body = brake.shoes[0], made.bodies[0]
@@ -883,8 +956,8 @@ def test_fields_recovered_on_a_grid_are_in_balance(brake):
     nodal = drag * (body.coupling.T.T @ p) - body.coupling.N.T @ p
     u = body.condensed.nodal_displacements_in_one_case(
         nodal,
-        np.zeros(FRAME),
-        shoe.actuation.force * load_column_factors_and_pin_moment_per_newton(body, shoe)[0],
+        np.zeros(DEGREES_OF_FREEDOM_OF_BODY_FRAME),
+        shoe.actuation.force * actuation_factors_and_pin_moment_per_newton(body, shoe)[0],
     )
     forces = body.basis.stiffness(elastic_layers_of_shoe(shoe)) @ u.T.ravel()
     n = 2 * len(body.line.nodes)
@@ -892,7 +965,7 @@ def test_fields_recovered_on_a_grid_are_in_balance(brake):
 
 
 def test_gradients_at_the_nodes_of_a_grid_are_those_of_a_linear_field_and_its_cells_fill_it(brake):
-    grid = make_prepared_model(brake, LEVELS[0]).bodies[0].mesh
+    grid = make_prepared_model(brake, REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[0]).bodies[0].mesh
     elements = np.arange(grid.element_dofs.shape[1])
     u = np.array([[1.0, 2.0], [-3.0, 0.5]]) @ grid.doflocs
     found = np.einsum(
@@ -952,11 +1025,15 @@ def test_holding_wear_and_slopes_start_from_the_division_that_solve_ends_on(brak
 
 def test_cases_of_a_sweep_state_their_errors_and_share_divisions(brake):
     cases = friction_cases(brake, (0.3, 0.3001, 0.3002), "fem")
-    rows = [solve_case_without_raising(case, cache).row for cache in [Cache()] for case in cases]
+    rows = [
+        solve_case_without_raising(case, cache).row
+        for cache in [CacheOfCondensedBodies()]
+        for case in cases
+    ]
     for row in rows:
         assert (
-            0 < row["error_pressure"] <= DEFAULT_TOLERANCE.pressure
-            and row["error_torque"] <= DEFAULT_TOLERANCE.torque
+            0 < row["error_pressure"] <= DEFAULT_TOLERANCES_OF_PRESSURE_AND_TORQUE.pressure
+            and row["error_torque"] <= DEFAULT_TOLERANCES_OF_PRESSURE_AND_TORQUE.torque
         )
     # A row of a sweep must depend on its case alone.
     assert rows == [solve_case_without_raising(case).row for case in cases]
@@ -971,7 +1048,10 @@ def test_what_is_kept_is_never_that_of_another_brake_or_division(brake):
     Bodies and rings from one cache equal new ones: with and without friction, for other sizes,
     other ends of the contact, and a guided shoe whose force acts elsewhere.
     """
-    ringed, cache = vary(brake, drum_ring(0.02, "fixed") | {"shoe.body": None}), Cache()
+    ringed, cache = (
+        vary(brake, drum_ring(0.02, "fixed") | {"shoe.body": None}),
+        CacheOfCondensedBodies(),
+    )
     guide = {
         "shoe.hinge": None,
         "shoe[0].guide": {"direction": 0.0},
@@ -988,15 +1068,16 @@ def test_what_is_kept_is_never_that_of_another_brake_or_division(brake):
     for changes, where in cases:
         own = vary(ringed, changes)
         kept, anew = (
-            make_prepared_model(own, LEVELS[0], where, cache=which) for which in (cache, None)
+            make_prepared_model(own, REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[0], where, cache=which)
+            for which in (cache, None)
         )
         for a, b in zip(kept.bodies, anew.bodies, strict=True):
             for name in (
-                "closure_by_pressure",
-                "closure_by_friction",
+                "gap_closure_by_pressure",
+                "gap_closure_by_friction",
                 "reaction_to_pressure",
                 "rotation_mode",
-                "load_centre",
+                "application_point_of_actuation_loads",
             ):
                 mine, theirs = getattr(a, name), getattr(b, name)
                 assert (mine is None) == (theirs is None), name
@@ -1017,14 +1098,16 @@ def test_a_brake_that_locks_is_divided_too(brake):
         prepared_model_with_finest_elements(locked)
         .bodies[0]
         .line.interpolation_degree_along_contact_line
-        == LEVELS[1].degree
+        == REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[1].degree
     )
 
 
 @pytest.mark.parametrize("support", ["fixed", "free"])
 def test_columns_with_a_ring_are_refined_to_the_answer_of_their_condensed_bodies(brake, support):
     whole = vary(brake, drum_ring(0.02, support))
-    (group,) = divide_pressed_shoes_into_groups(make_prepared_model(whole, LEVELS[0]), whole)
+    (group,) = divide_pressed_shoes_into_groups(
+        make_prepared_model(whole, REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[0]), whole
+    )
     found = group.solve_contact_for_given_abutment_friction()
     refined = solve_full_system_of_group_by_refinement(group, found.active)
     assert refined.correction < 1e-10

@@ -18,7 +18,7 @@ import drumlin as package
 from browsing import browser, play, served
 from command_line import drumlin
 from conftest import ROOT, STUDY
-from drumlin.brake.plane_brake import read_any
+from drumlin.brake.plane_brake import read_drum_or_plane_brake
 from drumlin.brake.schema import json_schema_of_brake_file
 from drumlin.studies import paths_of_all_examples, paths_of_example_brakes
 from drumlin.sweeps.schema import json_schema_of_sweep_file
@@ -40,7 +40,9 @@ def test_every_example_is_listed_printed_and_is_a_brake(tmp_path):
     for name, path in paths_of_example_brakes().items():
         (tmp_path / "my.toml").write_text(drumlin("init", name).stdout)
         # Mesh files must be found from any current folder.
-        assert read_any(tmp_path / "my.toml") == read_any(path), name
+        assert read_drum_or_plane_brake(tmp_path / "my.toml") == read_drum_or_plane_brake(path), (
+            name
+        )
     done = drumlin("init", "duble_shoe")
     assert done.returncode == 2 and "did you mean 'double_shoe'?" in done.stderr
 
@@ -222,7 +224,11 @@ def test_the_wheel_serves_in_an_empty_folder(built, tmp_path):
         assert done.returncode == 0, done.stderr
         return done.stdout
 
-    where = [python, "-c", "import drumlin.studies as s; print(s.REPOSITORY)"]
+    where = [
+        python,
+        "-c",
+        "import drumlin.studies as s; print(s.FOLDER_OF_INSTALLED_OR_SOURCE_STUDIES_AND_MESHES)",
+    ]
     at = Path(
         subprocess.run(
             where, cwd=here, env=free, capture_output=True, text=True, check=True
@@ -252,7 +258,7 @@ def test_the_wheel_serves_in_an_empty_folder(built, tmp_path):
         link = play(page, address)
         with urlopen(link.replace("/?", "/brake.toml?")) as saved:
             (here / "explored.toml").write_bytes(saved.read())
-    assert read_any(here / "explored.toml").friction == 0.34
+    assert read_drum_or_plane_brake(here / "explored.toml").friction == 0.34
     assert "torque" in run("solve", "explored.toml")
     assert not list(site.glob("drumlin/carried/reports/*.html")) and not list(
         site.rglob("drumlin/reports")

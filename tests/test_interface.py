@@ -8,15 +8,15 @@ import skfem
 
 from conftest import STUDY
 from drumlin.brake.file import read_brake, vary
-from drumlin.brake.surface import DRUM
+from drumlin.brake.surface import FRICTION_SURFACE_OF_DRUM
 from drumlin.contact import active_set
 from drumlin.fem.mesh.degree import nodal_basis_of_mesh
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.substructure.interface import (
     ContactLine,
+    coupling_matrices_of_contact_line,
     function_that_returns_drum_normals_and_tangents,
     make_contact_line_of_lining,
-    weak_coupling_of_contact_line,
 )
 from drumlin.fem.substructure.ring import coupling_matrices_of_lining_and_ring
 from drumlin.response.resultants import (
@@ -78,7 +78,14 @@ def test_nodal_forces_have_the_resultant_of_the_traction(brake):
     force = (-body.coupling.N.T @ p + 0.3 * body.coupling.T.T @ p).reshape(-1, 2).sum(axis=0)
     R = brake.drum.radius
     exact = resultant_of_pressure_and_friction(
-        DRUM, phi, p, order=2, size=R, per_place=R * shoe.lining.width, sign=1, drag=0.3
+        FRICTION_SURFACE_OF_DRUM,
+        phi,
+        p,
+        order=2,
+        size=R,
+        per_place=R * shoe.lining.width,
+        sign=1,
+        drag=0.3,
     )
     assert force == pytest.approx(exact.force, rel=1e-7)
 
@@ -96,11 +103,13 @@ def test_patch_test_on_the_arc(sign):
         rings = [
             pair.condense_body_to_contact_nodes(
                 pair.plane_mesh_of_closed_ring(angles, np.linspace(0, 0.4, depth), 1.0, way),
-                pair.LADDER_STEEL,
+                pair.STEEL_OF_KNOWN_ANSWER_CASES,
             )
             for angles, depth, way in ((circle(inside), 5, -1), (circle(outside) + 0.01, 6, 1))
         ]
-        both = pair.BodyPair.couple_two_bodies_at_contact_nodes(*rings[::sign], sign=sign)
+        both = pair.InnerAndOuterBodyInContact.couple_two_bodies_at_contact_nodes(
+            *rings[::sign], sign=sign
+        )
         found = active_set.solve_contact_problem(
             both.frictionless_contact_problem(np.full(len(both.contact_node_angles), -interference))
         )
@@ -134,7 +143,7 @@ def lame_interference(interference):
 
     u = A r + B/r, and u = 0 where the rings are held.
     """
-    E, nu = pair.LADDER_STEEL.E, pair.LADDER_STEEL.nu
+    E, nu = pair.STEEL_OF_KNOWN_ANSWER_CASES.E, pair.STEEL_OF_KNOWN_ANSWER_CASES.nu
     # Both bodies have a radial displacement per pressure.
     yielding = 0.0
     for held in (0.6, 1.4):
@@ -189,7 +198,7 @@ def test_the_matrices_of_straight_edges_are_those_of_the_book(order):
         y,
         np.arange(order + 1)[:, None] + [0, order],
     )
-    found = weak_coupling_of_contact_line(
+    found = coupling_matrices_of_contact_line(
         line,
         0.5,
         lambda x: (np.ones_like(x) * [[[0.6]], [[0.8]]], np.ones_like(x) * [[[-0.8]], [[0.6]]]),

@@ -12,19 +12,19 @@ import pytest
 
 from drumlin.base import journal as journals
 from drumlin.base.errors import BadInput
-from drumlin.base.journal import Journal, checksum_of_source_and_libraries
+from drumlin.base.journal import JournalOfCaseResults, checksum_of_source_and_libraries
 
 CASES = 40
 
 
 def test_cases_survive_and_are_not_computed_again(tmp_path):
     path = tmp_path / "journal.jsonl"
-    with Journal(path, "a") as journal:
-        assert journal.get_or_compute_result({"n": 1, "mu": 0.3}, lambda: {"torque": math.inf}) == {
-            "torque": math.inf
-        }
-    with Journal(path, "a") as journal:
-        assert journal.get_or_compute_result(
+    with JournalOfCaseResults(path, "a") as journal:
+        assert journal.get_or_compute_case_result(
+            {"n": 1, "mu": 0.3}, lambda: {"torque": math.inf}
+        ) == {"torque": math.inf}
+    with JournalOfCaseResults(path, "a") as journal:
+        assert journal.get_or_compute_case_result(
             {"mu": 0.3, "n": 1}, lambda: pytest.fail("computed again")
         ) == {"torque": math.inf}
         assert len(journal) == 1 and not journal.notes
@@ -33,19 +33,19 @@ def test_cases_survive_and_are_not_computed_again(tmp_path):
 @pytest.mark.parametrize("cut", range(1, 40, 6))
 def test_a_torn_last_line_is_dropped(tmp_path, cut):
     path = tmp_path / "journal.jsonl"
-    with Journal(path, "a") as journal:
+    with JournalOfCaseResults(path, "a") as journal:
         journal.add({"n": 1}, {"torque": 1.0})
         journal.add({"n": 2}, {"torque": 2.0})
     path.write_bytes(path.read_bytes()[:-cut])
-    with Journal(path, "a") as journal:
+    with JournalOfCaseResults(path, "a") as journal:
         assert {"n": 1} in journal and {"n": 2} not in journal
         journal.add({"n": 2}, {"torque": 2.0})
-    with Journal(path, "a") as journal:
+    with JournalOfCaseResults(path, "a") as journal:
         assert journal[{"n": 2}] == {"torque": 2.0} and len(journal) == 2
 
 
 def filled(path, stamp="a"):
-    with Journal(path, stamp) as journal:
+    with JournalOfCaseResults(path, stamp) as journal:
         for n in range(CASES):
             journal.add({"n": n}, {"torque": n / 7})
     return path.read_bytes()
@@ -85,7 +85,7 @@ def test_damage_costs_the_damaged_records_alone(tmp_path, seed):
     sound = sum(line in data.split(b"\n") for line in whole.split(b"\n")[1:-1])
     path.write_bytes(data)
     for _ in range(2):
-        with Journal(path, "a") as journal:
+        with JournalOfCaseResults(path, "a") as journal:
             # The last line may have lost its end.
             assert CASES >= len(journal) >= sound - 1
             assert all(
@@ -98,8 +98,8 @@ def test_damage_costs_the_damaged_records_alone(tmp_path, seed):
             ):
                 assert "damaged lines are skipped" in journal.notes[0]
             for n in range(CASES):
-                journal.get_or_compute_result({"n": n}, lambda n=n: {"torque": n / 7})
-    with Journal(path, "a") as journal:
+                journal.get_or_compute_case_result({"n": n}, lambda n=n: {"torque": n / 7})
+    with JournalOfCaseResults(path, "a") as journal:
         assert len(journal) == CASES
 
 
@@ -109,7 +109,7 @@ def test_a_damaged_head_costs_nothing(head, tmp_path):
     path = tmp_path / "journal"
     data = filled(path)
     path.write_bytes(head + data[data.index(b"\n") :])
-    with Journal(path, "a") as journal:
+    with JournalOfCaseResults(path, "a") as journal:
         assert len(journal) == CASES and "1 damaged lines" in journal.notes[0]
     path.unlink()
 
@@ -118,33 +118,33 @@ def test_the_journal_of_another_program_is_kept_aside(tmp_path):
     path = tmp_path / "j.jsonl"
     old = filled(path, "a")
     for number, stamp in ((1, "b"), (2, "c")):
-        with Journal(path, stamp) as journal:
+        with JournalOfCaseResults(path, stamp) as journal:
             assert len(journal) == 0 and journal.notes == [
                 f"{path}: was of another drumlin and is kept as j.jsonl.{number}; every case "
                 f"is solved anew"
             ]
             journal.add({"n": 3}, {})
-        with Journal(path, stamp) as journal:
+        with JournalOfCaseResults(path, stamp) as journal:
             assert {"n": 3} in journal and not journal.notes
     assert (tmp_path / "j.jsonl.1").read_bytes() == old
     (tmp_path / "j.jsonl.1").replace(path)
-    with Journal(path, "a") as journal:
+    with JournalOfCaseResults(path, "a") as journal:
         assert len(journal) == CASES
 
 
 def test_two_runs_at_a_time_are_refused(tmp_path):
-    with Journal(tmp_path / "j.jsonl"), pytest.raises(BadInput, match="another run"):
-        Journal(tmp_path / "j.jsonl")
+    with JournalOfCaseResults(tmp_path / "j.jsonl"), pytest.raises(BadInput, match="another run"):
+        JournalOfCaseResults(tmp_path / "j.jsonl")
     # Both journals are moved aside and begun anew.
     with (
-        Journal(tmp_path / "j.jsonl", "a"),
+        JournalOfCaseResults(tmp_path / "j.jsonl", "a"),
         pytest.raises(BadInput, match="another run"),
     ):
-        Journal(tmp_path / "j.jsonl", "a")
+        JournalOfCaseResults(tmp_path / "j.jsonl", "a")
 
 
 def test_a_finished_journal_is_kept_aside(tmp_path):
-    with Journal(tmp_path / "journal.jsonl") as journal:
+    with JournalOfCaseResults(tmp_path / "journal.jsonl") as journal:
         journal.add({"n": 1}, {})
         journal.close_and_rename_complete_journal()
     assert (tmp_path / "cases.jsonl").exists() and not (tmp_path / "journal.jsonl").exists()
@@ -171,7 +171,7 @@ FOREIGN = {
 def test_a_file_that_is_no_journal_is_left_alone(tmp_path, name):
     (tmp_path / "notes").write_bytes(FOREIGN[name])
     with pytest.raises(BadInput, match="is no journal"):
-        Journal(tmp_path / "notes", "a")
+        JournalOfCaseResults(tmp_path / "notes", "a")
     assert (tmp_path / "notes").read_bytes() == FOREIGN[name] and list(tmp_path.iterdir()) == [
         tmp_path / "notes"
     ]
@@ -180,7 +180,7 @@ def test_a_file_that_is_no_journal_is_left_alone(tmp_path, name):
 @pytest.mark.parametrize("data", (b"", b'{"stamp": "a', b'{"stamp": "a"}'))
 def test_an_empty_file_and_a_torn_first_line_are_new_journals(data, tmp_path):
     (tmp_path / "j").write_bytes(data)
-    with Journal(tmp_path / "j", "a") as journal:
+    with JournalOfCaseResults(tmp_path / "j", "a") as journal:
         assert not len(journal) and not journal.notes
     assert json.loads((tmp_path / "j").read_text()) == {"stamp": "a"}
 
@@ -190,14 +190,14 @@ def test_paths_that_cannot_be_files(tmp_path):
     (tmp_path / "file").touch()
     for name in (".", "pipe", "file/journal", "a\0b", "a" * 5000):
         with pytest.raises(BadInput, match="cannot be written"):
-            Journal(tmp_path / name)
+            JournalOfCaseResults(tmp_path / name)
 
 
 def test_a_full_disk_is_said_in_one_line(tmp_path, monkeypatch):
     def full(*_):
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
-    with Journal(tmp_path / "journal", "a") as journal:
+    with JournalOfCaseResults(tmp_path / "journal", "a") as journal:
         monkeypatch.setattr("os.write", full)
         with pytest.raises(BadInput, match="cannot be written"):
             journal.add({"n": 1}, {})

@@ -14,14 +14,14 @@ import drumlin
 from conftest import ROOT, partly
 from drumlin import Brake, vary
 from drumlin.base.errors import DrumlinError
-from drumlin.brake.plane_brake import FlatBrake, read_any
+from drumlin.brake.plane_brake import FlatBrake, read_drum_or_plane_brake
 from drumlin.cli.commands import app
 from drumlin.fem.analysis.holding import (
     find_drum_rotation_of_full_slip,
     turn_holding_brake_and_return_states_at_rotations,
 )
 from drumlin.fem.analysis.sensitivity import compute_torque_sensitivity
-from drumlin.fem.error_control.levels import LEVELS
+from drumlin.fem.error_control.levels import REFINEMENT_LEVELS_FROM_COARSE_TO_FINE
 from drumlin.fem.mesh.file import write_shoe_mesh_to_file
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.laws import solve_brake_by_its_rigid_shoe_law
@@ -37,12 +37,12 @@ from drumlin.models import model_with_name_that_applies_to_brake
 from drumlin.response.balance import brake_with_forces_of_response
 from drumlin.verification import triangles
 from drumlin.verification.check import (
-    are_verdicts_within_tolerance,
+    are_curve_deviations_within_tolerance,
     compare_curves_with_reference,
     read_pressure_curves,
 )
 from drumlin.verification.reference import (
-    Refinement,
+    MeshesOfReferenceValues,
     compute_reference_values,
     solve_brake_for_reference_values,
 )
@@ -240,7 +240,11 @@ def exported(at: Posed) -> None:
     assert list(at.folder.glob("*.inp"))
 
 
-ROUGHLY = Refinement(2, LEVELS[1:3], triangles.TRIANGLE_LEVELS[:1])
+ROUGHLY = MeshesOfReferenceValues(
+    2,
+    REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[1:3],
+    triangles.TRIANGLE_MESH_LEVELS_FROM_COARSE_TO_FINE[:1],
+)
 
 
 def referred(at: Posed) -> None:
@@ -267,7 +271,7 @@ def checked(at: Posed) -> None:
     verdicts = compare_curves_with_reference(
         at.brake, known, read_pressure_curves(curves, at.brake)
     )
-    assert are_verdicts_within_tolerance(verdicts, 5e-3)
+    assert are_curve_deviations_within_tolerance(verdicts, 5e-3)
     for verdict, shoe in zip(verdicts, drumlin.solve(at.brake).shoes, strict=True):
         own = shoe.torque or drumlin.solve(at.brake).effect
         assert verdict.torque == pytest.approx(own, rel=2e-2)
@@ -364,7 +368,7 @@ REFUSALS = [
 
 
 def cell(name: str, use: str, folder: Path) -> None:
-    brake = read_any(FILES[name])
+    brake = read_drum_or_plane_brake(FILES[name])
     refusal = next((one for one in REFUSALS if use in one.uses and one.where(brake)), None)
     at = Posed(brake, FILES[name], folder)
     if refusal is None:
@@ -391,7 +395,7 @@ def test_every_kind_in_every_slow_use(name: str, use: str, tmp_path: Path) -> No
 def test_a_pad_on_the_command_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Its words and units: a braking force, slides in mm, a mesh where the shoe stands."""
     file = FILES["rail_clamp"]
-    at = Posed(read_any(file), file, tmp_path)
+    at = Posed(read_drum_or_plane_brake(file), file, tmp_path)
     at.command("sensitivity", "--elements", "10")
     at.command("hold", "--elements", "10", "--steps", "2", "--rotation", "0.2 mm")
     at.command("wear", "--elements", "10", "--distance", "0.1", "--torque", "5 kN")

@@ -9,10 +9,13 @@ import pytest
 import drumlin
 from drumlin.brake.brake import Brake
 from drumlin.verification import triangles
-from drumlin_studies.random_kinds import HOLDING_KINDS, draw_random_brake_of_support_kind
+from drumlin_studies.random_kinds import (
+    FUNCTIONS_THAT_DRAW_BRAKE_DATA_BY_SUPPORT_KIND,
+    draw_random_brake_of_support_kind,
+)
 from drumlin_studies.stated_true import (
-    JUDGED_QUANTITIES,
-    Truth,
+    QUANTITIES_WHOSE_STATED_ERRORS_ARE_JUDGED,
+    FarFinerSolutionOfBrake,
     estimate_distance_of_last_value_from_limit,
     row_of_stated_and_true_errors,
     solve_fine_reference_by_hp_elements,
@@ -21,8 +24,10 @@ from drumlin_studies.stated_true import (
 )
 from picking import picked
 
-ON_DRUM = [kind for kind in HOLDING_KINDS if not kind.startswith("pad")]
-QUICK = triangles.TRIANGLE_LEVELS[:1]
+ON_DRUM = [
+    kind for kind in FUNCTIONS_THAT_DRAW_BRAKE_DATA_BY_SUPPORT_KIND if not kind.startswith("pad")
+]
+QUICK = triangles.TRIANGLE_MESH_LEVELS_FROM_COARSE_TO_FINE[:1]
 
 
 def brake_of(seed: int, kind: str) -> Brake:
@@ -51,14 +56,14 @@ def rows_of(kind: str, seeds: range, tolerance: float) -> list[dict[str, Any]]:
     for seed in seeds:
         brake = brake_of(seed, kind)
         before, last = triangles.solve_brake_on_sequence_of_triangle_meshes(
-            brake, triangles.TRIANGLE_LEVELS[:2]
+            brake, triangles.TRIANGLE_MESH_LEVELS_FROM_COARSE_TO_FINE[:2]
         )
         moved = true_errors_of_response(brake, before, last)
-        true = Truth(
+        true = FarFinerSolutionOfBrake(
             last,
             {
                 name: estimate_distance_of_last_value_from_limit(2 * moved[name], moved[name])
-                for name in JUDGED_QUANTITIES
+                for name in QUANTITIES_WHOSE_STATED_ERRORS_ARE_JUDGED
             },
             0.0,
         )
@@ -92,7 +97,7 @@ def test_an_opening_between_two_nodes_is_found_before_an_error_is_stated() -> No
         brake, 1e-3, drumlin.solve, solve_fine_reference_by_hp_elements(brake, 1e-3)
     )
     assert len(drumlin.solve(brake, tolerance=0.02).shoes[0].contact_arcs) == 2
-    for name in JUDGED_QUANTITIES:
+    for name in QUANTITIES_WHOSE_STATED_ERRORS_ARE_JUDGED:
         assert stated_over_true_error_of_row(one, name) > 1, one
 
 
@@ -108,5 +113,5 @@ def test_a_reaction_does_not_move_late() -> None:
         brake, 1e-2, drumlin.solve, solve_fine_reference_by_hp_elements(brake, 1e-3)
     )
     assert 5e-5 < one["true_reaction"] < 2e-4, one
-    for name in JUDGED_QUANTITIES:
+    for name in QUANTITIES_WHOSE_STATED_ERRORS_ARE_JUDGED:
         assert stated_over_true_error_of_row(one, name) > 1, one

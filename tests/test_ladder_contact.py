@@ -15,15 +15,15 @@ from drumlin.fem.substructure.body import (
     sparse_stiffness_of_body,
 )
 from drumlin.fem.substructure.interface import (
+    coupling_matrices_of_contact_line,
     function_that_returns_drum_normals_and_tangents,
     make_contact_line_of_lining,
-    weak_coupling_of_contact_line,
 )
 from drumlin.response.resultants import integral_of_piecewise_polynomial
 from drumlin_studies import closed_forms
 from drumlin_studies.two_bodies import (
-    LADDER_STEEL,
-    BodyPair,
+    STEEL_OF_KNOWN_ANSWER_CASES,
+    InnerAndOuterBodyInContact,
     angles_graded_from_middle_to_both_ends,
     condense_body_to_contact_nodes,
     first_contact_set_from_coarse_problem,
@@ -40,7 +40,7 @@ R = 1.0
 A = 0.005
 
 
-def half_plane(sign, per_half=20, material=LADDER_STEEL, end=0.5):
+def half_plane(sign, per_half=20, material=STEEL_OF_KNOWN_ANSWER_CASES, end=0.5):
     angles = angles_graded_from_middle_to_both_ends(2 * A, 4 * per_half, 1.35, end)
     return condense_body_to_contact_nodes(
         plane_mesh_of_ring_sector(
@@ -59,7 +59,7 @@ def half_planes():
 @pytest.fixture(scope="module")
 def hertz(half_planes):
     """Pressed along x, free along it."""
-    return BodyPair.couple_two_bodies_at_contact_nodes(*half_planes, motions="x")
+    return InnerAndOuterBodyInContact.couple_two_bodies_at_contact_nodes(*half_planes, motions="x")
 
 
 def hertz_load(rho, E):
@@ -72,7 +72,7 @@ def test_hertz(hertz):
 
     The gap is a parabola.
     """
-    rho, E = 2.0, LADDER_STEEL.E / 2
+    rho, E = 2.0, STEEL_OF_KNOWN_ANSWER_CASES.E / 2
     P = hertz_load(rho, E)
     s = R * hertz.contact_node_angles
     problem = hertz.frictionless_contact_problem(s**2 / (2 * rho), [P])
@@ -97,15 +97,17 @@ def test_cattaneo_mindlin(hertz, half_planes, share):
 
     Outside the contact slips; t follows by superposition.
     """
-    rho, mu, E = 2.0, 0.3, LADDER_STEEL.E / 2
+    rho, mu, E = 2.0, 0.3, STEEL_OF_KNOWN_ANSWER_CASES.E / 2
     P = hertz_load(rho, E)
     s = R * hertz.contact_node_angles
     problem = hertz.frictionless_contact_problem(s**2 / (2 * rho), [P])
     touching = active_set.solve_contact_problem(
         problem, first_contact_set_from_coarse_problem(problem)
     ).active
-    hertz = BodyPair.couple_two_bodies_at_contact_nodes(*half_planes, motions="xy")
-    rest = stick_slip.SlipHistory(np.zeros(len(s)), np.zeros(len(s)))
+    hertz = InnerAndOuterBodyInContact.couple_two_bodies_at_contact_nodes(
+        *half_planes, motions="xy"
+    )
+    rest = stick_slip.TractionsAndSlipsOfLastIncrement(np.zeros(len(s)), np.zeros(len(s)))
     start = np.where(touching, stick_slip.STICK, stick_slip.OPEN)
     first = stick_slip.solve_stick_slip_load_increment(
         hertz.frictional_contact_problem(s**2 / (2 * rho), [P, 0.0]), mu, rest, start
@@ -160,15 +162,15 @@ def disc_in_hole(eps, count=50):
         plane_mesh_of_closed_ring(
             angles(count), points_with_steps_growing_to_end(0.01, 1.18, 0.985), R, -1
         ),
-        LADDER_STEEL,
+        STEEL_OF_KNOWN_ANSWER_CASES,
     )
     plate = condense_body_to_contact_nodes(
         plane_mesh_of_closed_ring(
             angles(count + 7), points_with_steps_growing_to_end(0.01, 1.2, 39.0), R, 1
         ),
-        LADDER_STEEL,
+        STEEL_OF_KNOWN_ANSWER_CASES,
     )
-    return BodyPair.couple_two_bodies_at_contact_nodes(disc, plate, motions="x")
+    return InnerAndOuterBodyInContact.couple_two_bodies_at_contact_nodes(disc, plate, motions="x")
 
 
 @pytest.mark.parametrize("half_angle", [20, 40, 60, 75, 85])
@@ -178,13 +180,16 @@ def test_disc_in_a_hole_of_the_same_material(half_angle):
     pair = disc_in_hole(math.radians(half_angle))
     theta = pair.contact_node_angles
     gap = (
-        closed_forms.persson_clearance_of_disc_in_hole(b) * Q / LADDER_STEEL.E * (1 - np.cos(theta))
+        closed_forms.dimensionless_persson_clearance_of_disc_in_hole(b)
+        * Q
+        / STEEL_OF_KNOWN_ANSWER_CASES.E
+        * (1 - np.cos(theta))
     )
     problem = pair.frictionless_contact_problem(gap, [Q])
     found = active_set.solve_contact_problem(
         problem, first_contact_set_from_coarse_problem(problem)
     )
-    exact = closed_forms.persson_pressure_of_disc_in_hole(b, theta) * Q / R
+    exact = closed_forms.dimensionless_persson_pressure_of_disc_in_hole(b, theta) * Q / R
     middle = np.argmin(np.abs(theta))
     assert found.p[middle] == pytest.approx(exact[middle], rel=5e-3)
     error = math.sqrt(
@@ -205,13 +210,13 @@ def ring_pair(count=48, other=60):
         plane_mesh_of_closed_ring(
             np.linspace(-math.pi, math.pi, count + 1)[:-1], np.linspace(0, 0.4, 5), R, -1
         ),
-        LADDER_STEEL,
+        STEEL_OF_KNOWN_ANSWER_CASES,
     )
     outer = condense_body_to_contact_nodes(
         plane_mesh_of_closed_ring(
             np.linspace(-math.pi, math.pi, other + 1)[:-1] + 0.01, np.linspace(0, 0.5, 6), R, 1
         ),
-        LADDER_STEEL,
+        STEEL_OF_KNOWN_ANSWER_CASES,
     )
     return inner, outer
 
@@ -220,8 +225,8 @@ def test_swapping_sides_changes_nothing_beyond_discretisation():
     """The pressure carried by the inner or by the outer ring's nodes: the same field."""
     inner, outer = ring_pair(120, 97)
     one, two = (
-        BodyPair.couple_two_bodies_at_contact_nodes(inner, outer),
-        BodyPair.couple_two_bodies_at_contact_nodes(outer, inner, sign=-1),
+        InnerAndOuterBodyInContact.couple_two_bodies_at_contact_nodes(inner, outer),
+        InnerAndOuterBodyInContact.couple_two_bodies_at_contact_nodes(outer, inner, sign=-1),
     )
 
     def gap(angle):
@@ -255,21 +260,21 @@ def wavy(mean_share, m=40):
     depths = points_with_steps_growing_to_end(2 * math.pi / count, 1.25, 0.5)
     inner, outer = (
         condense_body_to_contact_nodes(
-            plane_mesh_of_closed_ring(angles, depths, R, sign), LADDER_STEEL
+            plane_mesh_of_closed_ring(angles, depths, R, sign), STEEL_OF_KNOWN_ANSWER_CASES
         )
         for sign in (-1, 1)
     )
-    pair = BodyPair.couple_two_bodies_at_contact_nodes(inner, outer)
+    pair = InnerAndOuterBodyInContact.couple_two_bodies_at_contact_nodes(inner, outer)
     soft = sum(
         abs(
             closed_forms.ring_displacement_per_harmonic_pressure(
-                0, 1.0, held, LADDER_STEEL.E, LADDER_STEEL.nu
+                0, 1.0, held, STEEL_OF_KNOWN_ANSWER_CASES.E, STEEL_OF_KNOWN_ANSWER_CASES.nu
             )
         )
         for held in (0.5, 1.5)
     )
     amplitude = 1e-6
-    p_star = math.pi * (LADDER_STEEL.E / 2) * amplitude * m / (2 * math.pi * R) * 1.0
+    p_star = math.pi * (STEEL_OF_KNOWN_ANSWER_CASES.E / 2) * amplitude * m / (2 * math.pi * R) * 1.0
     gap = (
         amplitude * (1 - np.cos(m * pair.contact_node_angles))
         - mean_share * p_star * soft
@@ -317,7 +322,7 @@ def test_lame_ring_under_inner_pressure():
         basis, {"body": ElasticLayer.make_layer_in_plane_stress(Material(E=200e9, nu=0.3), 0.02)}
     ).tolil()
     line = make_contact_line_of_lining(basis, mesh.boundaries["contact"], 0.0)
-    coupling = weak_coupling_of_contact_line(
+    coupling = coupling_matrices_of_contact_line(
         line, 0.02, function_that_returns_drum_normals_and_tangents(1)
     )
     f = np.zeros(2 * basis.N)

@@ -16,7 +16,7 @@ from drumlin.fem.substructure.body import (
     sparse_stiffness_of_body,
 )
 from drumlin_studies.two_bodies import (
-    BodyPair,
+    InnerAndOuterBodyInContact,
     condense_body_to_contact_nodes,
     plane_mesh_of_ring_sector,
     points_with_steps_growing_to_end,
@@ -97,7 +97,7 @@ def strip():
     thickness, half = 0.05, 0.1
     fine = points_with_steps_growing_to_end(1e-8, 1.35, half)
     angles = np.concatenate([-half + fine, (half - fine)[::-1][1:]])
-    return thickness, BodyPair.couple_two_bodies_at_contact_nodes(
+    return thickness, InnerAndOuterBodyInContact.couple_two_bodies_at_contact_nodes(
         condense_body_to_contact_nodes(
             plane_mesh_of_ring_sector(
                 angles, points_with_steps_growing_to_end(1e-8, 1.35, thickness), 1.0, -1

@@ -13,10 +13,14 @@ from pytest import approx
 
 from drumlin import Brake, NoAnswer, Response
 from drumlin.brake.file import make_drum_brake_from_data, vary
-from drumlin.laws import LAWS, Layout, self_locking_friction_of_hinged_shoe
+from drumlin.laws import (
+    LAWS_OF_HINGED_SHOES_BY_NAME,
+    ShoeAnglesAndRadii,
+    self_locking_friction_of_hinged_shoe,
+)
 from drumlin.laws.shapes import (
     pivot_radius_for_cosine_pressure,
-    ratio_of_equivalent_friction,
+    ratio_of_equivalent_to_lining_friction,
     short_shoe_pressure_and_friction_moments_over_torque,
 )
 from drumlin.laws.simscape import DoubleShoe
@@ -188,7 +192,7 @@ def test_block_on_a_lever_with_the_equivalent_friction(
         R=0.125, arm=0.45, x=0.2, a=0.05, P=700.0, mu=0.35, half=radians(45), spin=spin
     )
     response = solve("block", brake)
-    assert 0.35 * ratio_of_equivalent_friction(radians(45)) == approx(0.3850750, abs=5e-8)
+    assert 0.35 * ratio_of_equivalent_to_lining_friction(radians(45)) == approx(0.3850750, abs=5e-8)
     assert response.torque == approx(torque, rel=C)
     rounded = 0.385 * 700 * 0.45 / (0.2 - spin * 0.385 * 0.05) * 0.125
     assert rounded == approx(printed, abs=0.005)
@@ -202,7 +206,7 @@ def test_cosine_law_of_the_same_block_by_exact_statics() -> None:
     """
     R, x, a, mu, half = 0.125, 0.2, 0.05, 0.35, radians(45)
     brake = brake_with_block_on_lever(R=R, arm=0.45, x=x, a=a, P=700.0, mu=mu, half=half, spin=1)
-    psi = float(ratio_of_equivalent_friction(half))
+    psi = float(ratio_of_equivalent_to_lining_friction(half))
     N = 700.0 * 0.45 / (x - mu * (R + a - psi * R))
     response = solve("cosine", brake)
     assert response.torque == approx(mu * psi * R * N, rel=1e-12)
@@ -215,7 +219,7 @@ def test_cosine_law_of_the_same_block_by_exact_statics() -> None:
 )
 def test_equivalent_friction(half: float, ratio: float) -> None:
     """NPTEL lesson 12.1, mu' [C]; 1.0453 at 30 deg [P]."""
-    assert ratio_of_equivalent_friction(radians(half)) == approx(ratio, abs=5e-7)
+    assert ratio_of_equivalent_to_lining_friction(radians(half)) == approx(ratio, abs=5e-7)
 
 
 @pytest.mark.parametrize(("spin", "a"), ((1, 0.2), (-1, -0.2)))
@@ -236,14 +240,14 @@ def test_gate_short_shoe(spin, a) -> None:
 def test_simscape_defaults_and_both_readings_of_theta_s() -> None:
     """Simscape double-shoe brake, default parameters [C], per newton of force."""
     block = DoubleShoe()
-    leading, trailing = block.shoe_torques(1.0, 1.0)
-    p_a, p_b = block.line_pressures(1.0, 1.0)
+    leading, trailing = block.torques_of_leading_and_trailing_shoe(1.0, 1.0)
+    p_a, p_b = block.peak_line_loads_of_leading_and_trailing_shoe(1.0, 1.0)
     assert (leading, trailing) == (approx(0.1484614, rel=C), approx(0.0691468, rel=C))
     assert leading + trailing == approx(0.2176081, rel=C)
     assert p_b / p_a == approx(0.465756, rel=C)
     assert block.mu_lock == approx(0.823082, rel=C)
     span = DoubleShoe(reading="span")
-    assert sum(span.shoe_torques(1.0, 1.0)) == approx(0.2211397, rel=C)
+    assert sum(span.torques_of_leading_and_trailing_shoe(1.0, 1.0)) == approx(0.2211397, rel=C)
     assert span.mu_lock == approx(0.794253, rel=C)
 
 
@@ -253,7 +257,7 @@ def test_simscape_block_and_its_brake_file_are_one() -> None:
     Shoes lie inside or outside the drum.
     """
     block = DoubleShoe()
-    leading, trailing = block.shoe_torques(2000.0, 1.0)
+    leading, trailing = block.torques_of_leading_and_trailing_shoe(2000.0, 1.0)
     for side in ("internal", "external"):
         for rotation in ("clockwise", "counter-clockwise"):
             torques = sorted(
@@ -492,8 +496,8 @@ def test_layouts_broadcast() -> None:
     """One law over a grid of friction and arcs is what it is for each brake by itself."""
     mu = np.linspace(0.05, 0.5, 7)[:, None]
     phi_2 = np.radians([60.0, 90.0, 130.0])
-    for law in LAWS.values():
-        grid = law.torque(100.0, mu, Layout(0.1, phi_2, 0.15, 0.125, 1))
+    for law in LAWS_OF_HINGED_SHOES_BY_NAME.values():
+        grid = law.torque(100.0, mu, ShoeAnglesAndRadii(0.1, phi_2, 0.15, 0.125, 1))
         assert grid.shape == (7, 3)
         brake = brake_with_one_hinged_shoe(
             R=0.15, a=0.125, arc=(0.1, phi_2[1]), moment=100.0, mu=mu[3, 0], spin=-1

@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 from pytest import approx
 
 from drumlin import Brake, NoAnswer, vary
-from drumlin.laws import LAWS, Layout, pivoted
-from drumlin.laws.flat import FLAT_SHORT, LINEAR, FlatLayout
+from drumlin.laws import LAWS_OF_HINGED_SHOES_BY_NAME, ShoeAnglesAndRadii, pivoted
+from drumlin.laws.flat import LINEAR_PRESSURE_LAW, SHORT_SHOE_LAW_ON_PLANE, FlatShoeLengths
 from drumlin.laws.hinged import angles_and_radii_of_hinged_shoe
 from drumlin.laws.shapes import pivot_radius_for_cosine_pressure
 from drumlin.laws.simscape import DoubleShoe
@@ -30,8 +30,8 @@ many = settings(
     max_examples=2 * settings.default.max_examples, suppress_health_check=[HealthCheck.too_slow]
 )
 
-LAW_NAMES = st.sampled_from(sorted(LAWS))
-SPREAD = [name for name, law in LAWS.items() if not law.lumped]
+LAW_NAMES = st.sampled_from(sorted(LAWS_OF_HINGED_SHOES_BY_NAME))
+SPREAD = [name for name, law in LAWS_OF_HINGED_SHOES_BY_NAME.items() if not law.lumped]
 FRICTIONS = st.floats(0.0, 0.6)
 SIGNS = st.sampled_from([1, -1])
 SIDES = st.sampled_from(["internal", "external"])
@@ -46,9 +46,9 @@ def arcs(draw: st.DrawFn) -> tuple[float, float]:
 
 
 @st.composite
-def layouts(draw: st.DrawFn) -> Layout:
+def layouts(draw: st.DrawFn) -> ShoeAnglesAndRadii:
     """A random shoe, described by the data that the rigid-shoe laws need."""
-    return Layout(
+    return ShoeAnglesAndRadii(
         *draw(arcs()), R=draw(st.floats(0.05, 2.0)), a=draw(st.floats(0.05, 3.0)), dD=draw(SIGNS)
     )
 
@@ -136,7 +136,7 @@ def test_lumped_response_balances_at_the_middle(brake: Brake, name: str) -> None
         np.array([math.cos(middle), math.sin(middle)]),
         np.array([-math.sin(middle), math.cos(middle)]),
     )
-    contact = -data.sign * N * e_r + brake.sign_of_motion * F * e_t
+    contact = -data.sign_internal_plus_external_minus * N * e_r + brake.sign_of_motion * F * e_t
     largest = max(N, F, np.linalg.norm(shoe.hinge_reaction))
     assert (
         np.linalg.norm(contact + data.actuation.force_vector + shoe.hinge_reaction) < 1e-7 * largest
@@ -154,9 +154,9 @@ def test_lumped_response_balances_at_the_middle(brake: Brake, name: str) -> None
 @many
 @given(layouts(), LAW_NAMES, st.floats(0.05, 0.6))
 def test_sensitivity_is_the_derivative_of_the_mechanical_advantage(
-    arc: Layout, name: str, mu: float
+    arc: ShoeAnglesAndRadii, name: str, mu: float
 ) -> None:
-    law, h = LAWS[name], 1e-5
+    law, h = LAWS_OF_HINGED_SHOES_BY_NAME[name], 1e-5
     assume(mu < 0.9 * law.self_locking_friction(arc))
     eta = [float(law.torque_over_actuation_moment(mu * (1 + k * h), arc)) for k in (-1, 0, 1)]
     slope = (eta[2] - eta[0]) / (2 * h * eta[1])
@@ -169,7 +169,10 @@ def test_merits_of_a_response_are_those_of_the_formula(brake: Brake, name: str) 
     assume(brake.friction > 1e-3)
     unlocked(name, brake)
     (merit,) = MODELS[name].solve(brake).merits
-    law, arc = LAWS[name], angles_and_radii_of_hinged_shoe(brake, brake.shoes[0])
+    law, arc = (
+        LAWS_OF_HINGED_SHOES_BY_NAME[name],
+        angles_and_radii_of_hinged_shoe(brake, brake.shoes[0]),
+    )
     assert merit.mechanical_advantage == approx(
         float(law.torque_over_actuation_moment(brake.friction, arc)), rel=1e-8
     )
@@ -192,7 +195,7 @@ def test_shoe_factor_by_barecki_from_the_position_of_the_resultant(brake: Brake,
     unlocked(name, brake)
     (merit,) = MODELS[name].solve(brake).merits
     shoe, R = brake.shoes[0], brake.size
-    angle = float(shoe.frame.phi(np.array(merit.resultant_angle)))
+    angle = float(shoe.frame.phi_of_surface_coordinates(np.array(merit.resultant_angle)))
     # Friction on the shoe points from the hinge to the loaded end.
     up = brake.sign_of_motion * shoe.frame.sense
     leading = up if shoe.side == "external" else -up
@@ -210,11 +213,11 @@ def test_every_law_becomes_the_short_shoe_as_the_arc_shrinks(
     """The difference in the brake factor eta is proportional to the square of the arc."""
     errors = {}
     for half in (0.02, 0.01):
-        arc = Layout(middle - half, middle + half, R, a, dD)
-        short = LAWS["short"]
+        arc = ShoeAnglesAndRadii(middle - half, middle + half, R, a, dD)
+        short = LAWS_OF_HINGED_SHOES_BY_NAME["short"]
         assume(mu < 0.7 * short.self_locking_friction(arc))
         eta = float(short.torque_over_actuation_moment(mu, arc))
-        for name, law in LAWS.items():
+        for name, law in LAWS_OF_HINGED_SHOES_BY_NAME.items():
             errors.setdefault(name, []).append(
                 abs(float(law.torque_over_actuation_moment(mu, arc)) / eta - 1)
             )
@@ -291,8 +294,8 @@ def test_without_friction_no_torque_and_its_slope_at_zero_is_that_of_the_frictio
     mu = 1e-6
     slight = MODELS[name].solve(vary(brake, {"friction": mu})).shoes[0]
     integral = np.trapezoid(free.pressure, free.theta) * brake.shoes[0].lining.width * brake.size**2
-    M_N = LAWS[name].scaled_normal_and_friction_moments_about_hinge(
-        Layout(*brake.shoes[0].arc, brake.size, brake.shoes[0].hinge.radius, 1)
+    M_N = LAWS_OF_HINGED_SHOES_BY_NAME[name].scaled_normal_and_friction_moments_about_hinge(
+        ShoeAnglesAndRadii(*brake.shoes[0].arc, brake.size, brake.shoes[0].hinge.radius, 1)
     )
     assume(abs(M_N[1] / M_N[0]) < 100)
     assert slight.torque / mu == approx(integral, rel=1e-3)
@@ -300,12 +303,12 @@ def test_without_friction_no_torque_and_its_slope_at_zero_is_that_of_the_frictio
 
 @many
 @given(layouts(), LAW_NAMES)
-def test_torque_grows_without_bound_towards_locking(arc: Layout, name: str) -> None:
+def test_torque_grows_without_bound_towards_locking(arc: ShoeAnglesAndRadii, name: str) -> None:
     """The torque grows as 1/(mu_lock - mu) towards locking; at mu_lock and beyond there is none.
 
     T (mu_lock - mu)/mu stays constant.
     """
-    law = LAWS[name]
+    law = LAWS_OF_HINGED_SHOES_BY_NAME[name]
     mu_lock = float(law.self_locking_friction(arc))
     assume(mu_lock < 1e3)
     near = [mu_lock * (1 - 1e-2), mu_lock * (1 - 1e-4), mu_lock * (1 - 1e-6)]
@@ -320,7 +323,9 @@ def test_torque_grows_without_bound_towards_locking(arc: Layout, name: str) -> N
 @given(brakes(), LAW_NAMES)
 def test_self_locking_is_refused_exactly_beyond_mu_lock(brake: Brake, name: str) -> None:
     mu_lock = float(
-        LAWS[name].self_locking_friction(angles_and_radii_of_hinged_shoe(brake, brake.shoes[0]))
+        LAWS_OF_HINGED_SHOES_BY_NAME[name].self_locking_friction(
+            angles_and_radii_of_hinged_shoe(brake, brake.shoes[0])
+        )
     )
     assume(mu_lock < 1e3)
     below = MODELS[name].solve(vary(brake, {"friction": mu_lock * (1 - 1e-9)}))
@@ -453,7 +458,9 @@ def test_pivoted_lever_locks_and_tips() -> None:
         pivoted.pivot_position_in_shoe_frame(brake.shoes[0]),
     )
     mu_lock = pivoted.self_locking_friction_of_pivoted_shoe(shape, *pivot)
-    assert mu_lock == approx(float(LAWS["cosine"].self_locking_friction(shape)), rel=1e-9)
+    assert mu_lock == approx(
+        float(LAWS_OF_HINGED_SHOES_BY_NAME["cosine"].self_locking_friction(shape)), rel=1e-9
+    )
     T = [
         float(pivoted.torque_of_pivoted_shoe(1.0, mu_lock * (1 - gap), shape, *pivot)) * gap
         for gap in (1e-4, 1e-6)
@@ -497,9 +504,9 @@ def test_flat_shoes_balance_and_their_sensitivity_is_the_derivative(
     balance = relative_imbalance_of_shoe(brake, 0, shoe)
     assert balance.force < 1e-12
     assert balance.moment < 1e-11
-    law = {"linear": LINEAR, "short": FLAT_SHORT}[name]
+    law = {"linear": LINEAR_PRESSURE_LAW, "short": SHORT_SHOE_LAW_ON_PLANE}[name]
     s = (1 if sliding == "+x" else -1) * hand
-    strip = FlatLayout(x_min, x_min + length, h, s)
+    strip = FlatShoeLengths(x_min, x_min + length, h, s)
     (merit,) = MODELS[name].solve(brake).merits
     assert merit.braking_force == approx(float(law.braking_force(70.0, mu, strip)), rel=1e-9)
     assume(0.05 < mu < 0.9 * law.self_locking_friction(strip))
@@ -514,9 +521,11 @@ def test_flat_shoes_balance_and_their_sensitivity_is_the_derivative(
 def test_long_flat_shoe_becomes_the_short_one() -> None:
     errors = []
     for length in (0.02, 0.01):
-        strip = FlatLayout(0.2 - length / 2, 0.2 + length / 2, 0.06, 1)
+        strip = FlatShoeLengths(0.2 - length / 2, 0.2 + length / 2, 0.06, 1)
         errors.append(
-            LINEAR.braking_force(1.0, 0.4, strip) / FLAT_SHORT.braking_force(1.0, 0.4, strip) - 1
+            LINEAR_PRESSURE_LAW.braking_force(1.0, 0.4, strip)
+            / SHORT_SHOE_LAW_ON_PLANE.braking_force(1.0, 0.4, strip)
+            - 1
         )
     assert errors[0] / errors[1] == approx(4, rel=1e-2)
 
@@ -542,15 +551,18 @@ def test_a_hundred_thousand_torques_of_every_law_in_a_tenth_of_a_second_each() -
     mu = rng.uniform(0.05, 0.5, 10**5)
     phi_1 = rng.uniform(0.0, 1.0, 10**5)
     phi_2 = phi_1 + rng.uniform(0.5, 2.0, 10**5)
-    arc = Layout(phi_1, phi_2, 0.15, 0.125, 1)
-    plane = FlatLayout(0.1 + phi_1, 0.1 + phi_2, 0.06, -1)
+    arc = ShoeAnglesAndRadii(phi_1, phi_2, 0.15, 0.125, 1)
+    plane = FlatShoeLengths(0.1 + phi_1, 0.1 + phi_2, 0.06, -1)
     x, y = 0.16 * np.cos(arc.middle), 0.16 * np.sin(arc.middle)
     block = DoubleShoe()
     calls = {
-        **{name: lambda law=law: law.torque(100.0, mu, arc) for name, law in LAWS.items()},
+        **{
+            name: lambda law=law: law.torque(100.0, mu, arc)
+            for name, law in LAWS_OF_HINGED_SHOES_BY_NAME.items()
+        },
         "pivoted": lambda: pivoted.torque_of_pivoted_shoe(100.0, mu, arc, x, y),
-        "linear": lambda: LINEAR.braking_force(100.0, mu, plane),
-        "flat short": lambda: FLAT_SHORT.braking_force(100.0, mu, plane),
+        "linear": lambda: LINEAR_PRESSURE_LAW.braking_force(100.0, mu, plane),
+        "flat short": lambda: SHORT_SHOE_LAW_ON_PLANE.braking_force(100.0, mu, plane),
         "simscape": lambda: block.torque(1e3 * mu, phi_1 - 0.5),
     }
     assert len(calls) == 9

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from drumlin import BadInput, NoAnswer, vary
-from drumlin.brake.plane_brake import FlatBrake, read_any
+from drumlin.brake.plane_brake import FlatBrake, read_drum_or_plane_brake
 from drumlin.cli import main
 from drumlin.laws.simscape import DoubleShoe
 from drumlin.models import MODELS, model_with_name_that_applies_to_brake
@@ -38,7 +38,7 @@ NOT_BRAKES = {"examples.toml"}
 def test_every_brake_file_is_answered_by_the_laws_that_apply_and_the_others_say_why(
     file: str, expected: set[str]
 ) -> None:
-    brake = read_any(STUDIES / file)
+    brake = read_drum_or_plane_brake(STUDIES / file)
     laws = {name: model for name, model in MODELS.items() if name not in {"fem", "solid"}}
     assert len(laws) == 9
     assert {name for name, model in laws.items() if model.why_not(brake) is None} == expected
@@ -137,7 +137,7 @@ def test_bad_files_are_refused_in_one_line(
     path = tmp_path / "brake.toml"
     path.write_text(text.replace(old, new))
     with pytest.raises(BadInput) as refusal:
-        read_any(path)
+        read_drum_or_plane_brake(path)
     said = str(refusal.value)
     assert said.startswith(f"{path}: ")
     assert line in said
@@ -204,7 +204,9 @@ def test_laws_say_why_they_do_not_apply() -> None:
         {"shoe.lining.start": -0.5, "shoe.lining.end": 0.5},
     )
     assert "passes through the hinge" in str(MODELS["cosine"].why_not(centred))
-    two_sided = vary(read_any(STUDIES / "laws/pad.toml"), {"shoe.lining.start": "-20 mm"})
+    two_sided = vary(
+        read_drum_or_plane_brake(STUDIES / "laws/pad.toml"), {"shoe.lining.start": "-20 mm"}
+    )
     assert isinstance(two_sided, FlatBrake)
     assert "on one side of the hinge, not reach 20 mm beyond" in str(
         MODELS["linear"].why_not(two_sided)
@@ -271,7 +273,7 @@ def test_command_line_answers_or_says_why_not_in_one_line(
     ),
 )
 def test_figures_of_merit_reach_the_json(file, keys) -> None:
-    brake = read_any(STUDIES / file)
+    brake = read_drum_or_plane_brake(STUDIES / file)
     name = next(
         name for name, model in MODELS.items() if name != "fem" and model.why_not(brake) is None
     )

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from drumlin.brake.plane_brake import read_any
+from drumlin.brake.plane_brake import read_drum_or_plane_brake
 from drumlin.report.drawing import draw_brake
-from drumlin.studies import import_study_and_find_its_folder
+from drumlin.studies import import_study_and_find_folder_above_studies
 from drumlin_studies.law_table import rows_of_shoe_factors_of_post_brake
 from drumlin_studies.worked_examples import row_of_printed_and_computed_number
 from picking import having, picked
@@ -20,7 +20,7 @@ STUDIES = Path(__file__).parent.parent / "studies"
 
 @pytest.fixture(scope="module")
 def laws() -> ModuleType:
-    return import_study_and_find_its_folder("laws")[0]
+    return import_study_and_find_folder_above_studies("laws")[0]
 
 
 def test_study_meets_every_worked_example_and_names_the_two_that_were_printed_rounded(
@@ -51,7 +51,9 @@ def test_a_wrong_number_would_be_seen() -> None:
 
 
 def test_barecki_leading_post_has_the_smaller_shoe_factor_where_n_is_negative() -> None:
-    rows = rows_of_shoe_factors_of_post_brake(read_any(STUDIES / "post_brake/brake.toml"))
+    rows = rows_of_shoe_factors_of_post_brake(
+        read_drum_or_plane_brake(STUDIES / "post_brake/brake.toml")
+    )
     assert len(rows) == 8
     for leading, trailing in zip(rows[::2], rows[1::2], strict=True):
         assert (leading["word"], trailing["word"]) == ("leading", "trailing")
@@ -95,7 +97,7 @@ def test_there_are_brakes_of_every_kind_to_draw() -> None:
 
 @pytest.mark.parametrize("path", BRAKES, ids=lambda path: f"{path.parent.name}-{path.stem}")
 def test_every_brake_is_drawn_with_its_pins_inside_the_picture(path: Path) -> None:
-    brake = read_any(path)
+    brake = read_drum_or_plane_brake(path)
     axes = Figure().subplots()
     draw_brake(axes, brake)
     (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()

@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
-from drumlin.brake import read_any, read_brake, vary
-from drumlin.fem.error_control.levels import LEVELS
+from drumlin.brake import read_brake, read_drum_or_plane_brake, vary
+from drumlin.fem.error_control.levels import REFINEMENT_LEVELS_FROM_COARSE_TO_FINE
 from drumlin.fem.preparation.bodies import (
-    DividedBody,
+    ShoeBodyElements,
     ShoeSubstructure,
-    load_column_factors_under_all_loads,
     make_shoe_substructure,
+    unit_load_factors_under_all_loads,
 )
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.substructure.body import (
@@ -22,14 +22,16 @@ from drumlin.fem.substructure.expansion import (
     nodal_forces_of_thermal_expansion,
     stress_times_width_of_free_strain,
 )
-from drumlin.fem.substructure.loads import ACTUATION, HEAT
+from drumlin.fem.substructure.loads import ACTUATION_LOAD_NAME, HEAT_LOAD_NAME
 from drumlin.fem.substructure.ring import indices_of_displacements_that_hold_free_ring
 
 STRAIN = 1e-3
 """Free strain of the heated bodies: some 80 K of steel."""
 EVEN = np.array([STRAIN, STRAIN])
 RING = {"thickness": 0.015, "width": 0.06, "material": {"E": 1.1e11, "nu": 0.26}}
-DIVISIONS = pytest.mark.parametrize("level", [LEVELS[1], None], ids=["hp elements", "mesh"])
+DIVISIONS = pytest.mark.parametrize(
+    "level", [REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[1], None], ids=["hp elements", "mesh"]
+)
 
 
 @pytest.fixture
@@ -47,7 +49,7 @@ def heated(condensed, basis, layers, strain=EVEN):
     forces = nodal_forces_of_thermal_expansion(
         basis, layers, dict.fromkeys(layers, everywhere(strain))
     )
-    return condensed.body_with_further_loads({HEAT: forces[:, None]})
+    return condensed.body_with_further_loads({HEAT_LOAD_NAME: forces[:, None]})
 
 
 def displacement(body, **factors):
@@ -116,7 +118,7 @@ def test_a_heated_ring_has_the_displacements_of_the_closed_form(brake, level, su
 @DIVISIONS
 def test_a_clamped_body_is_pressed_as_plane_stress_tells(root, level):
     """The stress is -E alpha T/(1 - nu) in all directions, and the clamps bear it."""
-    brake = read_any(root / "studies" / "brakes" / "rail_clamp.toml")
+    brake = read_drum_or_plane_brake(root / "studies" / "brakes" / "rail_clamp.toml")
     shoe = brake.shoes[0]
     body = make_prepared_model(brake, level, elements=16).bodies[0]
     layer = elastic_layers_of_shoe(shoe)["lining"]
@@ -141,7 +143,7 @@ def test_a_clamped_body_is_pressed_as_plane_stress_tells(root, level):
 
 @DIVISIONS
 def test_a_free_straight_body_swells_through_its_layers_alone(root, level):
-    brake = read_any(root / "studies" / "brakes" / "rail_clamp.toml")
+    brake = read_drum_or_plane_brake(root / "studies" / "brakes" / "rail_clamp.toml")
     condensed, basis, layers, (x_held, _, y_held) = free_body(brake, level)
     u = displacement(heated(condensed, basis, layers, np.array([0.0, STRAIN])), heat=1.0)
     first, other = x_held // 2, y_held // 2
@@ -153,11 +155,14 @@ def test_a_free_straight_body_swells_through_its_layers_alone(root, level):
 
 def test_further_columns_are_those_of_one_elimination_of_all_loads(brake):
     """A further load has the same result by element-wise elimination and by elimination at once."""
-    shoe, body = brake.shoes[0], make_prepared_model(brake, LEVELS[0]).bodies[0]
+    shoe, body = (
+        brake.shoes[0],
+        make_prepared_model(brake, REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[0]).bodies[0],
+    )
     warm = heated(body.condensed, body.basis, elastic_layers_of_shoe(shoe))
-    assert warm.columns.sizes == ((ACTUATION, 3), (HEAT, 1))
+    assert warm.columns.sizes == ((ACTUATION_LOAD_NAME, 3), (HEAT_LOAD_NAME, 1))
     _, constraints, loads, _ = warm.assemble_equations_of_whole_body()
-    named = {ACTUATION: loads[:, :3], HEAT: loads[:, 3:]}
+    named = {ACTUATION_LOAD_NAME: loads[:, :3], HEAT_LOAD_NAME: loads[:, 3:]}
     K = body.basis.stiffness(elastic_layers_of_shoe(shoe))
     other = condense_body_to_contact_and_hinge_face(K, constraints, named, 2 * len(body.line.nodes))
     for name in ("load_on_contact", "load_on_frame", "load_work"):
@@ -167,7 +172,7 @@ def test_further_columns_are_those_of_one_elimination_of_all_loads(brake):
         assert (np.abs(mine - theirs) <= 1e-8 * largest).all()
     nodal = np.ones(len(warm.L_cc))
     factors = warm.columns.column_factors_of_all_loads(
-        {ACTUATION: np.array([1.0, 2.0, 3.0]), HEAT: np.array([0.1])}
+        {ACTUATION_LOAD_NAME: np.array([1.0, 2.0, 3.0]), HEAT_LOAD_NAME: np.array([0.1])}
     )
     mine, theirs = (
         each.nodal_displacements_in_one_case(nodal, np.ones(3), factors) for each in (warm, other)
@@ -188,15 +193,20 @@ def test_a_shoe_is_coupled_with_all_its_columns(brake, level):
     """The gap closes as the heated lining grows; the actuation keeps its own factors."""
     shoe, body = brake.shoes[0], make_prepared_model(brake, level, elements=40).bodies[0]
     warm = heated(body.condensed, body.basis, elastic_layers_of_shoe(shoe))
-    division = DividedBody(body.mesh, body.basis, body.line)
+    division = ShoeBodyElements(body.mesh, body.basis, body.line)
     coupled = make_shoe_substructure(
-        ShoeSubstructure, shoe, division, warm, body.load_centre, friction=True
+        ShoeSubstructure,
+        shoe,
+        division,
+        warm,
+        body.application_point_of_actuation_loads,
+        friction=True,
     )
-    assert np.array_equal(coupled.closure_by_load[:, :3], body.closure_by_load)
+    assert np.array_equal(coupled.gap_closure_by_load[:, :3], body.gap_closure_by_load)
     u = displacement(warm, heat=1.0)[:, body.line.nodes].T.ravel()
-    closed = coupled.closure_by_load[:, 3]
+    closed = coupled.gap_closure_by_load[:, 3]
     assert closed == pytest.approx(coupled.coupling.N @ u, abs=1e-8 * np.abs(closed).max())
-    assert load_column_factors_under_all_loads(coupled, shoe, 10.0)[3] == 1.0
-    assert load_column_factors_under_all_loads(coupled, shoe, 10.0)[:3] == pytest.approx(
-        load_column_factors_under_all_loads(body, shoe, 10.0)
+    assert unit_load_factors_under_all_loads(coupled, shoe, 10.0)[3] == 1.0
+    assert unit_load_factors_under_all_loads(coupled, shoe, 10.0)[:3] == pytest.approx(
+        unit_load_factors_under_all_loads(body, shoe, 10.0)
     )

@@ -4,7 +4,10 @@ import json
 
 from drumlin.base.errors import BadInput
 from drumlin.brake.friction import FrictionTable
-from drumlin_studies.heat_error import judge_brakes_of_seeds_and_print_summary, read_judged_rows
+from drumlin_studies.heat_error import (
+    judge_brakes_of_seeds_and_print_summary,
+    read_rows_of_errors_by_seed,
+)
 from drumlin_studies.load_error import draw_random_brake_with_loads_and_lining_friction
 
 
@@ -35,6 +38,6 @@ def test_a_file_keeps_the_judged_brakes_for_a_later_run(tmp_path, capsys):
     judge_brakes_of_seeds_and_print_summary(draw, 3, 6, path)
     # Brakes in the file are not solved again, and a brake that was not drawn has no rows.
     assert drawn == [3, 4, 5]
-    assert set(read_judged_rows(path)) == {3, 4, 5, 8}
+    assert set(read_rows_of_errors_by_seed(path)) == {3, 4, 5, 8}
     # The table has the brakes of all runs.
     assert "'quantity': 'torque', 'brakes': 1," in capsys.readouterr().out

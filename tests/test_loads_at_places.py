@@ -12,7 +12,7 @@ import drumlin
 from drumlin import BadInput, vary
 from drumlin.brake.further_loads import brake_with_all_loads_moved_to_actuation
 from drumlin.fem import solid
-from drumlin.fem.error_control.levels import LEVELS
+from drumlin.fem.error_control.levels import REFINEMENT_LEVELS_FROM_COARSE_TO_FINE
 from drumlin.fem.mesh.arc import parametric_mesh_of_shoe
 from drumlin.fem.mesh.file import write_shoe_mesh_to_file
 from drumlin.fem.model import solve_prepared_model
@@ -21,14 +21,17 @@ from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.solve import solve
 from drumlin.fem.substructure.body import sparse_stiffness_of_body
 from drumlin.fem.substructure.elasticity import elastic_layers_of_shoe
-from drumlin.fem.substructure.loads import FORCES_ON_MASS, FURTHER_FORCES
-from drumlin.verification.triangles.levels import TRIANGLE_LEVELS, solve_brake_on_one_triangle_mesh
+from drumlin.fem.substructure.loads import FURTHER_FORCE_LOAD_NAME, MASS_LOAD_NAME
+from drumlin.verification.triangles.levels import (
+    TRIANGLE_MESH_LEVELS_FROM_COARSE_TO_FINE,
+    solve_brake_on_one_triangle_mesh,
+)
 from further_loads import BODY, FORCE, R, brake_with, two_shoes
 from held_shoes import KINDS
 
 DIVISIONS = pytest.mark.parametrize(
     "level",
-    [pytest.param(LEVELS[0], marks=pytest.mark.slow), None],
+    [pytest.param(REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[0], marks=pytest.mark.slow), None],
     ids=["hp elements", "mesh"],
 )
 STEEL = {"E": 2.1e11, "nu": 0.3}
@@ -62,7 +65,7 @@ def test_a_rotating_ring_has_the_displacements_of_the_closed_form(level: Any) ->
         brake={"shoe_speed": 1.0},
     )
     shoe, body = brake.shoes[0], prepared_body(brake, level)
-    load = unit_loads_at_points_and_mass(body.basis, shoe, R)[FORCES_ON_MASS][:, 2]
+    load = unit_loads_at_points_and_mass(body.basis, shoe, R)[MASS_LOAD_NAME][:, 2]
     K = sparse_stiffness_of_body(body.basis, elastic_layers_of_shoe(shoe))
     x, y = body.basis.doflocs
     radius, angle = np.hypot(x, y), np.arctan2(y, x)
@@ -109,9 +112,9 @@ def test_a_force_bends_a_curved_cantilever_where_it_acts(level: Any) -> None:
         ],
     )
     body, shoe = prepared_body(brake, level, 64), brake.shoes[0]
-    columns = body.condensed.columns.column_slice_of_each_load[FURTHER_FORCES]
+    columns = body.condensed.columns.column_slice_of_each_load[FURTHER_FORCE_LOAD_NAME]
     along = shoe.frame.convert_vectors_to_shoe_frame(np.array([math.cos(at), math.sin(at)]))
-    found = along @ body.load_motion_by_load[columns, columns] @ along
+    found = along @ body.load_point_motion_by_load[columns, columns] @ along
     angle, radius = at + 1.1, R - 0.001 - thickness / 2
     stiffness = 2.1e11 * width * thickness**3 / 12
     wanted = radius**3 / stiffness * (angle / 2 - math.sin(2 * angle) / 4)
@@ -152,7 +155,7 @@ def test_mass_lies_in_the_volume_of_a_section_of_two_widths() -> None:
         brake={"gravity": {"direction": 0.0}},
     )
     shoe, body = brake.shoes[0], prepared_body(brake, None, 32)
-    load = unit_loads_at_points_and_mass(body.basis, shoe, R)[FORCES_ON_MASS]
+    load = unit_loads_at_points_and_mass(body.basis, shoe, R)[MASS_LOAD_NAME]
     # Weight square to the line through both centres would have a couple if the centres differed.
     line, weight = shoe.frame.convert_vectors_to_shoe_frame(np.eye(2))
     along = load[:, :2].reshape(-1, 2, 2) @ weight @ line
@@ -178,7 +181,7 @@ def test_the_work_of_the_loads_is_the_energy_of_the_body(level: Any, loads: Any)
             u = u.T.ravel()
             work = float(forces[:, k] @ u)
             assert u @ (K @ u) == pytest.approx(work, rel=1e-9)
-            assert body.load_motion_by_load[column, column] == pytest.approx(work, rel=1e-9)
+            assert body.load_point_motion_by_load[column, column] == pytest.approx(work, rel=1e-9)
             fx, fy = forces[:, k].reshape(-1, 2).T
             given = np.array([fx.sum(), fy.sum(), x @ fy - y @ fx])
             held = body.reaction_to_load[:, column]
@@ -276,7 +279,7 @@ def test_triangles_agree_on_arcs_and_straight_beams(file: str, shoe: int, loads:
         data["shoe_speed"] = math.sqrt(0.3 * force / (2.0 * 0.8 * size))
     data.get("drum", {}).pop("ring", None)
     loaded = drumlin.brake.file.make_drum_brake_from_data(data)
-    fine = solve_brake_on_one_triangle_mesh(loaded, TRIANGLE_LEVELS[0])
+    fine = solve_brake_on_one_triangle_mesh(loaded, TRIANGLE_MESH_LEVELS_FROM_COARSE_TO_FINE[0])
     for a, b in zip(solve(loaded).shoes, fine, strict=True):
         assert a.torque == pytest.approx(b.torque, rel=2e-4)
 

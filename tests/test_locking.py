@@ -23,7 +23,7 @@ from drumlin.fem.analysis.self_locking import (
 )
 from drumlin.fem.equilibrium import group as shoe_group
 from drumlin.fem.equilibrium.group import ShoeGroup, divide_pressed_shoes_into_groups
-from drumlin.fem.error_control.levels import LEVELS
+from drumlin.fem.error_control.levels import REFINEMENT_LEVELS_FROM_COARSE_TO_FINE
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.solve import solve
@@ -84,7 +84,7 @@ def test_an_answer_that_turns_back_at_finite_pressure_ends_where_the_set_changes
             problems.contact_problem_at_friction_coefficient(0.45),
             self_locking.find_largest_friction_with_equilibrium(problems, 0.45).last_contact,
             [both.active],
-        ).unstable
+        ).sets_with_unstable_solution
         == 1
     )
     with pytest.raises(NoAnswer):
@@ -192,8 +192,13 @@ def test_below_half_the_limit_all_starts_agree_and_beyond_it_none_is_answered(se
         self_locking.find_largest_friction_with_equilibrium(problems, mu).last_contact,
         starts,
     )
-    assert (found.same, found.others, found.unstable, found.lost) == (7, 0, 0, 0)
-    assert found.difference < 1e-9
+    assert (
+        found.sets_with_known_solution,
+        found.sets_with_other_stable_solution,
+        found.sets_with_unstable_solution,
+        found.sets_without_convergence,
+    ) == (7, 0, 0, 0)
+    assert found.largest_pressure_difference < 1e-9
     # Of the brakes whose friction opposes the shoe, one in a hundred locks.
     assert (end.friction < 5) == (way == "locking")
     for beyond in (1.0001, 1.05, 2, 3) if way == "locking" else ():
@@ -212,7 +217,7 @@ def test_where_the_answer_turns_back_those_beyond_stand_apart_and_are_refused():
     brake = draw_random_brake(37, "locking")
     scenes = (
         make_prepared_model(brake, elements=16),
-        make_prepared_model(brake, LEVELS[2]),
+        make_prepared_model(brake, REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[2]),
         make_prepared_model(brake, elements=64),
     )
     ends = []
@@ -278,7 +283,9 @@ def test_a_large_problem_is_answered_as_if_it_were_followed_on_all_nodes(flexibl
         for mu in (0.2 * end, 0.6 * end, 0.9 * end, 1.001 * end, 2 * end):
             answers = []
             for large in (n, 10):
-                monkeypatch.setattr(self_locking, "COARSE_PATH_ABOVE_NODES", large)
+                monkeypatch.setattr(
+                    self_locking, "NODES_ABOVE_WHICH_FRICTION_PATH_IS_COARSE", large
+                )
                 try:
                     answers.append(
                         self_locking.solve_contact_reached_from_zero_friction(
@@ -302,7 +309,7 @@ def test_of_a_large_problem_the_fine_answer_is_solved_once(flexible, monkeypatch
     (_, group) = divide_pressed_shoes_into_groups(
         make_prepared_model(flexible, elements=24), flexible, 1e4
     )
-    monkeypatch.setattr(self_locking, "COARSE_PATH_ABOVE_NODES", 30)
+    monkeypatch.setattr(self_locking, "NODES_ABOVE_WHICH_FRICTION_PATH_IS_COARSE", 30)
     sizes = settled_sizes(monkeypatch)
     self_locking.solve_contact_reached_from_zero_friction(
         group.contact_problem_of_group_at_friction, 0.4, rigid_law_limit=1.0, brake_words=""
@@ -364,7 +371,7 @@ def test_of_two_stable_answers_the_one_that_friction_leads_to(elements, large, m
     At mu = 0.822, a hundredth below the jump of its contact, this shoe has another answer of four
     times the torque.
     """
-    monkeypatch.setattr(self_locking, "COARSE_PATH_ABOVE_NODES", large)
+    monkeypatch.setattr(self_locking, "NODES_ABOVE_WHICH_FRICTION_PATH_IS_COARSE", large)
     brake = vary(draw_random_brake(37, "locking"), {"friction": 0.82245})
     group = next(
         iter(
@@ -491,11 +498,11 @@ def test_a_refusal_is_not_its_own_cause(brake):
 class FollowedDirections:
     """Directions of friction that hold up to a friction and are found once more up to 0.005."""
 
-    choice = "directions"
+    friction_directions_and_bearing_supports = "directions"
 
     def __init__(self, holds: float) -> None:
         self.holds = holds
-        self.settled = SimpleNamespace(group=self)
+        self.solved_group = SimpleNamespace(group=self)
 
     def solution_continued_with_present_supports_or_none(self, friction):
         return self if friction <= self.holds else None
@@ -512,6 +519,6 @@ class FollowedDirections:
 
 @pytest.mark.parametrize("holds", [0.003, 0.0])
 def test_the_search_for_a_limit_ends_where_earlier_directions_come_back(holds):
-    before = self_locking.FrictionLimit(0.0, False, None, 0.0, 0)
+    before = self_locking.LargestFrictionWithEquilibrium(0.0, False, None, 0.0, 0)
     found = shoe_group._friction_limit_by_bisection(FollowedDirections(holds), before, 0.0, 0.0125)
     assert found.limit.friction == pytest.approx(0.005, rel=1e-7)

@@ -18,15 +18,15 @@ import command_line
 import drumlin
 from conftest import ROOT
 from drumlin.base.errors import NoAnswer
-from drumlin.brake.fields import Part
+from drumlin.brake.fields import PartOfInputFile
 from drumlin.brake.schema import json_schema_of_brake_file
 from drumlin.models import MODELS
-from drumlin.studies import import_study_and_find_its_folder, paths_of_example_brakes
+from drumlin.studies import import_study_and_find_folder_above_studies, paths_of_example_brakes
 from drumlin.sweeps.schema import json_schema_of_sweep_file
 from drumlin_studies import notebooks
 from picking import picked
 
-manual = import_study_and_find_its_folder("manual")[0]
+manual = import_study_and_find_folder_above_studies("manual")[0]
 listing = manual.listing
 solve_path = importlib.import_module("studies.manual.solve_path")
 built_pages = importlib.import_module("studies.manual.built_pages")
@@ -40,27 +40,33 @@ NOTEBOOKS = sorted((ROOT / "studies" / "notebooks").glob("*.ipynb"))
 # the reference
 
 
-def parts(kind=Part):
+def parts(kind=PartOfInputFile):
     for below in kind.__subclasses__():
         yield below
         yield from parts(below)
 
 
 def test_every_key_of_every_file_is_described():
-    listed = [kind for _, kind, _ in (*listing.KEYS_OF_BRAKE_FILE, *listing.KEYS_OF_SWEEP_FILE)]
+    listed = [
+        kind
+        for _, kind, _ in (
+            *listing.KEY_MEANINGS_OF_BRAKE_FILE_PARTS,
+            *listing.MEANINGS_OF_SWEEP_FILE_KEYS,
+        )
+    ]
     here = {
         kind for kind in parts() if kind.__module__.startswith(("drumlin.brake", "drumlin.sweeps"))
     }
     in_no_file = {
-        "Bar",
+        "ShoeBodyOfConstantSection",
         "ContactOptions",
         "Distribution",
         "DrumLiningRow",
-        "Held",
+        "SupportedShoe",
         "Brake",
         "Lining",
-        "Meshed",
-        "Pattern",
+        "ShoeWithOptionalMeshFile",
+        "ShoePattern",
         "Shoe",
     }
     assert set(picked(here - set(listed), "__name__")) == in_no_file
@@ -72,13 +78,15 @@ def test_every_key_of_every_file_is_described():
 
 
 def test_a_key_without_words_or_words_without_key_fails(monkeypatch):
-    heading, kind, words = listing.KEYS_OF_BRAKE_FILE[0]
+    heading, kind, words = listing.KEY_MEANINGS_OF_BRAKE_FILE_PARTS[0]
     monkeypatch.setattr(
-        listing, "KEYS_OF_BRAKE_FILE", [(heading, kind, words | {"colour": "none"})]
+        listing, "KEY_MEANINGS_OF_BRAKE_FILE_PARTS", [(heading, kind, words | {"colour": "none"})]
     )
     with pytest.raises(ValueError, match="colour"):
         listing.brake_file_page()
-    monkeypatch.setattr(listing, "KEYS_OF_BRAKE_FILE", [(heading, kind, {"title": "words"})])
+    monkeypatch.setattr(
+        listing, "KEY_MEANINGS_OF_BRAKE_FILE_PARTS", [(heading, kind, {"title": "words"})]
+    )
     with pytest.raises(KeyError, match="rotation"):
         listing.brake_file_page()
 
@@ -93,7 +101,7 @@ def test_an_editor_shows_the_meaning_of_every_key():
         "ArcBody": "Body",
     }
     seen = 0
-    for _, kind, meanings in listing.KEYS_OF_BRAKE_FILE:
+    for _, kind, meanings in listing.KEY_MEANINGS_OF_BRAKE_FILE_PARTS:
         keys = parts[in_schema.get(kind.__name__, kind.__name__)]["properties"]
         assert set(keys) == set(meanings)
         for key, schema in keys.items():
@@ -329,7 +337,7 @@ def test_a_notebook_prints_what_is_kept(path):
 def same_text(old, new):
     """Whether two printed texts have the same words, and numbers that differ by round-off."""
     (words, numbers), (new_words, new_numbers) = map(
-        notebooks.words_and_numbers_of_text, (old, new)
+        notebooks.text_with_stars_for_numbers_and_its_numbers, (old, new)
     )
     return words == new_words and new_numbers == pytest.approx(numbers, rel=1e-3, abs=1e-8)
 
@@ -346,7 +354,10 @@ def test_another_number_in_a_table_of_html_is_noticed():
     data = {"text/html": "<td>447.6</td><td>2448</td>", "text/plain": "torque"}
     cell.outputs = [nbformat.v4.new_output("execute_result", data=data)]
     (old,) = notebooks.texts_of_outputs(nbformat.v4.new_notebook(cells=[cell]))
-    assert notebooks.words_and_numbers_of_text(old) == ("torque * *", [447.6, 2448])
+    assert notebooks.text_with_stars_for_numbers_and_its_numbers(old) == (
+        "torque * *",
+        [447.6, 2448],
+    )
     data["text/html"] = "<td>447.6</td><td>2453</td>"
     cell.outputs = [nbformat.v4.new_output("execute_result", data=data)]
     (new,) = notebooks.texts_of_outputs(nbformat.v4.new_notebook(cells=[cell]))
@@ -365,7 +376,7 @@ def test_a_picture_is_kept_without_the_version_of_matplotlib():
     assert b"Matplotlib" in drawn.getvalue() and len(Image.open(drawn).info) == 3
     data = {"image/png": base64.b64encode(drawn.getvalue()).decode(), "text/plain": "<Figure>"}
     output = nbformat.v4.new_output("display_data", data=data)
-    notebooks._remove_traces_of_run(output, 1)
+    notebooks._remove_traces_of_run_from_output(output, 1)
     kept = Image.open(io.BytesIO(base64.b64decode(output.data["image/png"])))
     assert kept.info == {} and kept.tobytes() == pixels and set(output.data) == {"image/png"}
     with pytest.raises(ValueError, match="no PNG file"):
@@ -544,7 +555,9 @@ def test_the_ten_changes_name_files_that_exist_and_touch_few():
 # names that texts mention
 
 DOTTED = re.compile(r"`((?:[a-z_]\w*\.)+\w+)(?:\(.*?\))?`")
-"""A dotted name in single back quotes: `drumlin.brake.surface` or `adapt.DEFAULT_TOLERANCE`."""
+"""A dotted name in single back quotes: `drumlin.brake.surface` or
+`adapt.DEFAULT_TOLERANCES_OF_PRESSURE_AND_TORQUE`.
+"""
 FILE = re.compile(r"(?<![\w./{])((?:[a-z_]\w*/)*[a-z_]\w*\.py)\b")
 """The path of a Python file in a text."""
 NOT_OURS = (
@@ -642,7 +655,7 @@ def test_files_that_texts_mention_exist():
 
 def test_a_name_that_is_gone_is_noticed():
     assert is_there("drumlin.fem.error_control.adapt")
-    assert is_there("adapt.DEFAULT_TOLERANCE")
+    assert is_there("adapt.DEFAULT_TOLERANCES_OF_PRESSURE_AND_TORQUE")
     assert is_there("drumlin.door.WearRun") or is_there("drumlin.lining_wear.whole_brake.WearRun")
     assert not is_there("drumlin.misfit")
     assert not is_there("assembly.coupled")

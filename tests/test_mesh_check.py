@@ -12,10 +12,10 @@ from drumlin.brake.writing import brake_file_text
 from drumlin.fem.mesh.arc import parametric_mesh_of_shoe
 from drumlin.fem.mesh.file import write_shoe_mesh_to_file
 from drumlin.report.mesh_check import (
-    GROUP_COLORS,
+    MESH_GROUP_COLORS,
     draw_checked_meshes,
     mean_lining_compression_under_actuation_force,
-    read_meshes_of_brake,
+    read_mesh_files_of_brake,
     text_lines_about_mesh_to_be_solved,
 )
 
@@ -29,14 +29,14 @@ def standing_off(tmp_path, brake):
     shoe = brake.shoes[0]
     mesh = parametric_mesh_of_shoe(shoe, brake.size, ELEMENTS, "tri1")
     on_drum = np.unique(mesh.facets[:, mesh.boundaries["contact"]])
-    mesh.p[:, on_drum] *= 1 - shoe.sign * GAP / brake.size
+    mesh.p[:, on_drum] *= 1 - shoe.sign_internal_plus_external_minus * GAP / brake.size
     write_shoe_mesh_to_file(tmp_path / "off.msh", mesh, shoe)
     alone = vary(brake, {"shoe": [shoe.model_dump()]})
     return vary(alone, {"shoe[0].mesh": str(tmp_path / "off.msh")})
 
 
 def test_the_picture_shows_groups_and_the_contact_line(standing_off):
-    checked = read_meshes_of_brake(standing_off)
+    checked = read_mesh_files_of_brake(standing_off)
     figure = draw_checked_meshes(standing_off, checked)
     groups, offsets = figure.axes
     mesh = checked[0].read.mesh
@@ -48,7 +48,7 @@ def test_the_picture_shows_groups_and_the_contact_line(standing_off):
         elif isinstance(part, LineCollection):
             drawn[tuple(part.get_edgecolor()[0])] = len(part.get_paths())
     named = {**mesh.subdomains, **mesh.boundaries}
-    assert drawn == {to_rgba(GROUP_COLORS[name]): len(of) for name, of in named.items()}
+    assert drawn == {to_rgba(MESH_GROUP_COLORS[name]): len(of) for name, of in named.items()}
     # The contact line stands 20 um off the drum, over the arc of the lining.
     (curve,) = (line for line in offsets.get_lines() if "in the file" in line.get_label())
     assert curve.get_ydata() == pytest.approx(20, rel=1e-6)
@@ -59,7 +59,7 @@ def test_the_picture_shows_groups_and_the_contact_line(standing_off):
 
 
 def test_three_lines_say_what_will_be_solved(standing_off):
-    (checked,) = read_meshes_of_brake(standing_off)
+    (checked,) = read_mesh_files_of_brake(standing_off)
     elements, contact, held = text_lines_about_mesh_to_be_solved(standing_off, checked)
     mesh = checked.read.mesh
     assert f"{mesh.nelements} linear triangles (lining {len(mesh.subdomains['lining'])}" in elements
@@ -81,7 +81,7 @@ def test_the_compression_is_that_of_a_layer_under_an_even_pressure(brake):
 
 def test_a_brake_without_mesh_file_is_refused(brake):
     with pytest.raises(BadInput, match="no shoe has a mesh file"):
-        read_meshes_of_brake(brake)
+        read_mesh_files_of_brake(brake)
 
 
 @pytest.mark.slow

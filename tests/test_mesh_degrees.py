@@ -15,14 +15,14 @@ from drumlin.fem.analysis.fields import stress_and_displacement_fields_of_shoe
 from drumlin.fem.error_control import degrees
 from drumlin.fem.error_control.changed_shape import prepared_model_with_moved_nodes
 from drumlin.fem.error_control.estimate import (
-    QUANTITIES,
-    Errors,
+    QUANTITIES_WITH_STATED_ERROR,
+    EstimatedErrors,
     relative_differences_of_responses_on_two_levels,
 )
-from drumlin.fem.error_control.levels import LEVELS
+from drumlin.fem.error_control.levels import REFINEMENT_LEVELS_FROM_COARSE_TO_FINE
 from drumlin.fem.mesh.arc import MESH_KINDS, parametric_mesh_of_shoe
-from drumlin.fem.mesh.content_of_file import FileContent
-from drumlin.fem.mesh.degree import NodalElement, nodal_basis_of_mesh, nodal_basis_of_shoe_mesh
+from drumlin.fem.mesh.content_of_file import MeshFileContent
+from drumlin.fem.mesh.degree import LagrangeElement, nodal_basis_of_mesh, nodal_basis_of_shoe_mesh
 from drumlin.fem.mesh.edges import nodes_along_element_edges
 from drumlin.fem.mesh.file import read_shoe_mesh_with_notes, write_shoe_mesh_to_file
 from drumlin.fem.mesh.plane_cells import convert_plane_cells_to_one_kind
@@ -31,28 +31,28 @@ from drumlin.fem.mesh.smooth_outline import (
     singular_corners_of_mesh,
 )
 from drumlin.fem.mesh.splitting import (
-    FinestSides,
+    LargestSidesAtSingularPoints,
     nodal_basis_on_split_triangles,
     split_mesh_into_triangles_towards_points,
 )
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation import meshes
-from drumlin.fem.preparation.cache import Cache
-from drumlin.fem.preparation.meshes import RaisedDegree
+from drumlin.fem.preparation.cache import CacheOfCondensedBodies
+from drumlin.fem.preparation.meshes import DegreeAndSplittingOfMesh
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.solve import prepared_model_with_finest_elements, solve
-from drumlin.peers import PEERS
+from drumlin.peers import NAMES_OF_PEER_PROGRAMS
 from drumlin.report.comparison import draw_stress_fields
 from drumlin.response.resultants import gauss_lobatto_points
 from drumlin_studies import mesh_degrees
 from drumlin_studies.mesh_cost import (
-    TOLERANCE,
+    TOLERANCE_OF_MESH_FILE_SOLVE,
     costs_of_solves_on_mesh_file,
     write_mesh_and_return_brakes_of_main_example,
 )
 from drumlin_studies.mesh_degrees import (
-    JudgedMesh,
-    MeshForm,
+    ElementKindAndGradingOfGmshMesh,
+    StatedAndTrueErrorsOfMesh,
     draw_random_brake_with_one_shoe,
     judge_mesh_of_random_shoe,
     report_lines_on_judged_meshes,
@@ -90,7 +90,7 @@ def own(tmp_path, brake, shoe):
 @pytest.mark.parametrize("corners", [3, 4])
 @pytest.mark.parametrize("degree", [2, 3, 4])
 def test_shape_functions_are_one_at_their_node_and_slope_as_they_grow(corners, degree):
-    elem = NodalElement(degree, corners)
+    elem = LagrangeElement(degree, corners)
     count = len(elem.doflocs)
     at_nodes = np.array([elem.lbasis(elem.doflocs.T, i)[0] for i in range(count)])
     np.testing.assert_allclose(at_nodes, np.eye(count), atol=1e-12)
@@ -127,7 +127,10 @@ def test_contact_nodes_keep_the_distance_of_the_meshs_own_nodes(shoe, brake, kin
     """Straight sides follow the drum, and a lining that stands off it stands off everywhere."""
     mesh = parametric_mesh_of_shoe(shoe, brake.size, ELEMENTS, kind)
     for gap in (0.0, 3e-5):
-        off = replace(mesh, doflocs=mesh.doflocs * (1 - shoe.sign * gap / brake.size))
+        off = replace(
+            mesh,
+            doflocs=mesh.doflocs * (1 - shoe.sign_internal_plus_external_minus * gap / brake.size),
+        )
         basis = nodal_basis_of_shoe_mesh(off, 4, shoe, brake.size)
         nodes = nodes_along_element_edges(basis, off.boundaries["contact"])
         assert shoe.distances_from_friction_surface(
@@ -146,7 +149,9 @@ def test_contact_nodes_keep_the_distance_of_the_meshs_own_nodes(shoe, brake, kin
 @pytest.mark.parametrize("kind", ["quad2", "tri2"])
 def test_degree_two_is_that_of_scikit_fem(own, kind):
     filed = own(kind)
-    raised = make_prepared_model(filed, LEVELS[0], raised=RaisedDegree(2))
+    raised = make_prepared_model(
+        filed, REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[0], raised=DegreeAndSplittingOfMesh(2)
+    )
     found, known = solve_prepared_model(raised, filed), solve_on_elements_of_files(filed)
     assert found.torque == pytest.approx(known.torque, rel=1e-9)
     assert found.shoes[0].pressure == pytest.approx(known.shoes[0].pressure, rel=1e-6)
@@ -159,9 +164,9 @@ def test_straight_sides_on_arcs_become_arcs_and_corners_stay(shoe, brake):
     assert np.abs(moves[:, : mesh.nvertices]).max() < 1e-15
     moved = basis.basis_with_moved_nodes(moves)
     # The back of the body and the interface of the lining are circles about the drum's centre.
-    depth = {"interface": shoe.lining.thickness, "back": shoe.depth}
+    depth = {"interface": shoe.lining.thickness, "back": shoe.total_thickness}
     for name, thickness in depth.items():
-        radius = brake.size - shoe.sign * thickness
+        radius = brake.size - shoe.sign_internal_plus_external_minus * thickness
         on = np.abs(np.hypot(*mesh.p[:, mesh.facets]) - radius).max(axis=0) < 1e-9
         # Short sides of the body's front lie beyond the interface, at the same radius.
         on &= (mesh.f2t[1] >= 0) == (name == "interface")
@@ -181,11 +186,11 @@ def test_nodes_of_split_elements_follow_the_arcs_of_the_outline(shoe, brake):
     mesh = parametric_mesh_of_shoe(shoe, brake.size, ELEMENTS, "tri1")
     shape = nodal_basis_of_shoe_mesh(mesh, 5, shoe, brake.size)
     corners = mesh.p[:, singular_corners_of_mesh(mesh)]
-    finest = FinestSides(corners, np.full(corners.shape[1], 1e-3))
+    finest = LargestSidesAtSingularPoints(corners, np.full(corners.shape[1], 1e-3))
     parts = split_mesh_into_triangles_towards_points(shape, finest, 10_000)
     split = nodal_basis_on_split_triangles(shape, parts, 2)
     moved = split.basis_with_moved_nodes(node_displacements_onto_smooth_outline(split))
-    back = brake.size - shoe.sign * shoe.depth
+    back = brake.size - shoe.sign_internal_plus_external_minus * shoe.total_thickness
     nodes = nodes_along_element_edges(split, split.mesh.boundary_facets())
     # Sides on the back of the body lie near its circle, and no side along a radius is among them.
     distance = np.hypot(*split.doflocs[:, nodes])
@@ -201,7 +206,11 @@ def test_nodes_of_split_elements_follow_the_arcs_of_the_outline(shoe, brake):
 def test_the_load_of_moved_nodes_changes_a_response_as_moved_nodes_do(own, monkeypatch):
     """The change by arcs in place of straight sides is that of a body on the moved mesh."""
     filed = own("tri1", 40)
-    scene = make_prepared_model(filed, LEVELS[0], raised=RaisedDegree(2, keep_factors=True))
+    scene = make_prepared_model(
+        filed,
+        REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[0],
+        raised=DegreeAndSplittingOfMesh(2, keep_factors=True),
+    )
     before = solve_prepared_model(scene, filed)
     found, again = (
         solve_prepared_model(
@@ -210,7 +219,12 @@ def test_the_load_of_moved_nodes_changes_a_response_as_moved_nodes_do(own, monke
             ),
             filed,
         )
-        for each in (scene, make_prepared_model(filed, LEVELS[0], raised=RaisedDegree(2)))
+        for each in (
+            scene,
+            make_prepared_model(
+                filed, REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[0], raised=DegreeAndSplittingOfMesh(2)
+            ),
+        )
     )
 
     def basis_with_arcs(*given):
@@ -219,7 +233,10 @@ def test_the_load_of_moved_nodes_changes_a_response_as_moved_nodes_do(own, monke
 
     monkeypatch.setattr(meshes, "nodal_basis_of_shoe_mesh", basis_with_arcs)
     known = solve_prepared_model(
-        make_prepared_model(filed, LEVELS[0], raised=RaisedDegree(2)), filed
+        make_prepared_model(
+            filed, REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[0], raised=DegreeAndSplittingOfMesh(2)
+        ),
+        filed,
     )
     for read in (
         lambda response: response.torque,
@@ -239,7 +256,7 @@ def test_a_mesh_of_a_file_states_errors_above_the_true_ones(brake, shoe, own, ki
     filed = own(kind)
     found, known = solve(filed), solve(vary(brake, {"shoe": [shoe.model_dump()]}), tolerance=1e-5)
     true = true_errors_of_response(filed, found.shoes, known.shoes)
-    assert set(found.error) == set(QUANTITIES) == set(found.shoes[0].error)
+    assert set(found.error) == set(QUANTITIES_WITH_STATED_ERROR) == set(found.shoes[0].error)
     for name in ("pressure", "torque", "reaction"):
         assert true[name] < found.error[name] < 30 * true[name] + 5e-5, name
     # Elements of the file's degree are farther off.
@@ -254,7 +271,7 @@ def test_a_tolerance_raises_the_degree_until_it_is_met_or_says_what_is_reached(o
     loose, tight = solve(fine, tolerance=0.3), solve(fine, tolerance=1e-7)
     assert loose.shoes[0].order == 3
     assert not saying(loose.notes, "warning:")
-    assert tight.shoes[0].order == degrees.MESH_LEVELS.levels[-1].degree - 2
+    assert tight.shoes[0].order == degrees.REFINEMENT_LEVELS_ON_MESH_FILES.levels[-1].degree - 2
     (warning,) = saying(tight.notes, "tolerance 1e-07 not reached")
     assert f"error of p {error_text_in_percent(tight.error['pressure'])}" in warning
     # The default tolerance is met as well as possible, without a warning.
@@ -263,7 +280,7 @@ def test_a_tolerance_raises_the_degree_until_it_is_met_or_says_what_is_reached(o
 
 def test_a_mesh_too_fine_for_a_higher_degree_is_solved_as_it_is(own, monkeypatch):
     filed = own("tri2")
-    monkeypatch.setattr(meshes, "MOST_RAISED_NODES", 10)
+    monkeypatch.setattr(meshes, "MOST_NODES_AT_RAISED_DEGREE", 10)
     found = solve(filed)
     assert found.torque == solve_on_elements_of_files(filed).torque
     assert found.error is None
@@ -275,12 +292,20 @@ def test_stress_at_the_drum_is_the_pressure_at_every_degree(own, kind):
     """A field of the file's degree on elements of a higher degree was some ten per cent off."""
     filed = own(kind)
     for degree in (2, 3, 4):
-        scene = make_prepared_model(filed, LEVELS[0], raised=RaisedDegree(degree))
+        scene = make_prepared_model(
+            filed, REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[0], raised=DegreeAndSplittingOfMesh(degree)
+        )
         answer = solve_prepared_model(scene, filed)
         found = stress_and_displacement_fields_of_shoe(scene, filed, answer, 0)
         # The stress is singular at the ends of the lining, and there is no end among these nodes.
         inner = found.pressure > 0
-        inner &= np.abs(filed.shoes[0].frame.phi(np.arctan2(*found.points.T[::-1])) - 1.2) < 0.7
+        inner &= (
+            np.abs(
+                filed.shoes[0].frame.phi_of_surface_coordinates(np.arctan2(*found.points.T[::-1]))
+                - 1.2
+            )
+            < 0.7
+        )
         assert inner.sum() > 10
         xx, yy, xy = found.stress[inner].T
         cos, sin = (found.points[inner] / np.linalg.norm(found.points[inner], axis=1)[:, None]).T
@@ -307,7 +332,7 @@ def test_pads_rings_and_shoes_without_files_state_errors_as_well(tmp_path, brake
     fine = solve(partly, tolerance=1e-3)
     true = true_errors_of_response(whole, fine.shoes, known.shoes)
     assert not saying(fine.notes, "warning:")
-    for name in QUANTITIES:
+    for name in QUANTITIES_WITH_STATED_ERROR:
         assert true[name] < fine.error[name], name
     flat = pad("hinge", body=BODY)
     write_shoe_mesh_to_file(
@@ -322,21 +347,26 @@ def test_pads_rings_and_shoes_without_files_state_errors_as_well(tmp_path, brake
 
 
 def test_the_report_counts_stated_errors_that_are_too_small():
-    true = dict.fromkeys(QUANTITIES, 1.0)
+    true = dict.fromkeys(QUANTITIES_WITH_STATED_ERROR, 1.0)
     judged = [
-        JudgedMesh(i, None, 10.0, dict.fromkeys(QUANTITIES, stated), true)
+        StatedAndTrueErrorsOfMesh(
+            i, None, 10.0, dict.fromkeys(QUANTITIES_WITH_STATED_ERROR, stated), true
+        )
         for i, stated in enumerate((0.5, 2.0, 3.0))
     ]
-    judged.append(judged[0]._replace(true=dict.fromkeys(QUANTITIES, math.nan)))
+    judged.append(judged[0]._replace(true=dict.fromkeys(QUANTITIES_WITH_STATED_ERROR, math.nan)))
     for line in report_lines_on_judged_meshes(judged):
         assert line.endswith("least 0.50, median 2.00, 1 of 3 too small")
 
 
 def test_rows_of_judged_meshes_are_kept_and_not_judged_again(tmp_path, monkeypatch, capsys):
     path = tmp_path / "rows.jsonl"
-    form = MeshForm(2, straight=False, recombined=True, decimals=3)
-    errors = dict.fromkeys(QUANTITIES, 1e-3)
-    judged = {7: JudgedMesh(7, form, 12.0, errors, errors | {"peak": math.nan}), 8: "refused"}
+    form = ElementKindAndGradingOfGmshMesh(2, straight=False, recombined=True, decimals=3)
+    errors = dict.fromkeys(QUANTITIES_WITH_STATED_ERROR, 1e-3)
+    judged = {
+        7: StatedAndTrueErrorsOfMesh(7, form, 12.0, errors, errors | {"peak": math.nan}),
+        8: "refused",
+    }
     seeds = []
 
     def judge_by_table(seed):
@@ -376,9 +406,9 @@ def test_stated_errors_of_meshes_by_gmsh_are_above_the_true_ones(monkeypatch):
     pytest.importorskip("gmsh")
     judged = []
     for seed, finest in CLOSE.items():
-        monkeypatch.setattr(mesh_degrees, "SIZES", (10.0, finest))
+        monkeypatch.setattr(mesh_degrees, "RANGE_OF_DRUM_RADIUS_OVER_ELEMENT_SIZE", (10.0, finest))
         judged.append(judge_mesh_of_random_shoe(seed))
-    for name in QUANTITIES:
+    for name in QUANTITIES_WITH_STATED_ERROR:
         ratios = [mesh.stated[name] / mesh.true[name] for mesh in judged]
         assert np.nanmin(ratios) > 1, name
         assert 1 < np.nanmedian(ratios) < 6, name
@@ -394,14 +424,21 @@ def test_rounded_coordinates_change_a_response_by_less_than_stated(tmp_path, see
     solved = []
     for decimals in (2, None):
         path = tmp_path / f"{decimals}.msh"
-        form = MeshForm(3, straight=False, recombined=False, decimals=decimals)
+        form = ElementKindAndGradingOfGmshMesh(
+            3, straight=False, recombined=False, decimals=decimals
+        )
         write_gmsh_mesh_of_shoe(shoe, form, size, path)
         brake = vary(shoe, {"shoe.mesh": str(path), "shoe.mesh_unit": "mm"})
         # Such a tolerance is not met, and both meshes are solved at the highest degree.
         response = solve(brake, tolerance=1e-6)
-        solved.append((response, degrees._errors_due_to_rounded_mesh_coordinates(brake, Cache())))
+        solved.append(
+            (
+                response,
+                degrees._errors_due_to_rounded_mesh_coordinates(brake, CacheOfCondensedBodies()),
+            )
+        )
     (rounded, stated), (exact, nothing) = solved
-    changes = relative_differences_of_responses_on_two_levels(shoe, rounded, exact).steps
+    changes = relative_differences_of_responses_on_two_levels(shoe, rounded, exact).differences
     assert not nothing.any()
     assert (changes < stated).all()
     assert max(changes[1:] / stated[1:]) > 0.7
@@ -419,7 +456,7 @@ def test_a_gap_that_rounding_may_have_caused_is_an_error_of_all_results(tmp_path
     solved = []
     for moved in (gap, 0.0):
         doflocs = mesh.doflocs.copy()
-        doflocs[:, in_middle] *= 1 - shoe.sign * moved / brake.size
+        doflocs[:, in_middle] *= 1 - shoe.sign_internal_plus_external_minus * moved / brake.size
         path = tmp_path / f"{moved}.msh"
         rounded = shoe.convert_points_to_brake_frame(doflocs).round(6)
         doflocs = np.ascontiguousarray(shoe.convert_points_to_shoe_frame(rounded.T).T)
@@ -429,7 +466,7 @@ def test_a_gap_that_rounding_may_have_caused_is_an_error_of_all_results(tmp_path
     response, fitting = solved
     true = true_errors_of_response(alone, response.shoes, fitting.shoes)
     assert min(true["torque"], true["reaction"]) > 10 * fitting.error["torque"]
-    for name in QUANTITIES:
+    for name in QUANTITIES_WITH_STATED_ERROR:
         assert true[name] < response.error[name], name
     for name in ("pressure", "torque", "reaction"):
         assert response.error[name] < 3 * true[name], name
@@ -453,7 +490,7 @@ def test_a_degree_without_an_answer_is_said_beside_the_stated_error(own, monkeyp
     solved = degrees.solve_brake_on_mesh_files(own("tri2"), refuse_degree_four_and_five, 1e-6)
     assert saying(solved.response.notes, "no higher degree: no equilibrium")
     assert solved.response.error["torque"] > 0
-    assert solved.scene.bodies[0].line.interpolation_degree_along_contact_line == 3
+    assert solved.prepared_model.bodies[0].line.interpolation_degree_along_contact_line == 3
 
 
 def test_meshes_without_judged_errors_have_a_line():
@@ -468,7 +505,9 @@ def test_split_elements_fit_together_and_keep_the_shape_of_the_mesh(shoe, brake,
     side = 2e-4
     inside = shoe.arc[0] + 0.37 * (shoe.arc[1] - shoe.arc[0])
     point = brake.size * np.array([[math.cos(inside)], [math.sin(inside)]])
-    finest = FinestSides(np.hstack([mesh.p[:, corners], point]), np.full(len(corners) + 1, side))
+    finest = LargestSidesAtSingularPoints(
+        np.hstack([mesh.p[:, corners], point]), np.full(len(corners) + 1, side)
+    )
     split = nodal_basis_on_split_triangles(
         basis, split_mesh_into_triangles_towards_points(basis, finest, 10_000), 3
     )
@@ -503,7 +542,7 @@ def test_split_elements_fit_together_and_keep_the_shape_of_the_mesh(shoe, brake,
         assert np.hypot(*(parts.p[:, nearest] - xy)) < side
     with pytest.raises(NoAnswer, match="split into more than 100 triangles"):
         split_mesh_into_triangles_towards_points(basis, finest, 100)
-    large = FinestSides(finest.xy, np.full(len(finest.sides), 1.0))
+    large = LargestSidesAtSingularPoints(finest.xy, np.full(len(finest.sides), 1.0))
     assert split_mesh_into_triangles_towards_points(basis, large, 100) is None
 
 
@@ -556,9 +595,11 @@ def test_hold_and_slopes_of_a_mesh_file_are_those_of_the_shoe(brake, shoe, own):
 @pytest.mark.parametrize(
     "form",
     [
-        MeshForm(3, straight=False, recombined=False, decimals=3),
-        MeshForm(3, straight=False, recombined=True, decimals=3),
-        MeshForm(2, straight=True, recombined=False, decimals=2, graded=True),
+        ElementKindAndGradingOfGmshMesh(3, straight=False, recombined=False, decimals=3),
+        ElementKindAndGradingOfGmshMesh(3, straight=False, recombined=True, decimals=3),
+        ElementKindAndGradingOfGmshMesh(
+            2, straight=True, recombined=False, decimals=2, graded=True
+        ),
     ],
 )
 def test_rounded_nodes_inside_sides_are_put_on_the_drum(tmp_path, form):
@@ -570,7 +611,7 @@ def test_rounded_nodes_inside_sides_are_put_on_the_drum(tmp_path, form):
     (shoe,) = filed.shoes
     read = read_shoe_mesh_with_notes(shoe.mesh, shoe, filed.size)
     assert read.contact.rounded > 20
-    assert read.contact.rounded_by > 1e-7
+    assert read.contact.largest_rounding_offset > 1e-7
     assert np.abs(read.off).max() < 1e-12
 
 
@@ -582,7 +623,7 @@ def test_long_third_order_sides_on_the_drum_stay_on_it(tmp_path, recombined):
     """
     pytest.importorskip("gmsh")
     brake = draw_random_brake_with_one_shoe(np.random.default_rng([104, 3]))
-    form = MeshForm(3, straight=False, recombined=recombined)
+    form = ElementKindAndGradingOfGmshMesh(3, straight=False, recombined=recombined)
     write_gmsh_mesh_of_shoe(brake, form, brake.size / 11, tmp_path / "shoe.msh")
     filed = vary(brake, {"shoe.mesh": str(tmp_path / "shoe.msh"), "shoe.mesh_unit": "mm"})
     read = read_shoe_mesh_with_notes(filed.shoes[0].mesh, filed.shoes[0], filed.size)
@@ -595,7 +636,7 @@ def test_bodies_beside_a_mesh_file_are_hp_elements_of_the_same_level(brake, own)
     whole = vary(brake, drum_ring(0.01, "fixed"))
     partly = vary(whole, {"shoe[0].mesh": str(own("quad2").shoes[0].mesh)})
     degrees_of_level = []
-    for level in degrees.MESH_LEVELS.levels[:2]:
+    for level in degrees.REFINEMENT_LEVELS_ON_MESH_FILES.levels[:2]:
         scene = degrees.prepared_model_of_mesh_files(partly, level)
         lines = [*(body.line for body in scene.bodies), scene.ring.line]
         degrees_of_level.append([line.interpolation_degree_along_contact_line for line in lines])
@@ -604,7 +645,7 @@ def test_bodies_beside_a_mesh_file_are_hp_elements_of_the_same_level(brake, own)
 
 def test_a_fine_mesh_begins_at_degree_one(own, monkeypatch):
     """The second level, with degree 2, is the first with stated errors."""
-    monkeypatch.setattr(degrees, "FINE_MESH", 1)
+    monkeypatch.setattr(degrees, "FEWEST_VERTICES_OF_FINE_MESH_FILE", 1)
     found = solve(own("quad2"), tolerance=0.3)
     assert found.shoes[0].order == 2
     assert 0 < found.error["pressure"] < 0.3
@@ -614,7 +655,7 @@ def test_a_fine_mesh_begins_at_degree_one(own, monkeypatch):
 def test_a_brake_without_a_solution_has_the_second_level_of_its_mesh(
     own, monkeypatch, fine_from, degree
 ):
-    monkeypatch.setattr(degrees, "FINE_MESH", fine_from)
+    monkeypatch.setattr(degrees, "FEWEST_VERTICES_OF_FINE_MESH_FILE", fine_from)
     locked = vary(own("quad2"), {"friction": 5.0, "rotation": "clockwise"})
     with pytest.raises(NoAnswer):
         solve(locked)
@@ -635,12 +676,12 @@ def test_a_quadrilateral_with_a_corner_of_180_degrees_is_cut_from_there(sense):
     if sense < 0:
         cell = cell[:, [0, 3, 2, 1, 7, 6, 5, 4, 8]]
     found = convert_plane_cells_to_one_kind(
-        FileContent(points, {"quad9": cell}), points, "file", on_drum=True
+        MeshFileContent(points, {"quad9": cell}), points, "file", on_drum=True
     )
     assert found.cell == "triangle6"
     assert len(found.cells) == 2
     mesh = skfem.MeshTri2(found.points[np.unique(found.cells)].T, renumbered(found.cells).T)
-    determinants = mesh.mapping().detDF(NodalElement(2, 3).doflocs.T)
+    determinants = mesh.mapping().detDF(LagrangeElement(2, 3).doflocs.T)
     assert (np.abs(determinants) > 0.1 * np.abs(determinants).mean()).all()
     assert (np.ptp(np.sign(determinants), axis=1) == 0).all()
     assert "1 with a corner of 180 degrees" in found.notes[0]
@@ -648,7 +689,7 @@ def test_a_quadrilateral_with_a_corner_of_180_degrees_is_cut_from_there(sense):
     dented = points.copy()
     dented[2] *= 0.99
     kept = convert_plane_cells_to_one_kind(
-        FileContent(dented, {"quad9": cell}), dented, "file", on_drum=True
+        MeshFileContent(dented, {"quad9": cell}), dented, "file", on_drum=True
     )
     assert kept.cell == "quad9"
 
@@ -659,11 +700,12 @@ def renumbered(cells):
 
 
 def test_levels_end_when_no_level_reduces_the_error_that_misses_its_tolerance():
-    aim = degrees.Tolerance(pressure=1e-3, torque=1e-4)
+    aim = degrees.TolerancesOfPressureAndTorque(pressure=1e-3, torque=1e-4)
 
     def helps(error, of_level):
         whole, part = (
-            Errors(dict(zip(aim._fields, each, strict=True)), ()) for each in (error, of_level)
+            EstimatedErrors(dict(zip(aim._fields, each, strict=True)), ())
+            for each in (error, of_level)
         )
         return degrees._would_finer_mesh_level_reduce_error(whole, part, aim)
 
@@ -681,13 +723,13 @@ def test_cost_on_a_mesh_file_has_errors_that_the_mesh_explains(tmp_path):
     alone, filed = write_mesh_and_return_brakes_of_main_example(tmp_path / "shoe.msh", 4.4e-3)
     rows = {row.way: row for row in costs_of_solves_on_mesh_file(alone, filed)}
     split, whole = rows["drumlin, stated error"], rows["drumlin, file's degree"]
-    assert split.pressure < split.stated < TOLERANCE
+    assert split.pressure < split.stated < TOLERANCE_OF_MESH_FILE_SOLVE
     assert 2 * split.pressure < whole.pressure < 0.1
     assert whole.stated is None
     assert min(row.seconds for row in rows.values()) > 0
     # GetFEM takes 3.5 times as long on the elements of the file, and CalculiX 13 times. A single
     # time on a busy machine may be half or twice as long.
-    for peer in PEERS.values():
+    for peer in NAMES_OF_PEER_PROGRAMS.values():
         if peer in rows:
             assert rows[peer].pressure > whole.pressure, peer
             assert rows[peer].seconds > 0.9 * whole.seconds, peer

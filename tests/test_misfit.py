@@ -408,7 +408,7 @@ def test_the_worn_in_shape_is_the_one_that_wear_ends_with():
     for by_wear, at_once in zip(ended.shoes, limit.shoes, strict=True):
         theta, gap = np.array(at_once.lining.clearance).T
         difference = clearance.gaps_between_unloaded_lining_and_surface(ended, by_wear, theta) - gap
-        turn = np.sin(by_wear.frame.phi(theta))
+        turn = np.sin(by_wear.frame.phi_of_surface_coordinates(theta))
         # The part of the difference that a turn of the shoe makes is taken off.
         left = difference - turn * (turn @ difference) / (turn @ turn)
         # At the lining's ends the pressure has a spike that wears for ever.

@@ -9,10 +9,10 @@ import pytest
 
 from conftest import STUDY, partly
 from drumlin.base.errors import BadInput
-from drumlin.brake.components import Ring
+from drumlin.brake.components import DrumRing
 from drumlin.brake.file import read_brake, vary
 from drumlin.fem.equilibrium.group import ShoeGroup
-from drumlin.fem.error_control.adapt import Tolerance, solve_brake_to_tolerance
+from drumlin.fem.error_control.adapt import TolerancesOfPressureAndTorque, solve_brake_to_tolerance
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.solve import solve
@@ -25,12 +25,12 @@ from drumlin_studies.omission import (
 )
 from drumlin_studies.omission_table import (
     predicted_over_true_changes_by_omission,
-    row_of_largest_straight_edge_effect,
+    row_of_largest_pressure_change_by_straight_edges,
     saved_time_ranges_by_omission,
     table_rows_for_each_part_omitted_from_brake,
 )
 from drumlin_studies.reduced import (
-    HALF_PLANE_WAVE,
+    HALF_PLANE_LIMIT_OF_RING_WAVE_NUMBER,
     make_function_that_prepares_surrogates,
     radial_ring_compliances_under_two_tractions_by_mode,
 )
@@ -85,7 +85,7 @@ def test_the_sketched_ring_is_the_thick_walled_ring_and_the_thin_one_of_theory(s
     thin free ring with bending theory.
     """
     R, t, E, nu = 0.15, 0.02, 1.2e11, 0.25
-    ring = Ring(thickness=t, width=0.04, material=IRON, support=support)
+    ring = DrumRing(thickness=t, width=0.04, material=IRON, support=support)
     radial, shear = radial_ring_compliances_under_two_tractions_by_mode(ring, R, 1, np.arange(300))
     b = R + t
     # u = A r + B/r, sigma_r = E/(1 - nu^2) ((1 + nu) A - (1 - nu) B/r^2) = -1 for r = R
@@ -94,13 +94,13 @@ def test_the_sketched_ring_is_the_thick_walled_ring_and_the_thin_one_of_theory(s
     A, B = np.linalg.solve(np.array([stress(R), outer]), [-1.0, 0.0])
     assert radial[0] == pytest.approx(A * R + B / R, rel=1e-6)
     # Higher waves are those of a half-plane.
-    below = int(HALF_PLANE_WAVE * R / t)
+    below = int(HALF_PLANE_LIMIT_OF_RING_WAVE_NUMBER * R / t)
     assert radial[below] == pytest.approx(2 * R / (E * below), rel=5e-3)
     assert shear[below] == pytest.approx((1 - nu) * R / (E * below), rel=2e-2)
     assert radial[250] == pytest.approx(2 * R / (E * 250), rel=1e-12)
     if support == "free":
         # Bending theory is off by 1.5 t/R. In a thinner ring round-off exceeds this error.
-        thin = Ring(thickness=2e-3 * R, width=0.04, material=IRON, support="free")
+        thin = DrumRing(thickness=2e-3 * R, width=0.04, material=IRON, support="free")
         k = np.arange(2, 6)
         EI_per_width = E * (2e-3 * R) ** 3 / 12
         assert radial_ring_compliances_under_two_tractions_by_mode(thin, R, 1, k)[
@@ -206,7 +206,9 @@ WITHIN = {
 @pytest.mark.parametrize("case", partly(WITHIN, {"ring fixed", "shoe", "shoe stiffest, ring"}))
 def test_a_tolerance_leaves_neither_ring_nor_shoe_out_and_holds(case):
     brake = WITHIN[case]
-    truth = solve_brake_to_tolerance(brake, Tolerance(2e-4, 5e-6), solve_prepared_model).response
+    truth = solve_brake_to_tolerance(
+        brake, TolerancesOfPressureAndTorque(2e-4, 5e-6), solve_prepared_model
+    ).response
     for tolerance in (1e-1, 1e-2, 1e-3):
         response = solve(brake, tolerance=tolerance, penalty=math.inf)
         true = relative_change_from_whole_to_simpler_brake(response, truth)
@@ -302,7 +304,7 @@ def test_rows_are_summed_up_and_a_case_without_answer_stays():
     assert set(predicted_over_true_changes_by_omission(every, "pressure")) <= set(ratios.values())
     assert ratios["drag"] in predicted_over_true_changes_by_omission(every, "pressure")
     assert ratios["curvature"] not in predicted_over_true_changes_by_omission(every, "pressure")
-    assert row_of_largest_straight_edge_effect(every)["pressure"] == next(
+    assert row_of_largest_pressure_change_by_straight_edges(every)["pressure"] == next(
         row["pressure"] for row in rows if row["part"] == "curvature"
     )
     shares = saved_time_ranges_by_omission(every, -1e9)

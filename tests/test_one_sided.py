@@ -10,7 +10,7 @@ from anchored_shoes import CYLINDER, FOOT, FORCE, PIN, WIDTH, R, duo_servo, shoe
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.file import make_drum_brake_from_data, vary
 from drumlin.fem.analysis import holding
-from drumlin.fem.analysis.prepared import prepared_model_for_analysis
+from drumlin.fem.analysis.prepared import prepared_model_for_hold_wear_or_sensitivity
 from drumlin.fem.analysis.self_locking import (
     self_locking_friction_of_shoe_groups,
     shoe_torques_at_friction_coefficients,
@@ -238,7 +238,7 @@ def test_a_shoe_that_no_support_holds_is_refused() -> None:
 def test_a_holding_duo_servo_reverses_through_its_anchor() -> None:
     """Turned to full slip and back, it holds with the torque of each sliding sense."""
     brake = duo_servo(half=(0.6, 0.7))
-    scene = prepared_model_for_analysis(brake, "fem", elements=16)
+    scene = prepared_model_for_hold_wear_or_sensitivity(brake, "fem", elements=16)
     full = holding.find_drum_rotation_of_full_slip(scene, brake)
     back = holding.find_drum_rotation_of_full_slip(scene, brake.brake_with_reversed_motion())
     rotations = np.concatenate([np.linspace(0, full, 5), np.linspace(full, -full - 4 * back, 12)])

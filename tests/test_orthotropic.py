@@ -14,16 +14,16 @@ import drumlin
 from conftest import ROOT, STUDY
 from drumlin.base.errors import BadInput
 from drumlin.brake.elasticity import ElasticLayer, plane_stress_elasticity_matrix
-from drumlin.brake.fields import Material, Orthotropic
+from drumlin.brake.fields import Material, OrthotropicMaterial
 from drumlin.brake.file import make_drum_brake_from_data, make_validated_brake_part, vary
-from drumlin.brake.plane_brake import FlatBrake, read_any
+from drumlin.brake.plane_brake import FlatBrake, read_drum_or_plane_brake
 from drumlin.brake.schema import json_schema_of_brake_file
 from drumlin.brake.writing import brake_file_text
 from drumlin.comparison import compare
 from drumlin.explore.knobs import sliders_for_brake
 from drumlin.fem.analysis.fields import stress_and_displacement_fields_of_shoe
 from drumlin.fem.analysis.sensitivity import compute_torque_sensitivity, sensitivity_as_text_lines
-from drumlin.fem.error_control.levels import LEVELS
+from drumlin.fem.error_control.levels import REFINEMENT_LEVELS_FROM_COARSE_TO_FINE
 from drumlin.fem.hp.corner import (
     pressure_exponent_at_lining_corner,
     pressure_exponent_at_orthotropic_corner,
@@ -31,7 +31,7 @@ from drumlin.fem.hp.corner import (
 )
 from drumlin.fem.mesh.degree import nodal_basis_of_mesh
 from drumlin.fem.model import solve_prepared_model
-from drumlin.fem.preparation.cache import Cache
+from drumlin.fem.preparation.cache import CacheOfCondensedBodies
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.solve import prepared_model_with_finest_elements, solve
 from drumlin.fem.substructure.body import (
@@ -46,7 +46,7 @@ from drumlin.models import (
 from drumlin.peers import calculix, getfem, install_hint_if_missing
 from drumlin_studies.consistency_slopes import (
     ALLOWED_SLOPE_DIFFERENCE,
-    DivisionForSlopes,
+    MeshKindForSlopes,
     all_torque_sensitivities_printed_for_brake,
     largest_relative_difference_from_central_differences,
 )
@@ -60,9 +60,9 @@ from drumlin_studies.two_bodies import scikit_fem_basis_of_mesh
 from picking import having, picked
 from shared_parts import of_shoes
 
-MAIN = read_any(STUDY / "brake.toml")
-FLEXIBLE = read_any(STUDY / "flexible.toml")
-POST = read_any(ROOT / "studies/post_brake/brake.toml")
+MAIN = read_drum_or_plane_brake(STUDY / "brake.toml")
+FLEXIBLE = read_drum_or_plane_brake(STUDY / "flexible.toml")
+POST = read_drum_or_plane_brake(ROOT / "studies/post_brake/brake.toml")
 LINING = {"E_along": 9e8, "E_through": 3e8, "G_along_through": 2.1e8, "nu_along_through": 0.35}
 """Of a moulded lining: three times as stiff along as through."""
 ACROSS = {
@@ -72,7 +72,16 @@ ACROSS = {
     "nu_along_across": 0.3,
     "nu_through_across": 0.1,
 }
-LAWS = ("sine", "cosine", "block", "uniform", "short", "pivoted", "linear", "rigid")
+LAWS_OF_HINGED_SHOES_BY_NAME = (
+    "sine",
+    "cosine",
+    "block",
+    "uniform",
+    "short",
+    "pivoted",
+    "linear",
+    "rigid",
+)
 
 
 def alike(material):
@@ -167,16 +176,16 @@ def test_a_file_with_units_is_read_written_and_described(tmp_path):
     text = re.sub(r'material = \{ E = "300 MPa".*?\}', line, (STUDY / "brake.toml").read_text())
     (tmp_path / "brake.toml").write_text(text)
     brake = drumlin.read_brake(tmp_path / "brake.toml")
-    assert brake.shoes[1].lining.material == Orthotropic(**LINING)
+    assert brake.shoes[1].lining.material == OrthotropicMaterial(**LINING)
     (tmp_path / "again.toml").write_text(
         brake_file_text(vary(brake, {"shoe[0].lining.material": LINING | ACROSS}))
     )
     again = drumlin.read_brake(tmp_path / "again.toml")
-    assert again.shoes[0].lining.material == Orthotropic(**LINING, **ACROSS)
+    assert again.shoes[0].lining.material == OrthotropicMaterial(**LINING, **ACROSS)
     assert again.shoes[1] == brake.shoes[1]
     softer = vary(brake, {"shoe.lining.material.E_through": "100 MPa"})
     assert softer.shoes[0].lining.material.E_through == pytest.approx(1e8)
-    keys = json_schema_of_brake_file()["$defs"]["Orthotropic"]
+    keys = json_schema_of_brake_file()["$defs"]["OrthotropicMaterial"]
     expansion = {"expansion_along", "expansion_through"}
     assert set(keys["properties"]) == set(LINING | ACROSS) | expansion
     assert set(keys["required"]) == set(LINING)
@@ -205,7 +214,7 @@ def test_a_material_is_taken_just_where_every_strain_has_a_positive_energy(
     ratios = {"nu_along_through": nu_at, "nu_along_across": nu_ac, "nu_through_across": nu_tc}
     try:
         make_validated_brake_part(
-            Orthotropic, {"E_along": a, "E_through": t, "E_across": c} | ratios | shears
+            OrthotropicMaterial, {"E_along": a, "E_through": t, "E_across": c} | ratios | shears
         )
     except BadInput:
         assert least < 0
@@ -219,7 +228,7 @@ def test_the_matrix_is_symmetric_positive_definite_and_the_inverse_of_the_compli
 ):
     nu = part * math.sqrt(a / t)
     D = plane_stress_elasticity_matrix(
-        Orthotropic(E_along=a, E_through=t, G_along_through=shear, nu_along_through=nu)
+        OrthotropicMaterial(E_along=a, E_through=t, G_along_through=shear, nu_along_through=nu)
     )
     compliance = np.array([[1 / a, -nu / a, 0], [-nu / a, 1 / t, 0], [0, 0, 1 / shear]])
     assert np.array_equal(D, D.T) and np.linalg.eigvalsh(D)[0] > 0
@@ -227,7 +236,10 @@ def test_the_matrix_is_symmetric_positive_definite_and_the_inverse_of_the_compli
 
 
 def test_an_isotropic_material_has_the_same_in_all_directions():
-    material, other = Material(E=3e8, nu=0.25), Orthotropic(**alike(Material(E=3e8, nu=0.25)))
+    material, other = (
+        Material(E=3e8, nu=0.25),
+        OrthotropicMaterial(**alike(Material(E=3e8, nu=0.25))),
+    )
     for key in ("E_along", "E_through", "G_along_through", "nu_along_through"):
         assert getattr(material, key) == getattr(other, key)
     assert other.young_modulus_of_equivalent_half_plane == pytest.approx(
@@ -241,9 +253,9 @@ def test_an_isotropic_material_has_the_same_in_all_directions():
 SAME = {
     "arcs": MAIN,
     "posts on a ring": POST,
-    "cam": read_any(ROOT / "studies/brakes/s_cam.toml"),
-    "pads": read_any(ROOT / "studies/brakes/rail_clamp.toml"),
-    "T-sections": read_any(ROOT / "studies/plane_stress/brake.toml"),
+    "cam": read_drum_or_plane_brake(ROOT / "studies/brakes/s_cam.toml"),
+    "pads": read_drum_or_plane_brake(ROOT / "studies/brakes/rail_clamp.toml"),
+    "T-sections": read_drum_or_plane_brake(ROOT / "studies/plane_stress/brake.toml"),
 }
 
 
@@ -255,7 +267,7 @@ def test_an_isotropic_material_written_as_an_orthotropic_one_gives_the_same_answ
     brake = SAME[name]
     other = vary(brake, {key: alike(material) for key, material in parts_of(brake)})
     for _, material in parts_of(other):
-        assert isinstance(material, Orthotropic)
+        assert isinstance(material, OrthotropicMaterial)
     one, same = solve(brake, elements=elements), solve(other, elements=elements)
     for a, b in zip(one.shoes, same.shoes, strict=True):
         assert b.torque == pytest.approx(a.torque, rel=1e-12)
@@ -307,7 +319,11 @@ def test_a_thin_bonded_lining_gives_way_by_its_uniaxial_strain():
     off = []
     for t in (1e-3, 5e-4):
         (found,) = solve(pad(t, LINING), penalty=math.inf).shoes
-        strain = 500.0 / (0.12 * 0.04) / plane_stress_elasticity_matrix(Orthotropic(**LINING))[1, 1]
+        strain = (
+            500.0
+            / (0.12 * 0.04)
+            / plane_stress_elasticity_matrix(OrthotropicMaterial(**LINING))[1, 1]
+        )
         off.append(-found.motion[1] / (strain * t))
     assert 2 * off[1] - off[0] == pytest.approx(1.0, rel=1e-4)
 
@@ -324,7 +340,7 @@ def test_a_ring_under_inner_pressure_opens_as_lekhnitskii_has_it(stiffer, kind, 
     The directions turn with the arc: a quarter ring on two planes of symmetry.
     """
     a, b, p, width = 0.1, 0.2, 1e6, 0.03
-    material = Orthotropic(
+    material = OrthotropicMaterial(
         E_along=stiffer * 1e9, E_through=1e9, G_along_through=4e8, nu_along_through=0.3
     )
     D, k = plane_stress_elasticity_matrix(material), math.sqrt(stiffer)
@@ -369,7 +385,7 @@ def test_the_half_plane_modulus_is_that_of_its_waves():
 
     A wave of pressure without shear loads the surface; s follows from equilibrium.
     """
-    material = Orthotropic(**LINING)
+    material = OrthotropicMaterial(**LINING)
     D = plane_stress_elasticity_matrix(material)
     (along, coupled), (_, through), shear = D[0, :2], D[1, :2], D[2, 2]
     # -D11 U + G U'' + (D12 + G) i V' = 0 and -G V + D22 V'' + (D12 + G) i U' = 0 have a
@@ -475,10 +491,10 @@ def test_all_moduli_and_forces_by_one_factor_leave_the_shape_of_the_pressure(see
         assert b.pressure == pytest.approx(factor * a.pressure, abs=1e-8 * factor * a.peak_pressure)
 
 
-@pytest.mark.parametrize("model", LAWS)
+@pytest.mark.parametrize("model", LAWS_OF_HINGED_SHOES_BY_NAME)
 def test_closed_form_laws_refuse_directions_in_a_line_and_take_isotropic_materials(model):
     brake = next(
-        read_any(ROOT / "studies" / name)
+        read_drum_or_plane_brake(ROOT / "studies" / name)
         for name in (
             "double_shoe/brake.toml",
             "laws/pivoted_block.toml",
@@ -487,7 +503,7 @@ def test_closed_form_laws_refuse_directions_in_a_line_and_take_isotropic_materia
             "laws/short_block.toml",
             "laws/pad.toml",
         )
-        if MODELS[model].why_not(read_any(ROOT / "studies" / name)) is None
+        if MODELS[model].why_not(read_drum_or_plane_brake(ROOT / "studies" / name)) is None
     )
     directed = vary(brake, {"shoe[0].lining.material": LINING})
     name = brake.shoes[0].name
@@ -508,7 +524,7 @@ def test_foundation_solid_and_width_refuse_directions_in_a_line():
     ):
         model_with_name_that_applies_to_brake("foundation", backing)
     rim = {"thickness": 0.02, "width": 0.05, "material": LINING}
-    ring = vary(read_any(ROOT / "studies/laws/block.toml"), {"drum.ring": rim})
+    ring = vary(read_drum_or_plane_brake(ROOT / "studies/laws/block.toml"), {"drum.ring": rim})
     assert (
         MODELS["short"].why_not(ring)
         == f"drum.ring.material is orthotropic; a closed-form law takes {only}"
@@ -538,7 +554,7 @@ def test_slopes_are_those_of_differences(name, elements):
     One factor scales all moduli of a part; a straight beam's directions turn with its points.
     """
     brake = orthotropic(FLEXIBLE if name == "arcs" else vary(POST, {"drum.ring": None}), 3)
-    divided = DivisionForSlopes(elements, Cache())
+    divided = MeshKindForSlopes(elements, CacheOfCondensedBodies())
     base, found = (
         divided.solve_brake_for_torque(brake),
         divided.compute_derivatives_of_brake_torque(brake),
@@ -575,7 +591,7 @@ def test_stresses_are_those_of_the_layers_directions():
         vary(MAIN, {"shoe.body": None, "friction": 0.0, "shoe.lining.thickness": 0.004})
     )
     for scene in (
-        make_prepared_model(brake, LEVELS[2]),
+        make_prepared_model(brake, REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[2]),
         prepared_model_with_finest_elements(brake, elements=60),
     ):
         found = stress_and_displacement_fields_of_shoe(
@@ -588,7 +604,10 @@ def test_stresses_are_those_of_the_layers_directions():
         radial = xx * n[:, 0] ** 2 + yy * n[:, 1] ** 2 + 2 * xy * n[:, 0] * n[:, 1]
         assert np.median(np.abs(radial / found.pressure[at] + 1)) < 0.01
         around = xx + yy - radial
-        D, curved = plane_stress_elasticity_matrix(Orthotropic(**LINING)), 0.004 / brake.drum.radius
+        D, curved = (
+            plane_stress_elasticity_matrix(OrthotropicMaterial(**LINING)),
+            0.004 / brake.drum.radius,
+        )
         expected = (D[0, 1] + D[0, 0] * curved) / (D[1, 1] + D[0, 1] * curved)
         assert np.median(around / radial) == pytest.approx(expected, rel=0.01)
 
@@ -599,7 +618,7 @@ def test_the_explorers_sliders_take_all_moduli_in_proportion():
     assert slider.start == pytest.approx(300.0)
     (softer,) = set(picked(vary(brake, slider.changes(150.0)).shoes, "lining.material"))
     assert softer.moduli == pytest.approx(
-        {key: E / 2 for key, E in Orthotropic(**LINING).moduli.items()}
+        {key: E / 2 for key, E in OrthotropicMaterial(**LINING).moduli.items()}
     )
 
 
@@ -670,9 +689,9 @@ def test_getfem_agrees(name):
 
 
 def test_a_pad_on_a_plane_has_straight_layers():
-    clamp = orthotropic(read_any(ROOT / "studies/brakes/rail_clamp.toml"), 2)
+    clamp = orthotropic(read_drum_or_plane_brake(ROOT / "studies/brakes/rail_clamp.toml"), 2)
     scenes = (
-        make_prepared_model(clamp, LEVELS[2]),
+        make_prepared_model(clamp, REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[2]),
         prepared_model_with_finest_elements(clamp, elements=60),
     )
     by_columns, by_mesh = (solve_prepared_model(scene, clamp) for scene in scenes)
@@ -683,7 +702,7 @@ def test_a_pad_on_a_plane_has_straight_layers():
 
 def nearly(material):
     """An orthotropic material that is all but isotropic: Lekhnitskii's roots must differ."""
-    return Orthotropic(**(alike(material) | {"E_along": material.E * (1 + 1e-4)}))
+    return OrthotropicMaterial(**(alike(material) | {"E_along": material.E * (1 + 1e-4)}))
 
 
 @pytest.mark.parametrize("inward", [-0.3, 0.0, 0.1, 0.4, 0.8])
@@ -712,7 +731,9 @@ def test_a_pressed_corner_has_the_power_of_p_of_its_material(stiffer):
     """
     changes = {"shoe.lining.material.E_along": 3e8 * stiffer, "friction": 0.3}
     brake = vary(pad(0.02, LINING), changes)
-    (found,) = solve_prepared_model(make_prepared_model(brake, LEVELS[5]), brake).shoes
+    (found,) = solve_prepared_model(
+        make_prepared_model(brake, REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[5]), brake
+    ).shoes
     (lower, _) = sorted(pressure_exponents_at_both_lining_corners(brake, 0))
     r = np.geomspace(2e-6, 4e-5, 12)
     power = np.polyfit(np.log(r), np.log(found.pressure_at(r)), 1)[0]

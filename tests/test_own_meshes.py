@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from drumlin import BadInput, vary
-from drumlin.cli.answer import print_response
+from drumlin.cli.answer import print_brake_response
 from drumlin.fem.error_control import degrees
 from drumlin.fem.mesh.arc import parametric_mesh_of_shoe
 from drumlin.fem.mesh.content import digest_of_mesh_file
@@ -255,7 +255,7 @@ def test_a_flat_in_rounded_coordinates_stays(tmp_path, brake, shoe, depth):
 
     def worn(x, y):
         r, angle = np.hypot(x, y), np.arctan2(y, x)
-        middle = shoe.frame.theta(np.array([sum(shoe.arc) / 2]))[0]
+        middle = shoe.frame.surface_coordinates_of_phi(np.array([sum(shoe.arc) / 2]))[0]
         # The difference of the angles is taken within half a turn.
         inside = abs(np.angle(np.exp(1j * (angle - middle)))) < 0.4 and r > radius * (1 - 1e-6)
         scale = 1e3 * (1 - inside * depth / r)
@@ -455,7 +455,7 @@ def test_what_was_moved_is_said_with_the_answer(tmp_path, brake, shoe, capsys):
     path.write_text(straightened(deck_of(tmp_path, shoe, brake.size, "quad2")))
     alone = vary(brake, {"shoe": [shoe.model_dump()]})
     moved = vary(alone, {"shoe.mesh": str(path)})
-    print_response(moved, solve(moved))
+    print_brake_response(moved, solve(moved))
     assert "middle nodes of the contact line were put on the drum" in " ".join(
         capsys.readouterr().out.split()
     )

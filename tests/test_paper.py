@@ -11,11 +11,11 @@ import drumlin
 from conftest import ROOT
 from drumlin.base.errors import BadInput
 from drumlin.base.texts import number_as_text
-from drumlin.studies import import_study_and_find_its_folder
+from drumlin.studies import import_study_and_find_folder_above_studies
 from kept_reports import rows
 from picking import keyed, picked
 
-study = import_study_and_find_its_folder("paper")[0]
+study = import_study_and_find_folder_above_studies("paper")[0]
 markdown = importlib.import_module("studies.paper.markdown")
 PARTS = [
     "Summary",

@@ -9,11 +9,11 @@ import pytest
 
 import drumlin
 from drumlin import BadInput, vary
-from drumlin.brake import read_any
+from drumlin.brake import read_drum_or_plane_brake
 from drumlin.brake.file import make_drum_brake_from_data
 from drumlin.brake.plane_brake import make_drum_or_plane_brake_from_data
 from drumlin.laws.rigid import solve_brake_by_rigid_shoe_law
-from drumlin.laws.shapes import ratio_of_equivalent_friction
+from drumlin.laws.shapes import ratio_of_equivalent_to_lining_friction
 from further_loads import moment, two_shoes
 
 ROOT = Path(__file__).parents[1]
@@ -22,7 +22,7 @@ INCH, POUND = 0.0254, 4.4482216152605
 
 def example(name: str) -> Any:
     """The brake of a file in studies/forces."""
-    return read_any(ROOT / "studies" / "forces" / f"{name}.toml")
+    return read_drum_or_plane_brake(ROOT / "studies" / "forces" / f"{name}.toml")
 
 
 # Patterns
@@ -225,7 +225,7 @@ def test_centrifugal_clutch_has_the_torque_in_print() -> None:
     by_hand = 4 * 0.35 * (6 * speed**2 * 0.160 - 1450) * 0.25
     assert by_hand == pytest.approx(82.1, rel=1e-3)
     law = solve_brake_by_rigid_shoe_law(brake)
-    ratio = float(ratio_of_equivalent_friction(math.radians(3)))
+    ratio = float(ratio_of_equivalent_to_lining_friction(math.radians(3)))
     assert law.torque == pytest.approx(by_hand * ratio, rel=1e-9)
     response = drumlin.solve(brake)
     assert response.torque == pytest.approx(law.torque, rel=2e-3)

@@ -11,21 +11,24 @@ from typer.testing import CliRunner
 from drumlin import peers
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.file import read_brake, vary
-from drumlin.brake.plane_brake import read_any
+from drumlin.brake.plane_brake import read_drum_or_plane_brake
 from drumlin.cli.commands import app
 from drumlin.comparison import length_of_uncompared_zone_at_lining_end
 from drumlin.fem.solve import solve
 from drumlin.peers import calculix, getfem
 from drumlin.peers.deck import (
-    BEARING_STIFFNESS,
-    DeckSetting,
+    PIN_SPRING_STIFFNESS_IN_N_PER_MM,
+    CalculixDeckParameters,
     angles_of_drum_nodes,
     plane_stress_deck_text,
 )
 from drumlin.peers.peer import mesh_hinged_shoes_under_actuation
 from drumlin.response.norms import relative_distance_of_pressures
 from drumlin_studies.brake_kinds import brake_and_reversed_brake
-from drumlin_studies.random_kinds import HOLDING_KINDS, draw_random_brake_of_support_kind
+from drumlin_studies.random_kinds import (
+    FUNCTIONS_THAT_DRAW_BRAKE_DATA_BY_SUPPORT_KIND,
+    draw_random_brake_of_support_kind,
+)
 from picking import picked
 
 STUDIES = Path(__file__).parents[1] / "studies"
@@ -112,7 +115,7 @@ def test_deck_states_the_brake(brake, kind, index):
 
     Faces look towards each other on the friction surface.
     """
-    setting = DeckSetting(rotation=2e-3, thickness=0.02)
+    setting = CalculixDeckParameters(rotation=2e-3, thickness=0.02)
     loaded = mesh_hinged_shoes_under_actuation(brake, 12, kind)[index]
     shoe, text = loaded.shoe, plane_stress_deck_text(brake, loaded, setting)
     assert text == plane_stress_deck_text(brake, loaded, setting)
@@ -127,7 +130,10 @@ def test_deck_states_the_brake(brake, kind, index):
     ((_, drum_face),) = parsed.rows("SURFACE", NAME="SDRUM")
     drum = [int(row[0]) for row in parsed.rows("ELEMENT", ELSET="DRUM")]
     # Faces lie on the friction surface and look out of their bodies.
-    for faces, sign in ((contact, shoe.sign), ([(e, int(drum_face[1])) for e in drum], -shoe.sign)):
+    for faces, sign in (
+        (contact, shoe.sign_internal_plus_external_minus),
+        ([(e, int(drum_face[1])) for e in drum], -shoe.sign_internal_plus_external_minus),
+    ):
         for number, face in faces:
             ends = parsed.edge(number, face)
             assert np.hypot(*np.array(ends).T) == pytest.approx(R, rel=1e-9)
@@ -193,11 +199,13 @@ def test_deck_states_the_brake(brake, kind, index):
 def test_decks_that_calculix_does_not_get():
     with pytest.raises(BadInput, match="quad2, tri2"):
         plane_stress_deck_text(
-            MAIN, mesh_hinged_shoes_under_actuation(MAIN, 8, "quad1")[0], DeckSetting()
+            MAIN, mesh_hinged_shoes_under_actuation(MAIN, 8, "quad1")[0], CalculixDeckParameters()
         )
     open_ = vary(MAIN, {"shoe[0].lining.clearance": 1e-4})
     with pytest.raises(BadInput, match="clearance"):
-        plane_stress_deck_text(open_, mesh_hinged_shoes_under_actuation(open_, 8)[0], DeckSetting())
+        plane_stress_deck_text(
+            open_, mesh_hinged_shoes_under_actuation(open_, 8)[0], CalculixDeckParameters()
+        )
     for change, said in (
         ({"friction": 0.0}, "friction"),
         ({"drum.ring": {"bending_stiffness": 1e3}}, "ring"),
@@ -224,7 +232,9 @@ def written(brake, loaded, setting, **changes) -> tuple[str, str, str, float]:
         nodes = R * np.array([np.cos(theta[on]), np.sin(theta[on])])
         x, ds = nodes @ psi, np.hypot(*(nodes @ slope)) * w * shoe.lining.width
         drag = brake.friction * brake.sign_of_motion
-        t = (-shoe.sign * x + drag * np.array([-x[1], x[0]])) / np.hypot(*x)
+        t = (
+            -shoe.sign_internal_plus_external_minus * x + drag * np.array([-x[1], x[0]])
+        ) / np.hypot(*x)
         nodal[on] += np.einsum("aq,cq,q->ac", psi, t, ds)
         torque += drag * np.hypot(*x) @ ds
     total = nodal.sum(axis=0)
@@ -243,7 +253,8 @@ def written(brake, loaded, setting, **changes) -> tuple[str, str, str, float]:
     dat = [
         f" displacements (vx,vy,vz) for set PIN and time  {when}",
         "",
-        f"  900 {-pin[0] / BEARING_STIFFNESS:.6E} {-pin[1] / BEARING_STIFFNESS:.6E} 0.000000E+00",
+        f"  900 {-pin[0] / PIN_SPRING_STIFFNESS_IN_N_PER_MM:.6E} "
+        f"{-pin[1] / PIN_SPRING_STIFFNESS_IN_N_PER_MM:.6E} 0.000000E+00",
         "",
         f" displacements (vx,vy,vz) for set TURN and time  {when}",
         "",
@@ -268,7 +279,7 @@ def written(brake, loaded, setting, **changes) -> tuple[str, str, str, float]:
 @pytest.mark.parametrize("index", [0, 1])
 def test_results_are_read_as_written(index):
     setting, loaded = (
-        DeckSetting(thickness=0.02),
+        CalculixDeckParameters(thickness=0.02),
         mesh_hinged_shoes_under_actuation(MAIN, 20)[index],
     )
     dat, sta, output, pressure = written(MAIN, loaded, setting)
@@ -300,7 +311,7 @@ def test_results_are_read_as_written(index):
     ids=["unbalanced", "handful", "stopped"],
 )
 def test_states_that_are_none_are_refused(changes, said):
-    setting, loaded = DeckSetting(), mesh_hinged_shoes_under_actuation(MAIN, 20)[0]
+    setting, loaded = CalculixDeckParameters(), mesh_hinged_shoes_under_actuation(MAIN, 20)[0]
     dat, sta, output, _ = written(MAIN, loaded, setting, **changes)
     with pytest.raises(NoAnswer, match=said):
         calculix.require_equilibrium_and_contact(
@@ -329,14 +340,14 @@ def test_the_drum_is_turned_further_until_the_lining_slips(monkeypatch):
     monkeypatch.setattr(calculix, "write_deck_of_shoe_and_run_calculix", run)
     limit = 3e-3
     state, rotation = calculix.run_calculix_to_state_and_rotation_of_full_slip(
-        MAIN, loaded, DeckSetting(rotation=1e-3)
+        MAIN, loaded, CalculixDeckParameters(rotation=1e-3)
     )
     assert (state.sticking, rotation, turned) == (0.0, 4e-3, [1e-3, 2e-3, 4e-3])
     # No rotation is far enough now.
     limit = 1.0
     with pytest.raises(NoAnswer, match="do not slip"):
         calculix.run_calculix_to_state_and_rotation_of_full_slip(
-            MAIN, loaded, DeckSetting(rotation=1e-3)
+            MAIN, loaded, CalculixDeckParameters(rotation=1e-3)
         )
 
 
@@ -430,8 +441,16 @@ def test_getfem_takes_a_pivot_and_a_rough_abutment():
 
     The held edge moves by the rigid-body modes; the test modes lean with an abutment's friction.
     """
-    agree(vary(read_any(STUDIES / "brakes" / "crane.toml"), {"shoe.body": None}), 10)
-    agree(vary(read_any(STUDIES / "brakes" / "simplex_abutted.toml"), {"shoe.body": None}), 10)
+    agree(
+        vary(read_drum_or_plane_brake(STUDIES / "brakes" / "crane.toml"), {"shoe.body": None}), 10
+    )
+    agree(
+        vary(
+            read_drum_or_plane_brake(STUDIES / "brakes" / "simplex_abutted.toml"),
+            {"shoe.body": None},
+        ),
+        10,
+    )
 
 
 @needs_getfem
@@ -442,7 +461,7 @@ def test_getfem_shares_a_cams_force_so_that_both_tips_go_alike():
     Where linings fit, tips move in proportion to the forces, which settle at once; otherwise the
     share is sought.
     """
-    brake = read_any(STUDIES / "brakes" / "s_cam.toml")
+    brake = read_drum_or_plane_brake(STUDIES / "brakes" / "s_cam.toml")
     wrong = {
         "shoe.body": None,
         "shoe[0].lining.clearance": 2e-5,
@@ -468,7 +487,9 @@ def test_getfems_own_contact_has_the_same_misfit():
 @pytest.mark.slow
 @pytest.mark.parametrize("file", sorted(picked((STUDIES / "brakes").glob("*.toml"), "stem")))
 def test_getfem_takes_shoes_however_they_are_held(file):
-    for brake in brake_and_reversed_brake(read_any(STUDIES / "brakes" / f"{file}.toml")):
+    for brake in brake_and_reversed_brake(
+        read_drum_or_plane_brake(STUDIES / "brakes" / f"{file}.toml")
+    ):
         # GetFEM gets supports that also pull.
         if any(shoe.anchors for shoe in brake.shoes):
             with pytest.raises(BadInput, match="takes no shoes that can leave their supports"):
@@ -479,7 +500,7 @@ def test_getfem_takes_shoes_however_they_are_held(file):
 
 @needs_getfem
 @pytest.mark.slow
-@pytest.mark.parametrize("kind", HOLDING_KINDS)
+@pytest.mark.parametrize("kind", FUNCTIONS_THAT_DRAW_BRAKE_DATA_BY_SUPPORT_KIND)
 def test_getfem_on_random_brakes_of_every_kind(kind):
     """GetFEM agrees on random brakes of every kind.
 
@@ -510,7 +531,7 @@ def test_getfem_on_other_brakes():
         )
         assert peer.response.torque == pytest.approx(own.torque, rel=2e-4)
     locked = vary(MAIN, {"friction": 1.3})
-    for formulation in getfem.FORMULATIONS:
+    for formulation in getfem.NAMES_OF_GETFEM_CONTACT_FORMULATIONS:
         with pytest.raises(NoAnswer, match="GetFEM"):
             peers.solve_brake_by_calculix_or_getfem(
                 "getfem", locked, elements=12, formulation=formulation
@@ -539,7 +560,12 @@ def test_calculix_agrees():
 
 def torques(brake, elements, setting=None):
     """Relative difference of each shoe's torque by CalculiX and by drumlin, on equal meshes."""
-    own = solve(brake, elements=elements, kind="quad2", penalty=(setting or DeckSetting()).penalty)
+    own = solve(
+        brake,
+        elements=elements,
+        kind="quad2",
+        penalty=(setting or CalculixDeckParameters()).penalty,
+    )
     other = peers.solve_brake_by_calculix_or_getfem(
         "calculix", brake, elements=elements, setting=setting
     ).response
@@ -555,7 +581,7 @@ def test_calculix_has_drumlins_torque_where_nothing_strains_across():
     """
     even = vary(MAIN, {"shoe.lining.material.nu": 0.0, "shoe.body.material.nu": 0.0})
     assert np.abs(torques(even, 20)).max() < 4e-5
-    assert np.abs(torques(even, 20, DeckSetting(thickness=0.1))).max() < 4e-5
+    assert np.abs(torques(even, 20, CalculixDeckParameters(thickness=0.1))).max() < 4e-5
     locked = np.abs(torques(MAIN, 20))
     assert (locked > 1e-4).all() and (locked < 5e-4).all()
 

@@ -13,9 +13,9 @@ from conftest import ROOT, partly
 from drumlin.base.errors import BadInput
 from drumlin.brake.fields import Material
 from drumlin.brake.file import make_validated_brake_part, vary
-from drumlin.brake.plane_brake import FlatBrake, read_any
+from drumlin.brake.plane_brake import FlatBrake, read_drum_or_plane_brake
 from drumlin.fem.analysis.fields import stress_and_displacement_fields_of_shoe
-from drumlin.fem.error_control.levels import LEVELS
+from drumlin.fem.error_control.levels import REFINEMENT_LEVELS_FROM_COARSE_TO_FINE
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.solve import prepared_model_with_finest_elements
@@ -134,7 +134,9 @@ def test_the_pressure_at_the_edge_has_the_exponent_of_a_quarter_plane(
     material = {"E": 3e8, "nu": 0.3}
     lining = LINING | {"start": 0.06, "end": 0.18, "thickness": 0.02, "material": material}
     brake = pad("guide", mu=mu, lining=lining)
-    found = solve_prepared_model(make_prepared_model(brake, LEVELS[5]), brake).shoes[0]
+    found = solve_prepared_model(
+        make_prepared_model(brake, REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[5]), brake
+    ).shoes[0]
     r = np.geomspace(2e-6, 4e-5, 12)
     p = found.pressure_at(0.06 + r)
     slope = np.polyfit(np.log(r), np.log(p), 1)[0]
@@ -239,7 +241,7 @@ def test_pads_are_worn_on_guides_along_the_normal_of_the_plane() -> None:
     The braking force is mu times the part of the force along the normal.
     """
     file = ROOT / "studies" / "brakes" / "rail_clamp.toml"
-    brake = read_any(file)
+    brake = read_drum_or_plane_brake(file)
     done = command_line.drumlin("wear", file, "--guided", "--elements", 20, "--distance", 0.1)
     assert done.returncode == 0
     down = sum(-shoe.actuation.force_vector[1] for shoe in brake.shoes)

@@ -15,7 +15,7 @@ import drumlin
 from conftest import partly
 from drumlin.base.errors import BadInput, DrumlinError
 from drumlin.brake.file import vary
-from drumlin.brake.plane_brake import FlatBrake, read_any
+from drumlin.brake.plane_brake import FlatBrake, read_drum_or_plane_brake
 from drumlin.brake.writing import brake_file_text
 from drumlin.comparison import compare
 from drumlin.fem.mesh.arc import parametric_mesh_of_shoe
@@ -120,14 +120,17 @@ def test_a_brake_file_names_its_mesh_from_its_folder(tmp_path: Path) -> None:
     own = vary(filed(pad("hinge", body=BODY), tmp_path / "pad.msh"), {"shoe.mesh": "pad.msh"})
     path = tmp_path / "pad.toml"
     path.write_text(brake_file_text(own))
-    assert read_any(path).shoes[0].mesh == tmp_path / "pad.msh"
+    assert read_drum_or_plane_brake(path).shoes[0].mesh == tmp_path / "pad.msh"
     assert command_line.drumlin("view", path, "--output", tmp_path / "view.svg").returncode == 0
     done = command_line.drumlin("solve", path)
     assert done.returncode == 0
-    assert f"{drumlin.solve(read_any(path)).merits[0].braking_force:.6g} N" in done.stdout
+    assert (
+        f"{drumlin.solve(read_drum_or_plane_brake(path)).merits[0].braking_force:.6g} N"
+        in done.stdout
+    )
     (tmp_path / "pad.msh").write_text("no mesh")
     with pytest.raises(BadInput, match=r"pad\.msh"):
-        drumlin.solve(read_any(path))
+        drumlin.solve(read_drum_or_plane_brake(path))
 
 
 def raised(mesh: meshio.Mesh) -> None:

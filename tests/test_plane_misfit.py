@@ -14,9 +14,9 @@ from drumlin.brake import off_circle
 from drumlin.brake.fields import Point
 from drumlin.brake.file import make_validated_brake_part, vary
 from drumlin.brake.plane_brake import FlatBrake
-from drumlin.fem.error_control.levels import LEVELS
+from drumlin.fem.error_control.levels import REFINEMENT_LEVELS_FROM_COARSE_TO_FINE
 from drumlin.fem.error_control.singular_points import singular_points_of_each_shoe_shape
-from drumlin.fem.hp.division import Singularity
+from drumlin.fem.hp.division import KindOfSingularPoint
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.laws import solve_brake_by_its_rigid_shoe_law
@@ -169,9 +169,18 @@ def test_a_pad_in_blocks_bears_by_those_that_do_not_stand_back() -> None:
     brake = pad("hinge", body=BODY)
     stepped = vary(brake, {MISFIT: {"blocks": [[0.1, 1e-3], [0.14, 0.0]]}})
     (places,) = singular_points_of_each_shoe_shape(
-        stepped, solve_prepared_model(make_prepared_model(brake, LEVELS[1]), brake)
+        stepped,
+        solve_prepared_model(
+            make_prepared_model(brake, REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[1]), brake
+        ),
     ).values()
-    assert sum(point.kind in {Singularity.STEP, Singularity.OPEN_STEP} for point in places) == 4
+    assert (
+        sum(
+            point.kind in {KindOfSingularPoint.STEP, KindOfSingularPoint.OPEN_STEP}
+            for point in places
+        )
+        == 4
+    )
     a, b = pressed(brake), pressed(stepped)
     assert b.contact_arcs[0] == pytest.approx(a.contact_arcs[0], rel=1e-3)
     assert b.normal_force == pytest.approx(a.normal_force, rel=1e-4)

@@ -9,7 +9,7 @@ import pytest
 import drumlin
 from conftest import ROOT, partly
 from drumlin.brake.file import vary
-from drumlin.brake.plane_brake import read_any
+from drumlin.brake.plane_brake import read_drum_or_plane_brake
 from drumlin.response.norms import relative_distance_of_pressures
 from drumlin_studies.random_kinds import mirror_turn_and_shift_brake
 from flat_pads import BODY, KINDS, LINING, pad
@@ -47,7 +47,7 @@ def test_a_narrow_pad_is_plane_stress_and_a_wide_one_is_not() -> None:
 
 
 def test_solid_pads_balance_and_their_mirror_images_answer_alike() -> None:
-    brake = read_any(ROOT / "studies" / "brakes" / "rail_clamp.toml")
+    brake = read_drum_or_plane_brake(ROOT / "studies" / "brakes" / "rail_clamp.toml")
     found = drumlin.solve(brake, "solid", across=2)
     assert max(found.balance.force, found.balance.moment) < 1e-9
     other = drumlin.solve(

@@ -4,7 +4,7 @@ import pytest
 
 from drumlin.brake.file import read_brake, vary
 from drumlin_studies.plane_stress_limits import (
-    VARIATIONS,
+    VARIED_QUANTITIES_OF_FIGURE_PANELS,
     errors_of_plane_stress_by_width_model,
     parameter_ranges_within_error_limits,
     rows_of_plane_stress_limits,
@@ -16,12 +16,14 @@ def t_brake(root):
     return read_brake(root / "studies" / "plane_stress" / "brake.toml")
 
 
-@pytest.mark.parametrize("variation", VARIATIONS, ids=lambda each: each.name)
+@pytest.mark.parametrize(
+    "variation", VARIED_QUANTITIES_OF_FIGURE_PANELS, ids=lambda each: each.name
+)
 def test_a_brake_has_the_value_that_it_is_given(t_brake, variation):
     assert len(variation.values) > 4
     for value in variation.values:
-        changed = variation.changed(t_brake, value)
-        assert variation.value(changed) == pytest.approx(value)
+        brake_with_value = variation.brake_with_value(t_brake, value)
+        assert variation.value(brake_with_value) == pytest.approx(value)
 
 
 def test_without_contraction_plane_stress_of_one_width_has_no_error(flexible):

@@ -9,7 +9,7 @@ import drumlin
 from conftest import ROOT, STUDY
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.file import vary
-from drumlin.brake.plane_brake import read_any
+from drumlin.brake.plane_brake import read_drum_or_plane_brake
 from drumlin.brake.plausibility import notes_on_implausible_brake_values as notes
 from drumlin.cli.commands import app
 from drumlin_studies.random_brake import draw_random_brake
@@ -132,7 +132,7 @@ def test_brake_files_of_the_studies_have_no_note():
     paths = [p for p in sorted((ROOT / "studies").rglob("*.toml")) if "[[shoe]]" in p.read_text()]
     assert len(paths) > 20
     for path in paths:
-        assert notes(read_any(path)) == (), path
+        assert notes(read_drum_or_plane_brake(path)) == (), path
 
 
 @pytest.mark.parametrize("draw", [draw_random_brake, draw_random_brake_of_support_kind])

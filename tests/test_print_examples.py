@@ -11,11 +11,11 @@ from typing import Any
 import pytest
 
 import drumlin
-from drumlin.brake import read_any
+from drumlin.brake import read_drum_or_plane_brake
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import vary
 from drumlin.laws.rigid import solve_brake_by_rigid_shoe_law
-from drumlin.laws.shapes import ratio_of_equivalent_friction
+from drumlin.laws.shapes import ratio_of_equivalent_to_lining_friction
 from drumlin.response.response import Response
 from drumlin.studies import paths_of_example_brakes
 
@@ -31,7 +31,7 @@ CYLINDER, FOOT, PIN = 0.095, 0.112, 0.118
 
 def example(name: str, **changes: Any) -> Brake:
     """An example of `drumlin init`, with other values of some keys."""
-    return vary(read_any(paths_of_example_brakes()[name]), changes)
+    return vary(read_drum_or_plane_brake(paths_of_example_brakes()[name]), changes)
 
 
 def rigid_limit(brake: Brake) -> Response:
@@ -198,7 +198,7 @@ def clutch_by_hand() -> tuple[Brake, float]:
     speed, R = 400 * math.pi / 30, brake.size
     force = 6 * speed**2 * 0.160 - 1450
     return brake, 4 * brake.friction * force * R * float(
-        ratio_of_equivalent_friction(math.radians(3))
+        ratio_of_equivalent_to_lining_friction(math.radians(3))
     )
 
 

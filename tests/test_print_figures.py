@@ -12,13 +12,13 @@ from matplotlib.text import Text
 
 from conftest import ROOT
 from drumlin.brake.file import read_brake, vary
-from drumlin.brake.plane_brake import read_any
+from drumlin.brake.plane_brake import read_drum_or_plane_brake
 from drumlin.door import fields, solve
 from drumlin.models import MODELS
 from drumlin.report import figures
 from drumlin.report.field_picture import (
     FORCE_SHAFT_WIDTH,
-    SAMPLE_SPACING,
+    LARGEST_CELL_SAMPLE_SPACING_IN_PIXELS,
     _draw_arrows,
     _figure_that_shows_all_points,
     _friction_surface_of_brake,
@@ -27,15 +27,15 @@ from drumlin.report.field_picture import (
     paint_values_of_cells,
 )
 from drumlin.report.plane_picture import (
-    DRAWN_REGION,
-    PLANE_WINDOW,
+    PLANE_PICTURE_PIXELS,
+    RELATIVE_WINDOW_RANGES_OF_DRAWN_BODIES,
     centre_and_half_height_of_window,
 )
 from drumlin.report.solid_picture import _figure_around_pixels
-from drumlin.studies import import_study_and_find_its_folder
-from drumlin_studies.misfit_rows import DRAWN_QUANTITIES
-from drumlin_studies.plane_stress import PlaneErrorMap, TimeAndErrors
-from drumlin_studies.post_brake_rows import ErrorMap
+from drumlin.studies import import_study_and_find_folder_above_studies
+from drumlin_studies.misfit_rows import QUANTITIES_SHOWN_OVER_RANDOM_BRAKES
+from drumlin_studies.plane_stress import PlaneStressErrorMap, TimeAndErrors
+from drumlin_studies.post_brake_rows import TorqueErrorMapOverStiffnessGroups
 from drumlin_studies.stated_true_figure import plot_stated_over_true_errors
 
 KEPT = ROOT / "reports" / "reference"
@@ -105,7 +105,7 @@ def check_legible(figure):
 
 def study_module(name):
     """The module of a study."""
-    return import_study_and_find_its_folder(name)[0]
+    return import_study_and_find_folder_above_studies(name)[0]
 
 
 def draw_map_of_plane_stress():
@@ -120,7 +120,7 @@ def draw_map_of_plane_stress():
             for key in study.figures.PANELS
         }
         labels = ("web width / lining width", "table thickness [mm]")
-        charts.append(PlaneErrorMap(name, labels, np.array(x), np.array(y), values))
+        charts.append(PlaneStressErrorMap(name, labels, np.array(x), np.array(y), values))
     return study.figures.draw_error_maps(charts)
 
 
@@ -165,7 +165,7 @@ def draw_map_of_post_brake():
     error = np.linspace(-0.5, 0.5, 49).reshape(7, 7)
     names = ("sine law", "foundation, as published", "foundation, unsimplified")
     rows = [
-        [ErrorMap(f"{name}, {lining}", x, x, error) for name in names]
+        [TorqueErrorMapOverStiffnessGroups(f"{name}, {lining}", x, x, error) for name in names]
         for lining in ("soft lining", "wooden block")
     ]
     return study.figures.draw_error_maps(rows, [(2.0, 15.0), (15.0, 90.0)])
@@ -173,11 +173,11 @@ def draw_map_of_post_brake():
 
 def draw_histograms():
     random = np.random.default_rng(7)
-    values = {name: random.normal(1.0, 0.1, 200) for name in DRAWN_QUANTITIES}
+    values = {name: random.normal(1.0, 0.1, 200) for name in QUANTITIES_SHOWN_OVER_RANDOM_BRAKES}
     brakes = SimpleNamespace(
         values_of_quantity_for_random_brakes=lambda _, name: values[name],
     )
-    nominal = dict.fromkeys(DRAWN_QUANTITIES, 1.0)
+    nominal = dict.fromkeys(QUANTITIES_SHOWN_OVER_RANDOM_BRAKES, 1.0)
     return study_module("misfit").figures.draw_histograms(brakes, nominal)
 
 
@@ -279,13 +279,13 @@ def test_numbers_at_ticks(value, text):
     ],
 )
 def test_a_picture_of_stresses_is_legible_and_shows_the_pressure_of_the_response(name):
-    brake = read_any(ROOT / "studies" / f"{name}.toml")
+    brake = read_drum_or_plane_brake(ROOT / "studies" / f"{name}.toml")
     response = solve(brake, elements=8)
     bodies = fields(brake, elements=8)
     figure = draw_stress_in_shoes_and_ring(brake, response, bodies)
     check_legible(figure)
     title, motion = figure.texts[0].get_text().split("\n")
-    assert title == brake.title and motion.startswith(f"{brake.motion}; displacements × ")
+    assert title == brake.title and motion.startswith(f"{brake.motion_as_text}; displacements × ")
     (legend,) = figure.legends
     labels = [one.get_text() for one in legend.get_texts()]
     assert ("force of actuation or link" in labels) == (name == "brakes/uni_servo")
@@ -367,9 +367,9 @@ def test_bodies_of_any_shape_fill_the_region_of_a_plane_picture(size):
     low = np.array([-7.0, 2.0])
     bounds = np.stack([low, low + size], axis=1)
     centre, half = centre_and_half_height_of_window(bounds)
-    window = 2 * half * np.array([PLANE_WINDOW[0] / PLANE_WINDOW[1], 1.0])
+    window = 2 * half * np.array([PLANE_PICTURE_PIXELS[0] / PLANE_PICTURE_PIXELS[1], 1.0])
     relative = 0.5 + (bounds - centre[:, None]) / window[:, None]
-    region = np.array(DRAWN_REGION)
+    region = np.array(RELATIVE_WINDOW_RANGES_OF_DRAWN_BODIES)
     assert (relative[:, 0] >= region[:, 0] - 1e-9).all()
     assert (relative[:, 1] <= region[:, 1] + 1e-9).all()
     np.testing.assert_allclose(relative.mean(axis=1), region.mean(axis=1))
@@ -401,7 +401,7 @@ def test_cells_are_painted_whole_with_values_between_those_of_their_nodes(corner
     # A sample lies within half a pixel of the middle of its pixel in both directions.
     difference = np.abs(painted[filled] - middle @ slope)
     assert difference.max() <= 0.5 * np.abs(slope).sum() + 1e-9
-    assert SAMPLE_SPACING < 1
+    assert LARGEST_CELL_SAMPLE_SPACING_IN_PIXELS < 1
 
 
 def test_worn_linings_and_laws_have_their_figures_in_a_column(brake):

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 import drumlin
 from conftest import partly
 from drumlin import Brake, NoAnswer, Response, vary
-from drumlin.brake.plane_brake import FlatBrake, read_any
+from drumlin.brake.plane_brake import FlatBrake, read_drum_or_plane_brake
 from drumlin.brake.writing import brake_file_text
 from drumlin.fem.analysis.self_locking import self_locking_friction_of_shoe_groups
 from drumlin.fem.solve import prepared_model_with_finest_elements
@@ -21,7 +21,7 @@ from drumlin.laws import solve_brake_by_its_rigid_shoe_law
 from drumlin.response.balance import brake_with_forces_of_response, resultant_of_contact_on_shoe
 from drumlin.response.resultants import planar_cross_product
 from drumlin_studies.random_kinds import (
-    HOLDING_KINDS,
+    FUNCTIONS_THAT_DRAW_BRAKE_DATA_BY_SUPPORT_KIND,
     brake_with_scaled_lengths_and_moduli,
     draw_random_brake_of_support_kind,
     mirror_turn_and_shift_brake,
@@ -29,7 +29,10 @@ from drumlin_studies.random_kinds import (
 from picking import picked
 
 ELEMENTS = 10
-SEEDS, NAMES = st.integers(0, 10**6), st.sampled_from(list(HOLDING_KINDS))
+SEEDS, NAMES = (
+    st.integers(0, 10**6),
+    st.sampled_from(list(FUNCTIONS_THAT_DRAW_BRAKE_DATA_BY_SUPPORT_KIND)),
+)
 
 
 def fem(brake: Brake) -> Response:
@@ -140,7 +143,7 @@ def moved(seed: int, kind: str, turn: float, length: float, modulus: float) -> N
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / "brake.toml"
             path.write_text(brake_file_text(brake))
-            same(a, solve(read_any(path)))
+            same(a, solve(read_drum_or_plane_brake(path)))
 
 
 @settings(max_examples=2, suppress_health_check=list(HealthCheck))
@@ -197,13 +200,16 @@ def rigid_limit(seed: int, kind: str) -> int:
     return answers
 
 
-@pytest.mark.parametrize("kind", partly(HOLDING_KINDS, {"hinge", "abutment", "strut", "cam"}))
+@pytest.mark.parametrize(
+    "kind",
+    partly(FUNCTIONS_THAT_DRAW_BRAKE_DATA_BY_SUPPORT_KIND, {"hinge", "abutment", "strut", "cam"}),
+)
 def test_rigid_shoes_with_thin_linings_answer_as_the_law_both_ways(kind: str) -> None:
     assert rigid_limit(9, kind) >= 1
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("kind", HOLDING_KINDS)
+@pytest.mark.parametrize("kind", FUNCTIONS_THAT_DRAW_BRAKE_DATA_BY_SUPPORT_KIND)
 def test_rigid_shoes_with_thin_linings_answer_as_the_law_many_times(kind: str) -> None:
     assert sum(rigid_limit(seed, kind) for seed in range(12)) >= 12
 

@@ -9,7 +9,10 @@ import pytest
 import drumlin
 from conftest import ROOT, STUDY
 from drumlin_studies.plane_stress_limits import parameter_ranges_within_error_limits
-from drumlin_studies.stated_true import JUDGED_QUANTITIES, stated_over_true_error_of_row
+from drumlin_studies.stated_true import (
+    QUANTITIES_WHOSE_STATED_ERRORS_ARE_JUDGED,
+    stated_over_true_error_of_row,
+)
 from kept_reports import rows
 from picking import having, picked
 
@@ -192,7 +195,7 @@ def test_stated_against_true_errors():
     (most,) = quoted(r"largest ratio of true to stated error \| ([\d.]+)")
     made = [{k: v for k, v in row.items() if v} for row in rows("verification/stated_true.csv")]
     assert len(set(picked(made, "seed"))) == brakes
-    pairs = list(product(made, JUDGED_QUANTITIES))
+    pairs = list(product(made, QUANTITIES_WHOSE_STATED_ERRORS_ARE_JUDGED))
     ratios = np.array(list(starmap(stated_over_true_error_of_row, pairs)))
     # A true error that is unknown has no ratio.
     known = ~np.isnan(ratios)

@@ -1,8 +1,8 @@
 """The method recommended for a target error, from rows made by hand."""
 
 from drumlin_studies.recommendation import (
-    AIMS,
-    TARGETS,
+    AIMED_PEER_TIME_OVER_DRUMLIN_TIME,
+    LARGEST_ALLOWED_ERRORS_OF_RECOMMENDED_METHODS,
     compare_times_with_peer_programs,
     recommended_methods_by_brake_and_target,
     rows_of_fastest_methods_by_target,
@@ -79,9 +79,9 @@ def test_what_to_use_is_a_matrix_of_brakes_and_targets():
         rows_of_fastest_methods_by_target(rows, floors)
     )
     assert (torque.quantity, pressure.quantity) == ("torque", "p (L2)")
-    assert torque.targets == TARGETS["torque_error"]
+    assert torque.targets == LARGEST_ALLOWED_ERRORS_OF_RECOMMENDED_METHODS["torque_error"]
     assert torque.by_law == [1, 1, 1, 0, 0] and pressure.by_law == [0] * len(
-        TARGETS["pressure_error"]
+        LARGEST_ALLOWED_ERRORS_OF_RECOMMENDED_METHODS["pressure_error"]
     )
     assert list(torque.lines) == ["right", "wrong", "vague"]
     assert picked(torque.lines["right"], "sort") == ["law"] * 3 + ["elastic"] * 2
@@ -129,7 +129,9 @@ def test_peers_are_held_against_the_fastest_way_to_each_error():
         rows, {"one": {"pressure_error": 1e-6}}
     )
     assert brake == "one" and picked(times, ("peer", "target")) == [
-        (p, x) for p in AIMS for x in AIMS[p]
+        (p, x)
+        for p in AIMED_PEER_TIME_OVER_DRUMLIN_TIME
+        for x in AIMED_PEER_TIME_OVER_DRUMLIN_TIME[p]
     ]
     ratios = {
         (one.peer, one.target): one.best["ratio"] / one.own["ratio"] for one in times if one.best

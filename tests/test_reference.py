@@ -14,31 +14,35 @@ from conftest import ROOT, STUDY
 from drumlin.base.errors import BadInput
 from drumlin.brake.file import read_brake, vary
 from drumlin.cli.commands import app
-from drumlin.fem.error_control.levels import LEVELS
+from drumlin.fem.error_control.levels import REFINEMENT_LEVELS_FROM_COARSE_TO_FINE
 from drumlin.fem.solve import solve
 from drumlin.laws import solve_brake_by_sine_law
 from drumlin.verification import triangles
 from drumlin.verification.check import (
-    are_verdicts_within_tolerance,
+    are_curve_deviations_within_tolerance,
     compare_curves_with_reference,
     pressure_curves_as_csv,
     read_pressure_curves,
     text_lines_on_errors_of_pressure_table,
 )
 from drumlin.verification.reference import (
-    Refinement,
+    MeshesOfReferenceValues,
     compute_reference_values,
     solve_brake_for_reference_values,
 )
 from drumlin.verification.reference_file import (
+    path_of_stored_reference_for_brake_file_text,
     read_reference_file,
     reference_values_as_json_data,
-    stored_reference_path,
     write_reference_file,
 )
 from picking import having, keyed, picked
 
-QUICK = Refinement(2, (LEVELS[1], LEVELS[2]), triangles.TRIANGLE_LEVELS[:2])
+QUICK = MeshesOfReferenceValues(
+    2,
+    (REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[1], REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[2]),
+    triangles.TRIANGLE_MESH_LEVELS_FROM_COARSE_TO_FINE[:2],
+)
 VALUES = ROOT / "reports" / "reference" / "values"
 
 
@@ -62,14 +66,17 @@ def test_a_reference_agrees_with_a_coarser_one_and_with_another_discretisation(k
     The independent one has an error of some 1e-5: from 45 to 90 elements it changes by 2e-5.
     """
     assert known.torque.value == pytest.approx(independent.torque("double_shoe/brake"), rel=2e-5)
-    assert known.torque.relative < 1e-6
+    assert known.torque.relative_uncertainty < 1e-6
     assert quick.torque.value == pytest.approx(known.torque.value, rel=1e-5)
     for fine, coarse in zip(known.shoes, quick.shoes, strict=True):
-        assert fine.distance < 1e-4 and fine.pressure_uncertainty < 5e-4
-        off = np.abs(fine.pressure - coarse.pressure)[fine.inside].max() / fine.peak_pressure.value
+        assert fine.distance < 1e-4 and fine.relative_pressure_uncertainty_outside_edge_zones < 5e-4
+        off = (
+            np.abs(fine.pressure - coarse.pressure)[fine.mask_of_angles_outside_edge_zones].max()
+            / fine.peak_pressure.value
+        )
         # The uncertainty covers what a finer mesh changes.
-        assert off < 5 * coarse.pressure_uncertainty
-        assert coarse.pressure_uncertainty < 5e-3
+        assert off < 5 * coarse.relative_pressure_uncertainty_outside_edge_zones
+        assert coarse.relative_pressure_uncertainty_outside_edge_zones < 5e-3
 
 
 # These are folders of studies/.
@@ -84,9 +91,9 @@ def test_every_stored_reference_is_of_its_brake_file_and_known_as_well_as_it_say
         folder = next(f for f in STORED if stem.startswith(f + "_"))
         brake_file = ROOT / "studies" / folder / f"{stem.removeprefix(folder + '_')}.toml"
         assert tomllib.loads(found.text) == tomllib.loads(brake_file.read_text())
-        assert stored_reference_path(found.text, VALUES) == path
+        assert path_of_stored_reference_for_brake_file_text(found.text, VALUES) == path
         assert path.stat().st_size < 60_000
-        assert found.torque.relative < 2e-6
+        assert found.torque.relative_uncertainty < 2e-6
         brake = read_brake(brake_file)
         coarse = solve(brake, elements=40)
         assert coarse.torque == pytest.approx(found.torque.value, rel=1e-3)
@@ -117,7 +124,7 @@ def test_a_file_of_reference_values_returns_what_was_written(known, tmp_path):
         with pytest.raises(BadInput, match=r"values\.json"):
             read_reference_file(path)
     path.write_text(json.dumps({"no": "reference"}))
-    assert stored_reference_path("text", tmp_path) is None
+    assert path_of_stored_reference_for_brake_file_text("text", tmp_path) is None
 
 
 def table(response, factor=1.0, step=0.25):
@@ -136,14 +143,16 @@ def test_check_tells_good_curves_from_bad_ones(brake, known, tmp_path):
     response = solve(brake, elements=120)
     path.write_text(table(response))
     good = compare_curves_with_reference(brake, known, read_pressure_curves(path, brake))
-    assert are_verdicts_within_tolerance(good, 0.005) and all(v.distance < 1e-3 for v in good)
+    assert are_curve_deviations_within_tolerance(good, 0.005) and all(
+        v.distance < 1e-3 for v in good
+    )
     path.write_text(table(response, factor=1.05))
     for verdict in compare_curves_with_reference(brake, known, read_pressure_curves(path, brake)):
         assert verdict.distance == pytest.approx(0.05, abs=2e-3)
         assert verdict.torque_error == pytest.approx(0.05, abs=4e-3)
     path.write_text(table(solve_brake_by_sine_law(brake)))
     law = compare_curves_with_reference(brake, known, read_pressure_curves(path, brake))
-    assert not are_verdicts_within_tolerance(law, 0.05)
+    assert not are_curve_deviations_within_tolerance(law, 0.05)
     assert (
         text_lines_on_errors_of_pressure_table(law, 0.05)[-1] == "NOT within 5 % of the reference"
     )

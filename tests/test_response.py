@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from drumlin.base.arrays import polar_angles_within_half_turn_of_angle
 from drumlin.brake.file import vary
-from drumlin.brake.surface import DRUM
+from drumlin.brake.surface import FRICTION_SURFACE_OF_DRUM
 from drumlin.response.balance import (
     largest_imbalance_among_shoes,
     relative_imbalance_of_shoe,
@@ -19,9 +19,9 @@ from drumlin.response.balance import (
     resultant_of_contact_on_shoe,
 )
 from drumlin.response.response import (
-    Balance,
-    Deformation,
-    PressureOverWidth,
+    BeamAndRingDeflections,
+    ForceAndMomentImbalance,
+    PressureOverArcAndWidth,
     Response,
     ShoeResponse,
     largest_nodal_pressure_outside_end_zones,
@@ -29,7 +29,7 @@ from drumlin.response.response import (
     response_of_shoe_without_contact,
 )
 from drumlin.response.resultants import (
-    Resultant,
+    PressureAndFrictionResultant,
     contact_arcs_from_nodal_pressures,
     gauss_lobatto_points,
     integral_of_piecewise_polynomial,
@@ -113,7 +113,7 @@ def test_an_even_pressure_on_an_arc(sign, drag):
     """
     theta, p, R, width = polynomial(2, KNOTS), 3e5, 0.2, 0.05
     found = resultant_of_pressure_and_friction(
-        DRUM,
+        FRICTION_SURFACE_OF_DRUM,
         theta,
         np.full(len(theta), p),
         order=2,
@@ -253,7 +253,7 @@ def test_an_elastic_lining_by_growing_angles(brake):
         hinge_reaction=np.array([1.0, 2]),
         turn=0.5,
         located=False,
-        lumped=Resultant(np.ones(2), np.ones(2), 1.0),
+        lumped=PressureAndFrictionResultant(np.ones(2), np.ones(2), 1.0),
     )
     assert found.theta == pytest.approx(theta[::-1]) and found.pressure == pytest.approx(p[::-1])
     assert (found.name, found.torque, found.normal_force, found.self_energising) == (
@@ -291,7 +291,7 @@ def test_an_elastic_lining_by_growing_angles(brake):
         normal_force=4.0,
         self_energising=False,
         hinge_reaction=np.zeros(2),
-        surface=PressureOverWidth(np.arange(3.0), rows, np.ones(3)),
+        surface=PressureOverArcAndWidth(np.arange(3.0), rows, np.ones(3)),
     )
     assert over_width.surface.pressure.mean(axis=1) == pytest.approx(over_width.pressure)
     assert other.theta == pytest.approx(theta[::-1]) and other.pressure == pytest.approx(p)
@@ -301,17 +301,17 @@ def test_an_elastic_lining_by_growing_angles(brake):
 
 def test_forces_and_moments_are_balanced_relative_to_the_largest(brake):
     forces = [np.array([3.0, 0]), np.array([0, 4.0]), np.array([-3.0, -3.0])]
-    assert relative_magnitudes_of_force_and_moment_sums(forces, [2.0, -1.5]) == Balance(
-        pytest.approx(1 / math.sqrt(18)), pytest.approx(0.25)
-    )
+    assert relative_magnitudes_of_force_and_moment_sums(
+        forces, [2.0, -1.5]
+    ) == ForceAndMomentImbalance(pytest.approx(1 / math.sqrt(18)), pytest.approx(0.25))
     assert (
         relative_magnitudes_of_force_and_moment_sums([np.zeros(2)], [0.0])
         == relative_magnitudes_of_force_and_moment_sums([], [])
-        == Balance(0.0, 0.0)
+        == ForceAndMomentImbalance(0.0, 0.0)
     )
-    assert largest_imbalance_among_shoes([Balance(1.0, 4.0), Balance(3.0, 2.0)]) == Balance(
-        3.0, 4.0
-    )
+    assert largest_imbalance_among_shoes(
+        [ForceAndMomentImbalance(1.0, 4.0), ForceAndMomentImbalance(3.0, 2.0)]
+    ) == ForceAndMomentImbalance(3.0, 4.0)
 
 
 def test_a_shoe_is_balanced_by_the_integrals_of_its_pressure_or_by_what_is_lumped(brake):
@@ -319,7 +319,14 @@ def test_a_shoe_is_balanced_by_the_integrals_of_its_pressure_or_by_what_is_lumpe
     theta = np.linspace(spec.lining.start, spec.lining.end, 41)
     p = 1e5 * (1 + theta**2)
     contact = resultant_of_pressure_and_friction(
-        DRUM, theta, p, order=2, size=R, per_place=R * spec.lining.width, sign=1, drag=0.3
+        FRICTION_SURFACE_OF_DRUM,
+        theta,
+        p,
+        order=2,
+        size=R,
+        per_place=R * spec.lining.width,
+        sign=1,
+        drag=0.3,
     )
     pin = -contact.force - spec.actuation.force_vector
     shoe = replace(shoe_of(theta, p), hinge_reaction=pin)
@@ -339,9 +346,11 @@ def test_a_shoe_is_balanced_by_the_integrals_of_its_pressure_or_by_what_is_lumpe
         push.moment_of_force_about_point(spec.hinge),
     ]
     assert balance.moment == pytest.approx(abs(sum(about)) / max(map(abs, about)))
-    lumped = Resultant(np.array([5.0, 0]), np.array([0, 7.0]), 9.0)
+    lumped = PressureAndFrictionResultant(np.array([5.0, 0]), np.array([0, 7.0]), 9.0)
     assert resultant_of_contact_on_shoe(brake, 0, replace(shoe, lumped=lumped)) is lumped
-    assert relative_imbalance_of_shoe(brake, 0, replace(shoe, contact_arcs=())) == Balance(0.0, 0.0)
+    assert relative_imbalance_of_shoe(
+        brake, 0, replace(shoe, contact_arcs=())
+    ) == ForceAndMomentImbalance(0.0, 0.0)
 
 
 def test_a_shoe_apart_and_responses_as_plain_data(brake):
@@ -358,7 +367,7 @@ def test_a_shoe_apart_and_responses_as_plain_data(brake):
         [0, 0]
     )
 
-    bent = Deformation(*(np.array([float(i)]) for i in range(4)))
+    bent = BeamAndRingDeflections(*(np.array([float(i)]) for i in range(4)))
     shoe = replace(
         shoe_of(np.array([0.0, 1, 2]), np.array([1.0, 2, 3])),
         deformation=bent,
@@ -380,7 +389,7 @@ def test_a_shoe_apart_and_responses_as_plain_data(brake):
     response = Response(
         "fem",
         (shoe, away),
-        Balance(1e-9, 2e-9),
+        ForceAndMomentImbalance(1e-9, 2e-9),
         bearing_load=np.array([1.0, 2]),
         error={"torque": 1e-3},
     )

@@ -202,7 +202,7 @@ def test_the_fields_of_ring_and_lining_meet_on_the_friction_surface(support):
 def solved_without_widening(brake, monkeypatch):
     """The answer on a ring whose columns are those of the linings."""
     with monkeypatch.context() as patch:
-        patch.setattr(hp_ring, "width_of_ring_columns_over_width_of_lining_columns", lambda *_: 1.0)
+        patch.setattr(hp_ring, "largest_ratio_of_ring_to_lining_column_widths", lambda *_: 1.0)
         return solve(brake)
 
 
@@ -217,7 +217,7 @@ def test_the_wide_columns_of_a_ring_change_p_less_than_its_error(monkeypatch):
 
 def test_a_ring_with_too_many_nodes_under_linings_is_refused(monkeypatch):
     brake = draw_random_brake(7, "linings on ring")
-    monkeypatch.setattr(hp_ring, "MOST_CONTACT_NODES", 20)
+    monkeypatch.setattr(hp_ring, "MAX_NODES_OF_CONTACT_PROBLEM", 20)
     with pytest.raises(NoAnswer, match=r"the ring has .* more than the 20 that are allowed"):
         solve(brake)
 

@@ -5,13 +5,13 @@ import pytest
 from drumlin import foundation
 from drumlin.base.errors import BadInput
 from drumlin.brake import read_brake, vary
-from drumlin.brake.components import Ring
+from drumlin.brake.components import DrumRing
 from drumlin.brake.drum_brake import DrumBrake
 from drumlin.brake.ring_support import reason_if_ring_edge_is_not_fixed_or_free
 from drumlin.fem.analysis.sensitivity import compute_torque_sensitivity
-from drumlin.fem.error_control.levels import LEVELS
+from drumlin.fem.error_control.levels import REFINEMENT_LEVELS_FROM_COARSE_TO_FINE
 from drumlin.fem.preparation.prepare import make_prepared_model
-from drumlin.verification.triangles.levels import TRIANGLE_LEVELS
+from drumlin.verification.triangles.levels import TRIANGLE_MESH_LEVELS_FROM_COARSE_TO_FINE
 from drumlin.verification.triangles.levels import (
     solve_brake_on_one_triangle_mesh as solve_by_triangles,
 )
@@ -49,7 +49,7 @@ def test_the_foundation_model_refuses_it(strange):
 
 def test_the_triangles_refuse_it(strange):
     with pytest.raises(BadInput, match=f"the verification by triangles {REFUSED}"):
-        solve_by_triangles(strange, TRIANGLE_LEVELS[0])
+        solve_by_triangles(strange, TRIANGLE_MESH_LEVELS_FROM_COARSE_TO_FINE[0])
 
 
 def test_the_reduced_model_refuses_it(strange):
@@ -62,13 +62,13 @@ def test_a_slope_by_its_modulus_is_not_stated(root, monkeypatch, stiffness):
     """The modulus of a plain ring alone makes the flexibility of the ring."""
     brake = read_brake(root / "studies" / "double_shoe" / "brake.toml")
     brake = vary(brake, {"drum.ring": SECTION | stiffness})
-    scene = make_prepared_model(brake, LEVELS[0])
+    scene = make_prepared_model(brake, REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[0])
     plain = compute_torque_sensitivity(scene, brake)
     assert [plain.ring is None, plain.ring_bending_stiffness is None] == [
         bool(stiffness),
         not stiffness,
     ]
-    monkeypatch.setattr(Ring, "has_fixed_or_free_far_edge", False)
+    monkeypatch.setattr(DrumRing, "has_fixed_or_free_far_edge", False)
     other = compute_torque_sensitivity(scene, brake)
     assert other.ring is None and other.ring_bending_stiffness is None
     assert other.friction == plain.friction

@@ -11,9 +11,9 @@ import pytest
 
 from command_line import drumlin
 from drumlin import Brake, NoAnswer, vary
-from drumlin.brake.plane_brake import FlatBrake, read_any
+from drumlin.brake.plane_brake import FlatBrake, read_drum_or_plane_brake
 from drumlin.contact import stick_slip
-from drumlin.contact.stick_slip import BACKWARD, FORWARD, STICK, SlipHistory
+from drumlin.contact.stick_slip import BACKWARD, FORWARD, STICK, TractionsAndSlipsOfLastIncrement
 from drumlin.fem.analysis.at_rest import (
     FeetOnRoughAbutments,
     make_stick_slip_problem_and_slip_per_drum_rotation,
@@ -27,7 +27,7 @@ from drumlin.fem.analysis.self_locking import (
     shoe_torques_at_friction_coefficients,
 )
 from drumlin.fem.equilibrium.group import divide_pressed_shoes_into_groups
-from drumlin.fem.model import PENALTY, solve_prepared_model
+from drumlin.fem.model import DEFAULT_PENALTY_FACTOR, solve_prepared_model
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.laws import rigid
 from drumlin_studies.consistency_hold import rows_comparing_torques_of_hold_and_solve
@@ -59,7 +59,7 @@ material = { E = "3 GPa", nu = 0.0 }
 def pad(folder: Path) -> FlatBrake:
     path = folder / "pad.toml"
     path.write_text(PAD)
-    brake = read_any(path)
+    brake = read_drum_or_plane_brake(path)
     assert isinstance(brake, FlatBrake)
     return brake
 
@@ -214,7 +214,7 @@ def test_solve_is_the_drum_that_slides_already_as_the_force_comes_on(count: int)
     """
     for brake in rough_brakes(count):
         scene = make_prepared_model(brake, elements=ELEMENTS)
-        for group in divide_pressed_shoes_into_groups(scene, brake, PENALTY):
+        for group in divide_pressed_shoes_into_groups(scene, brake, DEFAULT_PENALTY_FACTOR):
             problem, lever = make_stick_slip_problem_and_slip_per_drum_rotation(group)
             feet = FeetOnRoughAbutments.collect_feet_on_rough_abutments(group)
             slid = problem._replace(
@@ -223,11 +223,11 @@ def test_solve_is_the_drum_that_slides_already_as_the_force_comes_on(count: int)
             )
             nothing, n = np.zeros(len(lever)), group.contact_node_slices_of_shoes[-1].stop
             slips = np.full(n, FORWARD if brake.sign_of_motion > 0 else BACKWARD)
-            start = np.append(slips, np.full(len(feet.shoe_numbers), STICK))
+            start = np.append(slips, np.full(len(feet.indices_of_shoes_on_rough_abutments), STICK))
             at = stick_slip.solve_stick_slip_load_increment(
                 slid,
                 feet.friction_coefficients_of_all_nodes(),
-                SlipHistory(nothing, nothing),
+                TractionsAndSlipsOfLastIncrement(nothing, nothing),
                 start,
             )
             assert STICK not in at.state[:n]
@@ -260,7 +260,7 @@ def test_of_random_brakes_of_all_kinds_none_ends_elsewhere_without_a_line() -> N
 def test_the_problem_of_a_rough_foot_is_not_there_before_its_friction_is_known() -> None:
     brake = rough_brakes(1)[0]
     (group,) = divide_pressed_shoes_into_groups(
-        make_prepared_model(brake, elements=ELEMENTS), brake, PENALTY
+        make_prepared_model(brake, elements=ELEMENTS), brake, DEFAULT_PENALTY_FACTOR
     )
     with pytest.raises(
         RuntimeError, match="no sense yet, ask for `solve_contact_and_abutment_friction`"
@@ -281,7 +281,9 @@ def test_the_limit_of_rough_feet_is_where_solves_at_growing_friction_end(count: 
         scene = make_prepared_model(brake, elements=ELEMENTS)
         lock = min(
             picked(
-                self_locking_friction_of_shoe_groups(scene, brake, 2.5, PENALTY).values(),
+                self_locking_friction_of_shoe_groups(
+                    scene, brake, 2.5, DEFAULT_PENALTY_FACTOR
+                ).values(),
                 "friction",
             )
         )
@@ -289,7 +291,7 @@ def test_the_limit_of_rough_feet_is_where_solves_at_growing_friction_end(count: 
         for mu in np.linspace(brake.friction, last, 8):
             assert solve_prepared_model(scene, vary_friction(brake, mu)).torque > 0
         torque = shoe_torques_at_friction_coefficients(
-            scene, brake, [0.9 * brake.friction, last], PENALTY
+            scene, brake, [0.9 * brake.friction, last], DEFAULT_PENALTY_FACTOR
         ).sum(axis=1)[-1]
         assert torque == pytest.approx(
             solve_prepared_model(scene, vary_friction(brake, last)).torque, rel=1e-5

@@ -210,7 +210,9 @@ def test_a_square_law_of_wear_tends_to_the_root_of_the_sine(setup):
         final_wear_pressure_and_torque_by_rigid_shoe_law(setup, law),
     )
     for surface in setup.surfaces:
-        phi = setup.brake.shoes[surface.shoe].frame.phi(surface.contact_angles_in_growing_order)
+        phi = setup.brake.shoes[surface.shoe].frame.phi_of_surface_coordinates(
+            surface.contact_angles_in_growing_order
+        )
         p = surface.lining_values_by_growing_angle(goal.pressure)
         np.testing.assert_allclose(
             p / p.max(), np.sqrt(np.sin(phi) / np.sin(phi)[p.argmax()]), rtol=1e-5

@@ -10,14 +10,18 @@ from hypothesis import strategies as st
 
 import drumlin
 from drumlin import BadInput, Brake
-from drumlin.brake import read_any, vary
-from drumlin.brake.components import ASSUMED_STEEL, Section, stiffnesses_of_bonded_plates
+from drumlin.brake import read_drum_or_plane_brake, vary
+from drumlin.brake.components import (
+    STEEL_OF_PARTS_WITHOUT_GIVEN_MATERIAL,
+    RectangularCrossSection,
+    stiffnesses_of_bonded_plates,
+)
 from drumlin.brake.fields import Material
 from drumlin.brake.file import make_drum_brake_from_data, make_validated_brake_part
 from drumlin.brake.plane_brake import FlatBrake
 from drumlin.brake.writing import brake_file_text
 from drumlin.fem.analysis.sensitivity import compute_torque_sensitivity
-from drumlin.fem.error_control.levels import LEVELS
+from drumlin.fem.error_control.levels import REFINEMENT_LEVELS_FROM_COARSE_TO_FINE
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.peers.hexahedra import mesh_of_half_solid_shoe
@@ -39,13 +43,15 @@ def test_area_neutral_axis_and_second_moment_of_a_t_section(
     A table t x b stands on a web h x w, counted from the web's outer face.
     """
     material = Material(E=2e11, nu=0.25)
-    found = stiffnesses_of_bonded_plates([Section(h, w, material), Section(t, b, material)])
+    found = stiffnesses_of_bonded_plates(
+        [RectangularCrossSection(h, w, material), RectangularCrossSection(t, b, material)]
+    )
     area = w * h + b * t
     axis = (w * h**2 / 2 + b * t * (h + t / 2)) / area
     about_face = w * h**3 / 3 + b * ((h + t) ** 3 - h**3) / 3
     assert pytest.approx(2e11 * area, rel=1e-12) == found.EA
     assert pytest.approx(0.8e11 * area, rel=1e-12) == found.GA
-    assert found.depth == pytest.approx(axis, rel=1e-12)
+    assert found.depth_of_neutral_axis == pytest.approx(axis, rel=1e-12)
     assert pytest.approx(2e11 * (about_face - area * axis**2), rel=1e-9) == found.EI
 
 
@@ -69,7 +75,10 @@ def bar(**body: Any) -> Brake:
 
 
 def scenes(brake: Brake) -> list[PreparedModel]:
-    return [make_prepared_model(brake, elements=10), make_prepared_model(brake, LEVELS[0])]
+    return [
+        make_prepared_model(brake, elements=10),
+        make_prepared_model(brake, REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[0]),
+    ]
 
 
 # The stiffness is E I with I = 5 20^3/12 + 100 5.227^2 + 40 3^3/12 + 120 6.273^2 mm^4.
@@ -97,8 +106,10 @@ def test_a_straight_body_bends_as_a_beam(body: dict[str, Any], EI: float) -> Non
         == stiffnesses_of_bonded_plates(list(shoe.shoes[0].body.plates.values())).EI
     )
     for scene in scenes(shoe):
-        assert 3 * EI * scene.bodies[0].load_motion_by_load[1, 1] == pytest.approx(1.0, rel=1e-3)
-        assert EI * scene.bodies[0].load_motion_by_load[2, 2] == pytest.approx(1.0, rel=5e-3)
+        assert 3 * EI * scene.bodies[0].load_point_motion_by_load[1, 1] == pytest.approx(
+            1.0, rel=1e-3
+        )
+        assert EI * scene.bodies[0].load_point_motion_by_load[2, 2] == pytest.approx(1.0, rel=5e-3)
 
 
 def arc(**body: Any) -> Brake:
@@ -137,15 +148,15 @@ def test_a_curved_body_bends_as_an_arc(body: dict[str, Any]) -> None:
     brake = arc(**body)
     plates = list(brake.shoes[0].body.plates.values())[::-1]  # type: ignore[union-attr]
     section = stiffnesses_of_bonded_plates(plates)
-    inner = 1.0 - brake.shoes[0].depth
-    r, area, over = inner + section.depth, section.EA / plates[0].material.E, 0.0
+    inner = 1.0 - brake.shoes[0].total_thickness
+    r, area, over = inner + section.depth_of_neutral_axis, section.EA / plates[0].material.E, 0.0
     for plate in plates:
         over += plate.width * math.log((inner + plate.thickness) / inner)
         inner += plate.thickness
     turn = math.pi * over / (plates[0].material.E * area * (r * over - area))
     assert turn * section.EI / (math.pi * r) == pytest.approx(1.0, rel=0.01)
     for scene in scenes(brake):
-        assert scene.bodies[0].load_motion_by_load[2, 2] == pytest.approx(turn, rel=2e-3)
+        assert scene.bodies[0].load_point_motion_by_load[2, 2] == pytest.approx(turn, rel=2e-3)
 
 
 def layered(kind: str, *, old: bool) -> Brake:
@@ -172,7 +183,7 @@ def test_a_t_section_is_what_its_layers_are(kind: str) -> None:
         np.diag(
             make_function_that_prepares_surrogates()(layered(kind, old=old))
             .bodies[0]
-            .closure_by_pressure
+            .gap_closure_by_pressure
         )
         for old in (False, True)
     ]
@@ -233,10 +244,10 @@ def test_files_of_both_read_as_they_were_written(tmp_path: Any) -> None:
         layered("pivot", old=False),
         vary(arc(**WEB), {"shoe.body.bending_stiffness": 3e3}),
     ):
-        assert read_any(tmp_path / "b.toml", brake_file_text(brake)) == brake
+        assert read_drum_or_plane_brake(tmp_path / "b.toml", brake_file_text(brake)) == brake
     only = arc(thickness=0.03, bending_stiffness=3e3)
     assert 'bending_stiffness = "3000.0 N m^2"' in brake_file_text(only)
-    assert only.shoes[0].body.plates["shoe"].material == ASSUMED_STEEL  # type: ignore[union-attr]
+    assert only.shoes[0].body.plates["shoe"].material == STEEL_OF_PARTS_WITHOUT_GIVEN_MATERIAL  # type: ignore[union-attr]
 
 
 @pytest.mark.parametrize(

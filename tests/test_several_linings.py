@@ -16,14 +16,14 @@ from drumlin.brake.components import Lining
 from drumlin.brake.file import read_brake, values_of_brake_key, vary
 from drumlin.brake.writing import brake_file_text
 from drumlin.cli.commands import app
-from drumlin.laws.rigid import UNUSED_KEYS, solve_brake_by_rigid_shoe_law
+from drumlin.laws.rigid import UNUSED_KEYS_LINE_START, solve_brake_by_rigid_shoe_law
 from drumlin.response.resultants import (
     LiningWithoutEndZones,
     polynomial_nodes_on_linings_and_slots,
-    slots_between_nodes,
+    slots_from_nodes_and_lining_mask,
 )
 from drumlin.verification.triangles.levels import (
-    TRIANGLE_LEVELS,
+    TRIANGLE_MESH_LEVELS_FROM_COARSE_TO_FINE,
     solve_brake_on_sequence_of_triangle_meshes,
 )
 from several_linings import APART, BODY, brake_with, lining
@@ -142,7 +142,7 @@ def test_no_peak_is_sought_beside_a_slot() -> None:
     """The pressure is 1, and 9 within 0.1 of each edge of the two linings."""
     parts = [np.linspace(0, 1, 101), np.linspace(2, 3, 101)]
     theta, on_lining = polynomial_nodes_on_linings_and_slots(parts, 1)
-    slots = slots_between_nodes(theta, on_lining)
+    slots = slots_from_nodes_and_lining_mask(theta, on_lining)
     assert slots == ((1.0, 2.0),)
     edge = np.min(np.abs(theta[:, None] - [0.0, 1.0, 2.0, 3.0]), axis=1)
     p = np.where(edge < 0.095, 9.0, 1.0) * on_lining
@@ -233,13 +233,15 @@ def test_linings_that_do_not_fit_together_are_refused(tables: Any, line: str) ->
 
 def test_a_law_names_the_keys_that_it_does_not_use(tmp_path: Path) -> None:
     brake = brake_with([lining(-56, -5, clearance="0.1 mm"), lining(5, 56)], body=BODY)
-    (line,) = (x for x in drumlin.solve(brake, "sine").left_out if x.startswith(UNUSED_KEYS))
-    assert line == f"{UNUSED_KEYS}shoe.body, shoe.lining.clearance"
+    (line,) = (
+        x for x in drumlin.solve(brake, "sine").left_out if x.startswith(UNUSED_KEYS_LINE_START)
+    )
+    assert line == f"{UNUSED_KEYS_LINE_START}shoe.body, shoe.lining.clearance"
     # A change of a brake writes out all of its keys, which are not given for that.
     changed = vary(brake, {"friction": 0.25})
     assert line in drumlin.solve(changed, "sine").left_out
     assert not any(
-        line.startswith(UNUSED_KEYS)
+        line.startswith(UNUSED_KEYS_LINE_START)
         for line in drumlin.solve(brake, elements=8, model_error=False).left_out
     )
     path = tmp_path / "brake.toml"
@@ -276,7 +278,9 @@ def test_triangles_give_the_same_answer(kind: str) -> None:
     """The second solver shares only the brake with the first."""
     brake = KINDS[kind]
     response = drumlin.solve(brake, model_error=False)
-    (true,) = solve_brake_on_sequence_of_triangle_meshes(brake, TRIANGLE_LEVELS[:2])[-1]
+    (true,) = solve_brake_on_sequence_of_triangle_meshes(
+        brake, TRIANGLE_MESH_LEVELS_FROM_COARSE_TO_FINE[:2]
+    )[-1]
     (shoe,) = response.shoes
     assert response.error is not None
     assert abs(shoe.torque / true.torque - 1) < response.error["torque"] < 2e-4

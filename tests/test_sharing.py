@@ -9,9 +9,9 @@ import pytest
 import drumlin
 from drumlin import NoAnswer, vary
 from drumlin.fem.equilibrium.group import divide_pressed_shoes_into_groups
-from drumlin.fem.error_control.levels import LEVELS
+from drumlin.fem.error_control.levels import REFINEMENT_LEVELS_FROM_COARSE_TO_FINE
 from drumlin.fem.model import solve_prepared_model
-from drumlin.fem.preparation.bodies import load_column_factors_and_pin_moment_per_newton
+from drumlin.fem.preparation.bodies import actuation_factors_and_pin_moment_per_newton
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.substructure.body import sparse_stiffness_of_body
 from drumlin.fem.substructure.elasticity import elastic_layers_of_shoe
@@ -50,9 +50,9 @@ def test_under_a_cam_the_tips_of_elastic_shoes_go_the_same_way() -> None:
         found = group.solve_contact_for_given_abutment_friction()
         own = group.contact_effects_of_each_actuation_force(group.brake.friction)[0]
         tip = group.largest_actuation_force * (
-            own.tip_travel_by_pressure @ found.p
-            + own.tip_travel_by_force
-            + own.tip_travel_by_modes @ found.y
+            own.load_point_travel_by_pressure @ found.p
+            + own.load_point_travel_by_force
+            + own.load_point_travel_by_modes @ found.y
         )
         tips.append(tip)
         shoe = solve_prepared_model(scene, alone).shoes[i]
@@ -74,9 +74,13 @@ def test_a_cam_feels_the_corners_of_the_loaded_ends() -> None:
         body=0.02, thickness=0.012, web=0.002, table={"thickness": 0.004, "width": 0.04}
     )
     (true,) = triangles.solve_brake_on_sequence_of_triangle_meshes(
-        brake, triangles.TRIANGLE_LEVELS[:1]
+        brake, triangles.TRIANGLE_MESH_LEVELS_FROM_COARSE_TO_FINE[:1]
     )
-    found = solve_prepared_model(make_prepared_model(brake, LEVELS[1]), brake, penalty=math.inf)
+    found = solve_prepared_model(
+        make_prepared_model(brake, REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[1]),
+        brake,
+        penalty=math.inf,
+    )
     for a, b in zip(found.shoes, true, strict=True):
         assert a.hinge_reaction == pytest.approx(
             b.hinge_reaction, abs=1e-5 * np.linalg.norm(b.hinge_reaction)
@@ -101,9 +105,9 @@ def test_the_tip_moves_as_the_energy_says() -> None:
         group.contact_effects_of_each_actuation_force(group.brake.friction)[0],
     )
     tip = (
-        own.tip_travel_by_pressure @ found.p
-        + own.tip_travel_by_force
-        + own.tip_travel_by_modes @ found.y
+        own.load_point_travel_by_pressure @ found.p
+        + own.load_point_travel_by_force
+        + own.load_point_travel_by_modes @ found.y
     )
     body, part = group.substructures_of_shoes[0], group.contact_node_slices_of_shoes[0]
     nodal = -body.coupling.N.T @ found.p[part]
@@ -121,7 +125,7 @@ def test_the_tip_moves_as_the_energy_says() -> None:
 
 
 def _load(group: Any) -> Any:
-    return load_column_factors_and_pin_moment_per_newton(
+    return actuation_factors_and_pin_moment_per_newton(
         group.substructures_of_shoes[0], group.shoes[0]
     )[0]
 

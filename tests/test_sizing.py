@@ -176,13 +176,13 @@ def test_keys_without_an_exact_slope_have_none(brake):
 
 def count_solves(monkeypatch):
     """A list that grows by one for each solve of a question."""
-    solved, before = [], sizing.Question.solve
+    solved, before = [], sizing.SizingQuestion.response_at_key_value
 
     def counted(question, value):
         solved.append(value)
         return before(question, value)
 
-    monkeypatch.setattr(sizing.Question, "solve", counted)
+    monkeypatch.setattr(sizing.SizingQuestion, "response_at_key_value", counted)
     return solved
 
 
@@ -201,9 +201,11 @@ def test_few_solves_lead_to_the_value(brake, monkeypatch, key, wanted, most):
 
 def test_a_torque_that_jumps_over_the_wanted_one_has_no_value(brake, monkeypatch):
     def jumping(question, value):
-        return sizing.Trial(value, 100.0 + value + 200.0 * (value > 2500.0), 1e6, {"torque": 0.0})
+        return sizing.TriedKeyValue(
+            value, 100.0 + value + 200.0 * (value > 2500.0), 1e6, {"torque": 0.0}
+        )
 
-    monkeypatch.setattr(sizing.Question, "solve_trial_at_key_value", jumping)
+    monkeypatch.setattr(sizing.SizingQuestion, "solve_trial_at_key_value", jumping)
     with pytest.raises(NoAnswer, match=r"because the torque jumps from 2600 N m to 2800 N m at 25"):
         drumlin.size(brake, FORCE, torque=2700.0, model="sine")
 

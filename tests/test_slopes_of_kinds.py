@@ -11,7 +11,7 @@ from conftest import ROOT, partly
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import values_of_brake_key, vary
 from drumlin.fem.analysis.sensitivity import (
-    Sensitivity,
+    TorqueSensitivities,
     compute_torque_sensitivity,
     sensitivity_as_text_lines,
 )
@@ -48,7 +48,7 @@ BRAKES: dict[str, Callable[[], Brake]] = {
 }
 
 
-def slopes(brake: Brake) -> Sensitivity:
+def slopes(brake: Brake) -> TorqueSensitivities:
     return compute_torque_sensitivity(make_prepared_model(brake, elements=ELEMENTS), brake)
 
 
@@ -96,7 +96,7 @@ def scaled(key: str, value: float) -> Callable[[float], dict[str, Any]]:
     return lambda s: {key: value * (1 + s)}
 
 
-def rows(brake: Brake, found: Sensitivity) -> list[Row]:
+def rows(brake: Brake, found: TorqueSensitivities) -> list[Row]:
     mu = brake.friction
     table = [Row("friction", found.friction, lambda s: {"friction": mu + s}, 1e-4)]
     if found.drive is not None:

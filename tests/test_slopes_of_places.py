@@ -23,8 +23,8 @@ from drumlin.fem.analysis.mutual_work import (
     mutual_work_derivatives_by_node_motions,
 )
 from drumlin.fem.analysis.sensitivity import compute_torque_sensitivity, sensitivity_as_text_lines
-from drumlin.fem.error_control.levels import LEVELS
-from drumlin.fem.hp.grid import ColumnGrid
+from drumlin.fem.error_control.levels import REFINEMENT_LEVELS_FROM_COARSE_TO_FINE
+from drumlin.fem.hp.grid import HpElementGrid
 from drumlin.fem.mesh.arc import parametric_mesh_of_shoe
 from drumlin.fem.mesh.degree import nodal_basis_of_mesh
 from drumlin.fem.mesh.file import write_shoe_mesh_to_file
@@ -32,12 +32,12 @@ from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.solve import prepared_model_with_finest_elements, solve
 from drumlin.fem.substructure.body import (
-    FRAME,
+    DEGREES_OF_FREEDOM_OF_BODY_FRAME,
     sparse_stiffness_of_body,
 )
 from drumlin_studies import consistency_slopes
 from drumlin_studies.consistency_slopes import (
-    DivisionForSlopes,
+    MeshKindForSlopes,
     all_torque_sensitivities_printed_for_brake,
     largest_relative_difference_from_central_differences,
 )
@@ -105,7 +105,7 @@ def on_mesh(brake: Brake) -> Any:
 
 
 def on_columns(brake: Brake) -> Any:
-    return make_prepared_model(brake, LEVELS[0])
+    return make_prepared_model(brake, REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[0])
 
 
 def central(
@@ -226,7 +226,7 @@ def largest(brake: Brake, elements: int | None, key: str = "") -> float:
 
     Differences over three steps are the reference.
     """
-    divided = DivisionForSlopes(elements, consistency_slopes.Cache())
+    divided = MeshKindForSlopes(elements, consistency_slopes.CacheOfCondensedBodies())
     base = divided.solve_brake_for_torque(brake)
     table = [
         slope
@@ -315,7 +315,7 @@ def at_nodes(xy: np.ndarray) -> np.ndarray:
 
 def moved(basis: Any, step: float) -> Any:
     """The basis of the body with its nodes moved by the field times a step."""
-    if isinstance(basis, ColumnGrid):
+    if isinstance(basis, HpElementGrid):
         found = replace(basis)
         vars(found)["doflocs"] = basis.doflocs + step * at_nodes(basis.doflocs)
         return found
@@ -403,7 +403,7 @@ def test_displacements_on_columns_come_without_a_factorisation_of_the_whole(monk
 
     brake = draw_random_brake(3, "arc on ring")
     scene = on_columns(brake)
-    monkeypatch.setattr(ColumnGrid, "stiffness", refuse)
+    monkeypatch.setattr(HpElementGrid, "stiffness", refuse)
     monkeypatch.setattr("scipy.sparse.linalg.splu", refuse)
     found = compute_torque_sensitivity(scene, brake)
     moduli = modulus_slopes(found)
@@ -426,19 +426,26 @@ def test_displacements_by_way_of_the_sides_of_elements_are_those_of_the_whole_sy
         )
         nodal = rng.standard_normal((2 * len(body.line.nodes), 2)) if nodal is None else nodal
         frame, loads = (
-            np.zeros((FRAME, 2)),
+            np.zeros((DEGREES_OF_FREEDOM_OF_BODY_FRAME, 2)),
             rng.standard_normal((condensed.load_on_contact.shape[1], 2)),
         )
         inside = condensed.assemble_equations_of_whole_body()
-        right = inside.loads[:-FRAME] @ loads
+        right = inside.loads[:-DEGREES_OF_FREEDOM_OF_BODY_FRAME] @ loads
         right[-len(nodal) :] += nodal
-        u = spsolve(inside.A[:-FRAME, :-FRAME].tocsc(), right)
+        u = spsolve(
+            inside.A[
+                :-DEGREES_OF_FREEDOM_OF_BODY_FRAME, :-DEGREES_OF_FREEDOM_OF_BODY_FRAME
+            ].tocsc(),
+            right,
+        )
         expected = inside.constraints.matrix @ np.vstack([u, frame])
         found = condensed.nodal_displacements_in_load_cases(nodal, frame, loads)
         assert np.abs(found - expected).max() < 1e-6 * np.abs(expected).max()
 
 
-@pytest.mark.parametrize("seed", range(3, 2 * len(consistency_slopes.SLOPE_KINDS), 7))
+@pytest.mark.parametrize(
+    "seed", range(3, 2 * len(consistency_slopes.KINDS_OF_RANDOM_BRAKES_FOR_SLOPE_CHECK), 7)
+)
 @pytest.mark.slow
 def test_random_brakes_of_all_kinds_keep_their_slopes(seed):
     rows = consistency_slopes.rows_comparing_torque_slopes_of_random_brake(seed, 1)

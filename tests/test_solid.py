@@ -14,11 +14,11 @@ from drumlin.brake.file import read_brake, vary
 from drumlin.contact import self_locking
 from drumlin.fem import solid
 from drumlin.fem.analysis.solid_fields import recover_stresses_in_half_of_each_solid_shoe
-from drumlin.fem.error_control.levels import LEVELS
+from drumlin.fem.error_control.levels import REFINEMENT_LEVELS_FROM_COARSE_TO_FINE
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.width import prepare
-from drumlin.fem.width.ladder import LARGEST_STATED_DEGREE
+from drumlin.fem.width.ladder import LARGEST_WIDTH_DEGREE_WITH_STATED_ERROR
 from drumlin.fem.width.prepare import (
     prepare_model_with_shoe_widths,
     refinement_level_for_narrow_shoes,
@@ -43,8 +43,11 @@ def wide_and_plane(brake):
     return [
         solve_prepared_model(scene, brake)
         for scene in (
-            prepare_model_with_shoe_widths(brake, LEVELS[0], 2),
-            make_prepared_model(brake, refinement_level_for_narrow_shoes(brake, LEVELS[0])),
+            prepare_model_with_shoe_widths(brake, REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[0], 2),
+            make_prepared_model(
+                brake,
+                refinement_level_for_narrow_shoes(brake, REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[0]),
+            ),
         )
     ]
 
@@ -72,7 +75,7 @@ def test_without_lateral_contraction_every_kind_of_shoe_is_plane_stress(root, na
 @pytest.mark.parametrize("name", KINDS)
 def test_every_kind_of_solid_shoe_balances_and_meets_the_drum(root, name):
     brake = of_kind(root, name)
-    scene = prepare_model_with_shoe_widths(brake, LEVELS[0], 2)
+    scene = prepare_model_with_shoe_widths(brake, REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[0], 2)
     response = solve_prepared_model(scene, brake)
     assert max(response.balance.force, response.balance.moment) < 1e-9
     for found in recover_stresses_in_half_of_each_solid_shoe(scene, brake, response):
@@ -172,7 +175,7 @@ def test_a_given_degree_states_its_own_error(brake, across):
         moved = abs(relative_error_of_number(mine.torque, other.torque))
         assert moved < mine.error["torque"] + other.error["torque"]
     stated = max(found.error["pressure"], found.error["torque"])
-    too_large = stated > solid.DEFAULT_SOLID_TOLERANCE
+    too_large = stated > solid.DEFAULT_ERROR_TOLERANCE_OF_SOLID_MODEL
     assert too_large == any("not reached" in note for note in found.notes)
 
 
@@ -198,9 +201,9 @@ def test_a_large_face_is_answered_on_every_other_node_and_settles_once_on_all(
 ):
     """A large face is solved on every other node and then once on all nodes."""
     brake = t_section(flexible)
-    scene = prepare_model_with_shoe_widths(brake, LEVELS[0], 2)
+    scene = prepare_model_with_shoe_widths(brake, REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[0], 2)
     wanted = solve_prepared_model(scene, brake)
-    monkeypatch.setattr(self_locking, "COARSE_PATH_ABOVE_NODES", 60)
+    monkeypatch.setattr(self_locking, "NODES_ABOVE_WHICH_FRICTION_PATH_IS_COARSE", 60)
     sizes = settled_sizes(monkeypatch)
     found = solve_prepared_model(scene, brake)
     nodes = list(map(len, picked(scene.bodies, "line.nodes")))
@@ -218,7 +221,10 @@ def test_the_cost_table_has_a_row_a_degree(flexible):
     assert heading.split()[:2] == ["degree", "unknowns"]
     degrees, unknowns, seconds = ([float(row.split()[k]) for row in rows] for k in (0, 1, 3))
     assert degrees == [1, 2]
-    made = [prepare_model_with_shoe_widths(flexible, LEVELS[0], degree) for degree in (1, 2)]
+    made = [
+        prepare_model_with_shoe_widths(flexible, REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[0], degree)
+        for degree in (1, 2)
+    ]
     assert unknowns == [sum({body.unknowns for body in scene.bodies}) for scene in made]
     assert min(seconds) > 0
 
@@ -254,7 +260,7 @@ def test_a_sweep_of_solid_shoes_condenses_no_division_twice(root, flexible, monk
     ("options", "said"),
     [
         ({"across": 0}, "model.solid: across = 0"),
-        ({"across": LARGEST_STATED_DEGREE + 1}, "model.solid: across = 8"),
+        ({"across": LARGEST_WIDTH_DEGREE_WITH_STATED_ERROR + 1}, "model.solid: across = 8"),
         (
             {"elements": 12},
             "model.solid: unknown key 'elements'; allowed: penalty, across, tolerance",

@@ -8,7 +8,7 @@ from drumlin import peers
 from drumlin.brake.file import vary
 from drumlin.fem import solid as solid_shoes
 from drumlin.peers import solid_deck
-from drumlin.peers.deck import DeckSetting
+from drumlin.peers.deck import CalculixDeckParameters
 from drumlin.response.norms import relative_distance_of_pressures, relative_error_of_number
 from picking import picked
 from sections import t_section
@@ -79,7 +79,7 @@ def posed(request, flexible):
         solid,
         Parsed(
             solid_deck.deck_text_of_half_solid_shoe(
-                brake, loaded, solid, DeckSetting(thickness=0.5)
+                brake, loaded, solid, CalculixDeckParameters(thickness=0.5)
             )
         ),
     )

@@ -19,12 +19,15 @@ from drumlin.fem.analysis.holding import (
     stick_slip_state_at_each_angle_of_lining,
     turn_holding_brake_and_return_states_at_rotations,
 )
-from drumlin.fem.analysis.prepared import ANALYSIS_DEGREE, prepared_model_for_analysis
+from drumlin.fem.analysis.prepared import (
+    DEGREE_ACROSS_WIDTH_FOR_ANALYSES,
+    prepared_model_for_hold_wear_or_sensitivity,
+)
 from drumlin.fem.analysis.sensitivity import compute_torque_sensitivity
-from drumlin.fem.error_control.levels import LEVELS
+from drumlin.fem.error_control.levels import REFINEMENT_LEVELS_FROM_COARSE_TO_FINE
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import make_prepared_model
-from drumlin.fem.width.face import WidthFace
+from drumlin.fem.width.face import ContactFaceWithWidth
 from drumlin.fem.width.prepare import prepare_model_with_shoe_widths
 from drumlin.lining_wear.archard import WearLaw, wear_linings_in_given_steps
 from drumlin.lining_wear.linings import wear_setup_by_finite_elements
@@ -48,11 +51,11 @@ def shoes(flexible, kind):
 
 
 def wide(brake, degree=2):
-    return prepare_model_with_shoe_widths(brake, LEVELS[0], degree)
+    return prepare_model_with_shoe_widths(brake, REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[0], degree)
 
 
 def plane(brake):
-    return make_prepared_model(brake, LEVELS[0])
+    return make_prepared_model(brake, REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[0])
 
 
 def held(scene, brake, rotations):
@@ -257,12 +260,12 @@ def test_a_beam_moves_with_its_hinge_and_has_no_slope_there(root):
 
 @pytest.mark.slow
 def test_the_division_of_the_section_is_that_of_plane_stress(flexible):
-    flat = prepared_model_for_analysis(flexible)
-    solid = prepared_model_for_analysis(flexible, "solid")
+    flat = prepared_model_for_hold_wear_or_sensitivity(flexible)
+    solid = prepared_model_for_hold_wear_or_sensitivity(flexible, "solid")
     for one, true in zip(solid.bodies, flat.bodies, strict=True):
-        assert isinstance(one.line, WidthFace)
+        assert isinstance(one.line, ContactFaceWithWidth)
         assert one.line.line.xy == pytest.approx(true.line.xy)
-        assert one.line.functions.degree == ANALYSIS_DEGREE
+        assert one.line.functions.degree == DEGREE_ACROSS_WIDTH_FOR_ANALYSES
 
 
 @pytest.mark.parametrize(

@@ -3,9 +3,9 @@
 import pytest
 
 from drumlin.response.response import Response
-from drumlin.studies import import_study_and_find_its_folder
+from drumlin.studies import import_study_and_find_folder_above_studies
 from drumlin_studies.solid_work import (
-    SolidSetting,
+    SettingsOfSolidComparisonSolves,
     measure_models_against_solid_shoes,
     relative_uncertainty_of_solid_shoe_reference,
     solve_and_measure_processor_time,
@@ -13,7 +13,9 @@ from drumlin_studies.solid_work import (
 )
 from picking import having
 
-SETTING = SolidSetting(truth=2, levels=2, degrees=(2, 3), tolerances=(2e-2,), elements=())
+SETTING = SettingsOfSolidComparisonSolves(
+    truth=2, levels=2, degrees=(2, 3), tolerances=(2e-2,), elements=()
+)
 
 
 @pytest.fixture(scope="module")
@@ -47,7 +49,7 @@ def test_each_degree_across_the_width_is_nearer_to_the_solid(measured):
 
 @pytest.mark.slow
 def test_the_picture_has_a_curve_for_each_family(measured):
-    module, _ = import_study_and_find_its_folder("error_vs_runtime")
+    module, _ = import_study_and_find_folder_above_studies("error_vs_runtime")
     rows, uncertain = measured
     figure = module.draw_error_against_solid(rows, uncertain)
     above, below = figure.axes

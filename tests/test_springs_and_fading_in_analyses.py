@@ -9,29 +9,28 @@ from numpy.testing import assert_allclose, assert_array_equal
 from scipy.integrate import quad
 
 import drumlin
-from drumlin.base.arrays import slices_of_consecutive_parts
+from drumlin.base.arrays import slices_from_lengths_of_consecutive_parts
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.file import make_drum_brake_from_data, vary
 from drumlin.contact.active_set import solve_contact_problem
 from drumlin.contact.equations import ContactProblem
 from drumlin.contact.pressure_friction import (
-    NodalFriction,
+    NodalFrictionAndSlope,
     find_largest_friction_factor_with_equilibrium,
 )
 from drumlin.contact.self_locking import FrictionDependentProblem
 from drumlin.contact.stick_slip import BACKWARD, FORWARD, STICK
 from drumlin.fem.analysis.sensitivity import sensitivity_as_text_lines
 from drumlin.fem.analysis.slope_by_key import exact_torque_slope_by_key
-from drumlin.fem.error_control.levels import LEVELS
+from drumlin.fem.error_control.levels import REFINEMENT_LEVELS_FROM_COARSE_TO_FINE
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.solve import solve
 from drumlin.lining_wear.archard import WearLaw, wear_linings_over_sliding_distance
 from drumlin.lining_wear.linings import wear_setup_by_finite_elements
 from flat_pads import pad
-from further_loads import two_shoes
+from friction_tables import EVEN, FALLING, KINKED, over_pressure
+from further_loads import PULL, two_shoes
 from shared_forces import cam_brake, servo
-from test_friction_over_pressure import EVEN, FALLING, KINKED, over_pressure
-from test_further_loads import PULL
 
 SOFT = PULL | {"rate": 1e5}
 STIFF = PULL | {"rate": 1e6}
@@ -167,7 +166,7 @@ def test_tractions_of_a_holding_brake_keep_within_friction_over_pressure(brake):
             assert (np.abs(t) <= bound + 1e-9 * bound.max())[node == STICK].all()
             for kind, sign in ((FORWARD, 1.0), (BACKWARD, -1.0)):
                 on = node == kind
-                slipping += np.count_nonzero(on)
+                slipping += int(np.count_nonzero(on))
                 assert_allclose(t[on], sign * bound[on], atol=1e-9 * bound.max())
     assert slipping > 20
     assert run[-1].torque == pytest.approx(on_mesh(table).torque, rel=1e-9)
@@ -189,7 +188,7 @@ def test_one_node_on_a_lever_locks_at_its_closed_form():
     problem = FrictionDependentProblem(frictionless, np.zeros((1, 1)), np.full((1, 1), a))
 
     def friction(p):
-        return NodalFriction(mu + b * p, np.full(1, b))
+        return NodalFrictionAndSlope(mu + b * p, np.full(1, b))
 
     # (x - f mu a)^2 = 4 f a b M.
     roots = np.roots([(mu * a) ** 2, -(2 * x * mu * a + 4 * a * b * M), x**2]).real
@@ -294,7 +293,7 @@ def test_a_spring_stops_the_wear_of_a_hinged_rigid_shoe_as_in_closed_form(sign):
     spring = {"shoe": "shoe", "point": {"x": a - b, "y": 0.0}, "preload": preload, "rate": rate}
     spring["end"] = {"x": a - b, "y": -0.1 * sign}
     brake = make_drum_brake_from_data(data | {"spring": [spring]})
-    scene = make_prepared_model(brake, LEVELS[2])
+    scene = make_prepared_model(brake, REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[2])
     setup = wear_setup_by_finite_elements(scene, brake, penalty=penalty)
     states = wear_linings_over_sliding_distance(
         setup.interfaces, law, distance=1.5 * L, tolerance=1e-4
@@ -329,7 +328,9 @@ def test_wear_under_springs_begins_at_solve_and_each_shoe_balances(name):
     # Worn linings under constant springs of the last pulls are the same brake.
     constant = {"spring[0].preload": last.pulls[0], "spring[0].rate": 0.0}
     setup = run.setup
-    parts = slices_of_consecutive_parts(len(interface.area) for interface in setup.interfaces)
+    parts = slices_from_lengths_of_consecutive_parts(
+        len(interface.area) for interface in setup.interfaces
+    )
     for interface, part in zip(setup.interfaces, parts, strict=True):
         problem = interface.problem
         worn = problem._replace(q=problem.q + interface.weight @ last.depth[part])

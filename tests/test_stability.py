@@ -9,17 +9,17 @@ import numpy as np
 import pytest
 
 from drumlin.base.errors import NoAnswer
-from drumlin.base.journal import Journal
+from drumlin.base.journal import JournalOfCaseResults
 from drumlin.contact import active_set
 from drumlin.contact.equations import ContactProblem, condition_number_on_contact_set
 from drumlin.fem import model
 from drumlin.fem.equilibrium.group import ShoeGroup
-from drumlin.fem.error_control.adapt import Tolerance, solve_brake_to_tolerance
+from drumlin.fem.error_control.adapt import TolerancesOfPressureAndTorque, solve_brake_to_tolerance
 from drumlin.fem.error_control.levels import solve_brake_on_finer_and_finer_mesh_levels
 from drumlin.fem.model import (
-    LARGEST_REFINED_ROUND_OFF,
-    LARGEST_UNREFINED_ROUND_OFF,
-    REFINED_REMARK,
+    ITERATIVE_REFINEMENT_REMARK,
+    LARGEST_ACCEPTED_PRESSURE_ROUND_OFF,
+    LARGEST_PRESSURE_ROUND_OFF_LEFT_UNREFINED,
     solve_full_system_of_group_by_refinement,
     solve_prepared_model,
 )
@@ -28,11 +28,14 @@ from drumlin.fem.solve import solve
 from drumlin.fem.substructure.body import sparse_stiffness_of_body
 from drumlin.fem.substructure.elasticity import elastic_layers_of_shoe
 from drumlin.verification import triangles
-from drumlin_studies.extreme_cases import KnobCase, all_extreme_cases
+from drumlin_studies.extreme_cases import ExtremeCase, all_extreme_cases
 from drumlin_studies.random_brake import draw_random_brake
-from drumlin_studies.random_kinds import HOLDING_KINDS, draw_random_brake_of_support_kind
+from drumlin_studies.random_kinds import (
+    FUNCTIONS_THAT_DRAW_BRAKE_DATA_BY_SUPPORT_KIND,
+    draw_random_brake_of_support_kind,
+)
 from drumlin_studies.stated_true import solve_fine_reference_by_triangles, true_errors_of_response
-from drumlin_studies.trial import accuracy_of_answer_of_all_groups, solve_and_judge_case
+from drumlin_studies.trial import solve_and_judge_case, worst_numerical_accuracy_of_shoe_groups
 from picking import having, picked, saying
 
 STUDY_NAME = "stability"
@@ -60,7 +63,7 @@ def refined_anyway(monkeypatch):
     def worse(answers):
         return (
             imbalance(answers)
-            if all(REFINED_REMARK in answer.note for answer in answers.values())
+            if all(ITERATIVE_REFINEMENT_REMARK in answer.note for answer in answers.values())
             else 1.0
         )
 
@@ -98,7 +101,7 @@ def test_the_designed_set_turns_every_knob_to_its_end():
 
 @pytest.mark.parametrize("kind", ("quad2", "quad1", "tri2", "tri1"))
 def test_long_double_stiffness_is_that_of_double_and_strains_nothing_in_rigid_motion(kind):
-    scene, brake, _ = solved(KnobCase(elements=8, kind=kind))
+    scene, brake, _ = solved(ExtremeCase(elements=8, kind=kind))
     body, layers = scene.bodies[0], elastic_layers_of_shoe(brake.shoes[0])
     K, L = (
         sparse_stiffness_of_body(body.basis, layers, precise=precise) for precise in (False, True)
@@ -117,7 +120,7 @@ def test_long_double_stiffness_is_that_of_double_and_strains_nothing_in_rigid_mo
 @pytest.mark.parametrize("ring", [None, (1e-8, "free"), (400.0, "fixed"), (400.0, "free")])
 def test_the_whole_system_gives_the_torque_of_the_condensed_bodies(ring):
     extra = {} if ring is None else {"ring": ring[0], "support": ring[1], "shoes": 2}
-    scene, brake, response = solved(KnobCase(elements=20, **extra))
+    scene, brake, response = solved(ExtremeCase(elements=20, **extra))
     group = list(range(len(brake.shoes)))
     p = [response.shoes[i].pressure[:: brake.shoes[i].frame.sense] for i in group]
     refined = solve_full_system_of_group_by_refinement(
@@ -129,7 +132,7 @@ def test_the_whole_system_gives_the_torque_of_the_condensed_bodies(ring):
 
 
 def test_the_whole_system_finds_the_contact_set_itself():
-    scene, brake, response = solved(KnobCase(clearance="split", elements=24))
+    scene, brake, response = solved(ExtremeCase(clearance="split", elements=24))
     wrong = everywhere(scene)
     refined = solve_full_system_of_group_by_refinement(ShoeGroup(scene, brake, (0,), 1e6), wrong)
     assert refined.contact_sets > 1
@@ -137,12 +140,12 @@ def test_the_whole_system_finds_the_contact_set_itself():
 
 
 def test_a_torque_near_self_locking_has_a_bad_condition():
-    scene, brake, _ = solved(KnobCase(friction=0.3, elements=12))
-    scene_, brake_, _ = solved(KnobCase(friction=1.17, elements=12))
+    scene, brake, _ = solved(ExtremeCase(friction=0.3, elements=12))
+    scene_, brake_, _ = solved(ExtremeCase(friction=1.17, elements=12))
     mild, sharp = (
         solve_full_system_of_group_by_refinement(
             ShoeGroup(s, b, (0,), 1e6), everywhere(s)
-        ).condition
+        ).condition_number_of_torque
         for s, b in ((scene, brake), (scene_, brake_))
     )
     assert sharp > 10 * mild
@@ -156,10 +159,11 @@ def test_a_soft_shoe_is_refined_instead_of_refused(assisted):
     these digits.
     """
     softer = [
-        answer(KnobCase(shoe=E, assisted=assisted, elements=20)) for E in (1e-4, 1e-6, 1e-7, 1e-8)
+        answer(ExtremeCase(shoe=E, assisted=assisted, elements=20))
+        for E in (1e-4, 1e-6, 1e-7, 1e-8)
     ]
     for response in softer[1:]:
-        assert REFINED_REMARK in response.notes[0]
+        assert ITERATIVE_REFINEMENT_REMARK in response.notes[0]
         assert max(response.balance.force, response.balance.moment) < 1e-8
     assert softer[3].torque == pytest.approx(softer[2].torque, rel=1e-6)
     # A lining that is rigid against its shoe: the torque has a limit, to which it tends as the
@@ -168,7 +172,9 @@ def test_a_soft_shoe_is_refined_instead_of_refused(assisted):
     assert second == pytest.approx(first * 0.9e-6 / 99e-6, rel=0.1)
 
 
-@pytest.mark.parametrize("kind", sorted({*HOLDING_KINDS} - {"cam", "strut", "chain"}))
+@pytest.mark.parametrize(
+    "kind", sorted({*FUNCTIONS_THAT_DRAW_BRAKE_DATA_BY_SUPPORT_KIND} - {"cam", "strut", "chain"})
+)
 @pytest.mark.slow
 def test_a_refined_reaction_is_that_of_the_strains_where_those_have_their_digits(kind, monkeypatch):
     """However a shoe is held; those that share a force are not refined."""
@@ -176,7 +182,7 @@ def test_a_refined_reaction_is_that_of_the_strains_where_those_have_their_digits
     strained = solve(brake, elements=12)
     refined_anyway(monkeypatch)
     refined = solve(brake, elements=12)
-    assert saying(refined.notes, REFINED_REMARK)
+    assert saying(refined.notes, ITERATIVE_REFINEMENT_REMARK)
     for shoe, other in zip(refined.shoes, strained.shoes, strict=True):
         assert shoe.hinge_reaction == pytest.approx(
             other.hinge_reaction, abs=1e-10 * math.hypot(*other.hinge_reaction)
@@ -197,15 +203,17 @@ def test_a_reaction_whose_strains_lose_their_digits_follows_from_the_pressure():
         "arc": 325.0,
         "clearance": 4.45e-8,
     }
-    case = KnobCase(**knobs, penalty=5.8e8, force=72.4, lever=0.0229, nu=0.3634, elements=8)
+    case = ExtremeCase(**knobs, penalty=5.8e8, force=72.4, lever=0.0229, nu=0.3634, elements=8)
     scene, brake, response = solved(case)
-    assert accuracy_of_answer_of_all_groups(scene, brake, response, case.penalty)["digits"] > 8
+    assert (
+        worst_numerical_accuracy_of_shoe_groups(scene, brake, response, case.penalty)["digits"] > 8
+    )
     assert max(response.balance.force, response.balance.moment) < 1e-9
 
 
 def test_digits_that_no_arithmetic_keeps_are_refused_with_the_reason():
     with pytest.raises(NoAnswer, match=r"lost digits.*certain only to .*too far apart"):
-        answer(KnobCase(shoe=3e-13, elements=10))
+        answer(ExtremeCase(shoe=3e-13, elements=10))
 
 
 def test_a_mesh_that_states_no_error_is_refused_where_digits_are_missing():
@@ -213,16 +221,23 @@ def test_a_mesh_that_states_no_error_is_refused_where_digits_are_missing():
     with pytest.raises(
         NoAnswer, match=r"even refined its pressure is certain only to [1-9]\.\de-05"
     ):
-        answer(KnobCase(shoe=1e-11, elements=16))
+        answer(ExtremeCase(shoe=1e-11, elements=16))
 
 
 def test_digits_that_condensation_loses_on_a_fine_division_are_part_of_the_error():
     """Too many unknowns to refine: the answer stands, and what it may be off by."""
     _, found = solve_brake_to_tolerance(
-        draw_random_brake(7246), Tolerance(1e-3, 1e-3), solve_prepared_model, must=False
+        draw_random_brake(7246),
+        TolerancesOfPressureAndTorque(1e-3, 1e-3),
+        solve_prepared_model,
+        must=False,
     )
     (shoe,) = found.shoes
-    assert LARGEST_UNREFINED_ROUND_OFF < shoe.lost.pressure < LARGEST_REFINED_ROUND_OFF
+    assert (
+        LARGEST_PRESSURE_ROUND_OFF_LEFT_UNREFINED
+        < shoe.lost.pressure
+        < LARGEST_ACCEPTED_PRESSURE_ROUND_OFF
+    )
     for name, lost in shoe.lost._asdict().items():
         assert found.error[name] > lost > 0
 
@@ -249,13 +264,19 @@ def test_what_a_refinement_cannot_settle_is_part_of_the_error(monkeypatch):
     brake = draw_random_brake(8326)
     along, (true,) = (
         islice(solve_brake_on_finer_and_finer_mesh_levels(brake, solve_prepared_model), 2),
-        triangles.solve_brake_on_sequence_of_triangle_meshes(brake, triangles.TRIANGLE_LEVELS[:1]),
+        triangles.solve_brake_on_sequence_of_triangle_meshes(
+            brake, triangles.TRIANGLE_MESH_LEVELS_FROM_COARSE_TO_FINE[:1]
+        ),
     )
     found = solve_brake_to_tolerance(
-        brake, Tolerance(1e-6, 1e-6), solve_prepared_model, must=False, levels=along
+        brake,
+        TolerancesOfPressureAndTorque(1e-6, 1e-6),
+        solve_prepared_model,
+        must=False,
+        levels=along,
     ).response
     (shoe,) = found.shoes
-    assert saying(found.notes, REFINED_REMARK)
+    assert saying(found.notes, ITERATIVE_REFINEMENT_REMARK)
     assert max(shoe.lost.torque, shoe.lost.reaction) < 1e-4 * shoe.lost.pressure
     assert 1e-6 < shoe.lost.pressure < found.error["pressure"]
     assert shoe.torque == pytest.approx(true[0].torque, rel=found.error["torque"])
@@ -270,7 +291,7 @@ def test_wide_gaps_on_tiny_compressions_keep_their_digits():
     round-off.
     """
     torques = [
-        answer(KnobCase(clearance=1e-4, force=F, elements=16)).torque / F
+        answer(ExtremeCase(clearance=1e-4, force=F, elements=16)).torque / F
         for F in (1e-9, 1e-7, 1e-5, 1e-3)
     ]
     assert torques == pytest.approx([torques[0]] * 4, rel=1e-9)
@@ -291,7 +312,7 @@ def test_a_contact_set_of_one_node_carries_the_moment_exactly():
 
 
 def test_condition_of_the_contact_equations_is_that_of_the_equilibrated_matrix():
-    scene, brake, _ = solved(KnobCase(elements=10))
+    scene, brake, _ = solved(ExtremeCase(elements=10))
     problem = ShoeGroup(scene, brake, (0,)).contact_problem_of_group
     A, _, B, C, _ = problem
     d = 1 / np.sqrt(np.diagonal(A))
@@ -306,7 +327,7 @@ def test_condition_of_the_contact_equations_is_that_of_the_equilibrated_matrix()
 
 
 def test_a_stiff_penalty_costs_nothing_and_a_soft_one_errs_in_proportion():
-    scene, brake, exact = solved(KnobCase(penalty=math.inf, elements=20))
+    scene, brake, exact = solved(ExtremeCase(penalty=math.inf, elements=20))
     torque = {
         a: solve_prepared_model(scene, brake, penalty=a)
         for a in (1e3, 1e4, 1e5, 1e6, 1e9, 1e12, 1e16)
@@ -322,23 +343,25 @@ def test_a_stiff_penalty_costs_nothing_and_a_soft_one_errs_in_proportion():
 def test_units_do_not_matter():
     """The same brake in m and N, and counted in mm and MPa as numbers."""
     base, other = (
-        answer(KnobCase(elements=20, **knobs)) for knobs in ({}, {"size": 1e3, "pressure": 1e-6})
+        answer(ExtremeCase(elements=20, **knobs)) for knobs in ({}, {"size": 1e3, "pressure": 1e-6})
     )
     assert other.torque == pytest.approx(1e3 * base.torque, rel=1e-10)
 
 
 def test_a_trial_says_what_went_wrong():
-    row = solve_and_judge_case(KnobCase(friction=1.5, elements=12))
+    row = solve_and_judge_case(ExtremeCase(friction=1.5, elements=12))
     assert row["outcome"] == "self-locking" and "mu_lock" in row["reason"]
-    assert solve_and_judge_case(KnobCase(clearance=0.03, elements=12))["outcome"] == "out of reach"
-    assert solve_and_judge_case(KnobCase(lever=-1e-6, elements=12))["outcome"] == "no contact"
-    assert solve_and_judge_case(KnobCase(nu=0.5, elements=12))["outcome"] == "bad input"
-    assert solve_and_judge_case(KnobCase(shoe=1e-13, elements=12))["outcome"] == "arithmetic"
+    assert (
+        solve_and_judge_case(ExtremeCase(clearance=0.03, elements=12))["outcome"] == "out of reach"
+    )
+    assert solve_and_judge_case(ExtremeCase(lever=-1e-6, elements=12))["outcome"] == "no contact"
+    assert solve_and_judge_case(ExtremeCase(nu=0.5, elements=12))["outcome"] == "bad input"
+    assert solve_and_judge_case(ExtremeCase(shoe=1e-13, elements=12))["outcome"] == "arithmetic"
 
 
 def test_an_empty_journal_is_one():
     """A study keeps its cases in the journal that it is given, from the first case on."""
-    assert Journal() and len(Journal()) == 0
+    assert JournalOfCaseResults() and len(JournalOfCaseResults()) == 0
 
 
 @pytest.mark.slow

@@ -4,13 +4,16 @@ import numpy as np
 import pytest
 
 from conftest import partly
-from drumlin.base.errors import LostDigits, NoAnswer
+from drumlin.base.errors import AnswerLostToRoundOff, NoAnswer
 from drumlin.brake.file import make_drum_brake_from_data, vary
 from drumlin.contact import active_set
 from drumlin.contact.equations import ContactProblem
 from drumlin.fem.analysis.self_locking import self_locking_friction_of_shoe_groups
-from drumlin.fem.error_control.levels import LEVELS, solve_brake_on_finer_and_finer_mesh_levels
-from drumlin.fem.preparation.meshes import ELEMENTS
+from drumlin.fem.error_control.levels import (
+    REFINEMENT_LEVELS_FROM_COARSE_TO_FINE,
+    solve_brake_on_finer_and_finer_mesh_levels,
+)
+from drumlin.fem.preparation.meshes import DEFAULT_ELEMENTS_ALONG_LINING
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.solve import solve
 from drumlin.laws import solve_brake_by_its_rigid_shoe_law
@@ -132,7 +135,8 @@ def test_true_self_locking_is_still_refused_with_its_limit(seed):
 
 
 @pytest.mark.parametrize(
-    ("refusal", "evened"), [(NoAnswer("self-locking"), True), (LostDigits("lost digits"), False)]
+    ("refusal", "evened"),
+    [(NoAnswer("self-locking"), True), (AnswerLostToRoundOff("lost digits"), False)],
 )
 def test_a_refusal_is_asked_for_once_more_where_another_division_may_answer(brake, refusal, evened):
     nodes = []
@@ -145,7 +149,7 @@ def test_a_refusal_is_asked_for_once_more_where_another_division_may_answer(brak
         list(solve_brake_on_finer_and_finer_mesh_levels(brake, refuse))
     assert raised.value is refusal
     assert len(nodes) == 2
-    even = ELEMENTS * LEVELS[0].degree
+    even = DEFAULT_ELEMENTS_ALONG_LINING * REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[0].degree
     assert nodes[0] < even
     assert (nodes[1] > even) == evened
 

@@ -11,33 +11,43 @@ import pytest
 from conftest import partly
 from drumlin import NoAnswer, vary
 from drumlin.fem.error_control.adapt import (
-    Tolerance,
+    TolerancesOfPressureAndTorque,
     errors_with_singular_points_and_text_on_short_contacts,
     solve_brake_to_tolerance,
 )
 from drumlin.fem.error_control.estimate import (
-    FACTORS,
-    SOFTER,
-    Errors,
+    SAFETY_FACTOR_OF_PENALTY_ERROR,
+    SAFETY_FACTORS_OF_ERROR_ESTIMATE,
+    EstimatedErrors,
     estimate_errors_from_two_mesh_levels,
     sum_of_penalty_and_round_off_errors,
 )
-from drumlin.fem.error_control.levels import LEVELS as COLUMNS
+from drumlin.fem.error_control.levels import REFINEMENT_LEVELS_FROM_COARSE_TO_FINE as COLUMNS
 from drumlin.fem.error_control.levels import SolvedLevel, solve_brake_on_finer_and_finer_mesh_levels
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.solve import solve
 from drumlin.response.norms import relative_distance_of_pressures
-from drumlin.response.response import NO_CHANGE, ShoeChange, reference_force_of_reaction_errors
+from drumlin.response.response import (
+    ZERO_CHANGES_OF_SHOE_RESULTS,
+    RelativeChangesOfShoeResults,
+    reference_force_of_reaction_errors,
+)
 from drumlin.response.resultants import integral_of_piecewise_polynomial, planar_cross_product
-from drumlin.verification.triangles import TriangleLevel, solve_brake_on_sequence_of_triangle_meshes
+from drumlin.verification.triangles import (
+    DegreeAndGradingOfTriangleMesh,
+    solve_brake_on_sequence_of_triangle_meshes,
+)
 from drumlin_studies import stated_true
 from drumlin_studies.calibration import draw_random_calibration_brake_and_name_of_kind
-from drumlin_studies.random_brake import SHAPE_KINDS, draw_random_brake
+from drumlin_studies.random_brake import (
+    FUNCTIONS_THAT_DRAW_BRAKE_DATA_BY_SHAPE_KIND,
+    draw_random_brake,
+)
 from drumlin_studies.stated_true import (
-    JUDGED_QUANTITIES,
-    RELEVANT,
-    Truth,
+    QUANTITIES_WHOSE_STATED_ERRORS_ARE_JUDGED,
+    SMALLEST_RELEVANT_TRUE_ERROR,
+    FarFinerSolutionOfBrake,
     estimate_distance_of_last_value_from_limit,
     row_of_stated_and_true_errors,
     solve_fine_reference_by_hp_elements,
@@ -49,16 +59,24 @@ from drumlin_studies.stored_truth import solve_brake_by_finer_hp_meshes
 from picking import keyed, picked
 from shared_parts import scaled_pressures
 
-LEVELS = (TriangleLevel(3, 5, 1.4, 1.0), TriangleLevel(4, 7, 1.2, 1.0))
+LEVELS = (
+    DegreeAndGradingOfTriangleMesh(3, 5, 1.4, 1.0),
+    DegreeAndGradingOfTriangleMesh(4, 7, 1.2, 1.0),
+)
 
 
 @pytest.fixture(scope="module")
 def truth(brake):
     before, last = solve_brake_on_sequence_of_triangle_meshes(brake, LEVELS)
-    return Truth(last, MappingProxyType(true_errors_of_response(brake, before, last)), 0.0)
+    return FarFinerSolutionOfBrake(
+        last, MappingProxyType(true_errors_of_response(brake, before, last)), 0.0
+    )
 
 
-@pytest.mark.parametrize("kind", partly(SHAPE_KINDS, {"linings on ring", "post on ring"}))
+@pytest.mark.parametrize(
+    "kind",
+    partly(FUNCTIONS_THAT_DRAW_BRAKE_DATA_BY_SHAPE_KIND, {"linings on ring", "post on ring"}),
+)
 def test_a_brake_of_each_kind_is_drawn_again_by_its_seed(kind):
     brake = draw_random_brake(5, kind)
     assert brake == draw_random_brake(5, kind)
@@ -70,26 +88,28 @@ def test_a_brake_of_each_kind_is_drawn_again_by_its_seed(kind):
 
 def test_the_kinds_follow_each_other_by_seed():
     assert [draw_random_brake(seed).title for seed in range(3)] == [
-        f"random {kind} {i}" for i, kind in enumerate(SHAPE_KINDS)
+        f"random {kind} {i}" for i, kind in enumerate(FUNCTIONS_THAT_DRAW_BRAKE_DATA_BY_SHAPE_KIND)
     ][:3]
 
 
 def test_what_a_response_states_is_held_against_the_truth(brake, truth):
     coarse = solve(brake, elements=12)
-    stated = dict.fromkeys(JUDGED_QUANTITIES, 1e-2)
+    stated = dict.fromkeys(QUANTITIES_WHOSE_STATED_ERRORS_ARE_JUDGED, 1e-2)
     seen = row_of_stated_and_true_errors(
         brake, 1e-2, lambda brake, tolerance: replace(coarse, error=stated), truth
     )
     assert seen["outcome"] == "reached"
     off = true_errors_of_response(brake, coarse.shoes, truth.shoes)
-    assert {name: seen[f"true_{name}"] for name in JUDGED_QUANTITIES} == off
+    assert {name: seen[f"true_{name}"] for name in QUANTITIES_WHOSE_STATED_ERRORS_ARE_JUDGED} == off
     torque = sum(picked(truth.shoes, "torque"))
     assert off["torque"] == pytest.approx(abs(coarse.torque - torque) / torque)
     assert 1e-3 < off["pressure"] < 0.1
     liar = row_of_stated_and_true_errors(
         brake,
         1e-2,
-        lambda brake, tolerance: replace(coarse, error=dict.fromkeys(JUDGED_QUANTITIES, 1e-9)),
+        lambda brake, tolerance: replace(
+            coarse, error=dict.fromkeys(QUANTITIES_WHOSE_STATED_ERRORS_ARE_JUDGED, 1e-9)
+        ),
         truth,
     )
     assert stated_over_true_error_of_row(liar, "pressure") < 1e-5
@@ -109,7 +129,15 @@ def test_the_relevant_median_leaves_out_errors_that_nobody_asks_for():
             for what, value in (("stated", 4e-6), ("true", value), ("unsure", 0.0))
         }
 
-    rows = [judged(true) for true in (2 * RELEVANT, RELEVANT, 0.01 * RELEVANT, 0.01 * RELEVANT)]
+    rows = [
+        judged(true)
+        for true in (
+            2 * SMALLEST_RELEVANT_TRUE_ERROR,
+            SMALLEST_RELEVANT_TRUE_ERROR,
+            0.01 * SMALLEST_RELEVANT_TRUE_ERROR,
+            0.01 * SMALLEST_RELEVANT_TRUE_ERROR,
+        )
+    ]
     torque = keyed(summary_rows_of_stated_errors(rows), "quantity")["torque"]
     assert torque["median_relevant"] == pytest.approx(3.0)
     assert torque["median"] == pytest.approx(202.0)
@@ -167,7 +195,10 @@ def test_an_estimate_is_a_factor_of_the_last_step_and_what_lies_beside_it(brake)
     response = solve(brake, elements=10)
 
     def with_torque(part, **more):
-        beside = {"softness": NO_CHANGE, "lost": NO_CHANGE} | more
+        beside = {
+            "softness": ZERO_CHANGES_OF_SHOE_RESULTS,
+            "lost": ZERO_CHANGES_OF_SHOE_RESULTS,
+        } | more
         shoes = (replace(shoe, torque=shoe.torque * part, **beside) for shoe in response.shoes)
         return replace(response, shoes=tuple(shoes))
 
@@ -176,14 +207,14 @@ def test_an_estimate_is_a_factor_of_the_last_step_and_what_lies_beside_it(brake)
             brake, with_torque(1.001), with_torque(1.0, **more)
         ).brake
 
-    step = FACTORS.force * 1e-3
+    step = SAFETY_FACTORS_OF_ERROR_ESTIMATE.force * 1e-3
     assert stated()["torque"] == pytest.approx(step)
     assert stated()["pressure"] == 0.0
-    yielding = stated(softness=ShoeChange(1.0, 1e-3, 1.0))
-    assert yielding["torque"] == pytest.approx(step + SOFTER * 1e-3)
+    yielding = stated(softness=RelativeChangesOfShoeResults(1.0, 1e-3, 1.0))
+    assert yielding["torque"] == pytest.approx(step + SAFETY_FACTOR_OF_PENALTY_ERROR * 1e-3)
     # This part of the answer does not differ at all.
     assert yielding["pressure"] == 0.0
-    rounded = stated(lost=ShoeChange(1.0, 1e-3, 1.0))
+    rounded = stated(lost=RelativeChangesOfShoeResults(1.0, 1e-3, 1.0))
     assert rounded["torque"] == pytest.approx(step + 1e-3)
 
 
@@ -220,7 +251,7 @@ def test_forces_that_agree_by_chance_are_as_uncertain_as_the_columns_of_the_pres
             for k in set(column)
         ]
         least = (
-            FACTORS.cancelled
+            SAFETY_FACTORS_OF_ERROR_ESTIMATE.cancelled
             * math.hypot(*off)
             / integral_of_piecewise_polynomial(b.theta, b.pressure, b.order)
         )
@@ -261,7 +292,9 @@ def test_a_peak_that_agrees_by_chance_is_as_uncertain_as_the_pressure_near_it(br
         own = estimate_errors_from_two_mesh_levels(brake, before, level).shoes[0]
         p = relative_distance_of_pressures(before.shoes[0], middle)
         assert p > 1e-6
-        assert own["peak"] == pytest.approx(FACTORS.peak * math.sqrt(p * near), rel=0.1)
+        assert own["peak"] == pytest.approx(
+            SAFETY_FACTORS_OF_ERROR_ESTIMATE.peak * math.sqrt(p * near), rel=0.1
+        )
 
 
 def test_the_shortest_contact_of_a_shoe_counts(brake):
@@ -276,11 +309,15 @@ def test_the_shortest_contact_of_a_shoe_counts(brake):
     def error(last):
         along = [SolvedLevel(made, before), SolvedLevel(made, last)]
         return solve_brake_to_tolerance(
-            brake, Tolerance(0.5, 0.5), solve_prepared_model, must=False, levels=along
+            brake,
+            TolerancesOfPressureAndTorque(0.5, 0.5),
+            solve_prepared_model,
+            must=False,
+            levels=along,
         ).response.error
 
     assert error(found)["torque"] == pytest.approx(
-        FACTORS.force * 1e-3 * one.torque / found.torque, rel=1e-3
+        SAFETY_FACTORS_OF_ERROR_ESTIMATE.force * 1e-3 * one.torque / found.torque, rel=1e-3
     )
     assert error(found)["pressure"] < 1e-3
     assert error(replace(found, shoes=(replace(one, contact_arcs=arcs), other)))["pressure"] >= 1
@@ -302,7 +339,7 @@ def test_errors_of_two_shoes_torques_do_not_cancel(brake):
     for series in ([before, last], [last, before]):
         assert estimate_errors_from_two_mesh_levels(brake, *series).brake[
             "torque"
-        ] == pytest.approx(FACTORS.force * 10.0 / last.torque, rel=1e-4)
+        ] == pytest.approx(SAFETY_FACTORS_OF_ERROR_ESTIMATE.force * 10.0 / last.torque, rel=1e-4)
 
 
 @pytest.mark.slow
@@ -319,7 +356,11 @@ def test_a_peak_in_the_column_at_a_pressed_end_is_not_known():
     for some in (found[:2], found):
         assert not math.isclose(some[-1].response.shoes[0].pressure[-1], peaks[len(some) - 1])
         stated = solve_brake_to_tolerance(
-            brake, Tolerance(1e-9, 1e-9), solve_prepared_model, must=False, levels=some
+            brake,
+            TolerancesOfPressureAndTorque(1e-9, 1e-9),
+            solve_prepared_model,
+            must=False,
+            levels=some,
         ).response
         assert stated.shoes[0].error["peak"] == stated.error["peak"] == 1.0
 
@@ -335,7 +376,7 @@ def test_the_penalty_changes_torque_and_pressure_as_a_response_says(brake, index
     assert relative_distance_of_pressures(soft, firm) == pytest.approx(
         soft.softness.pressure, rel=0.05
     )
-    assert soft.softness.torque > 1e-9 and firm.softness == NO_CHANGE
+    assert soft.softness.torque > 1e-9 and firm.softness == ZERO_CHANGES_OF_SHOE_RESULTS
 
 
 @pytest.mark.parametrize("penalty", [30.0, 1.0, 0.1, 1e-3])
@@ -355,7 +396,10 @@ def test_what_a_soft_contact_changes_is_stated(brake, penalty):
         true = relative_distance_of_pressures(a, b), abs(a.torque / b.torque - 1), reaction
         if penalty == 30:
             np.testing.assert_allclose(a.softness[:3], true, rtol=0.1)
-        assert true[0] < SOFTER * a.softness.pressure and true[2] < SOFTER * a.softness.reaction
+        assert (
+            true[0] < SAFETY_FACTOR_OF_PENALTY_ERROR * a.softness.pressure
+            and true[2] < SAFETY_FACTOR_OF_PENALTY_ERROR * a.softness.reaction
+        )
 
 
 def test_what_a_soft_contact_changes_of_a_post_is_stated_too():
@@ -402,7 +446,7 @@ def test_columns_are_a_truth_that_triangles_share(brake, truth):
     """
     finer = solve_fine_reference_by_hp_elements(brake, 1e-2)
     apart = true_errors_of_response(brake, finer.shoes, truth.shoes)
-    for name in JUDGED_QUANTITIES:
+    for name in QUANTITIES_WHOSE_STATED_ERRORS_ARE_JUDGED:
         assert apart[name] <= 2 * (finer.unsure[name] + truth.unsure[name])
     coarse = solve(brake, elements=12)
     one, other = (
@@ -417,7 +461,10 @@ def test_columns_that_lost_digits_are_no_truth_beyond_them(brake, monkeypatch):
 
     def losing(brake, respond):
         for made, found in solve_brake_on_finer_and_finer_mesh_levels(brake, respond):
-            shoes = tuple(replace(shoe, lost=ShoeChange(1e-4, 2e-4, 3e-4)) for shoe in found.shoes)
+            shoes = tuple(
+                replace(shoe, lost=RelativeChangesOfShoeResults(1e-4, 2e-4, 3e-4))
+                for shoe in found.shoes
+            )
             yield SolvedLevel(made, replace(found, shoes=shoes))
 
     sure = solve_fine_reference_by_hp_elements(brake, 1e-2).unsure
@@ -492,7 +539,7 @@ def test_a_peak_under_a_tip_of_the_gap_is_unbounded_and_so_is_its_error(brake, t
         ):
             solve_brake_to_tolerance(
                 kinked,
-                Tolerance(1e-6, 1e-6),
+                TolerancesOfPressureAndTorque(1e-6, 1e-6),
                 solve_prepared_model,
                 levels=list(
                     islice(
@@ -521,8 +568,8 @@ def test_a_peak_that_finer_columns_may_find_at_an_end_is_unknown_before(part, un
     highest = float(lower.max())
     lower[first if at_start else last_column] = part * highest
     lowered = replace(shoe, pressure=lower, peak_pressure=highest)
-    nothing = Errors.brake_errors_from_torque_and_shoe_errors(
-        0.0, [dict.fromkeys(JUDGED_QUANTITIES, 0.0)]
+    nothing = EstimatedErrors.brake_errors_from_torque_and_shoe_errors(
+        0.0, [dict.fromkeys(QUANTITIES_WHOSE_STATED_ERRORS_ARE_JUDGED, 0.0)]
     )
     error, _ = errors_with_singular_points_and_text_on_short_contacts(
         nothing, brake, replace(last.response, shoes=(lowered,))
@@ -541,7 +588,7 @@ def test_a_shoe_that_loses_its_contact_moves_the_torque_by_all_of_it(brake, leve
     lifted = replace(other, torque=0.0, pressure=0.0 * other.pressure, contact_arcs=())
     stated = estimate_errors_from_two_mesh_levels(brake, level, replace(level, shoes=(one, lifted)))
     assert stated.brake["torque"] == pytest.approx(
-        FACTORS.force * other.torque / one.torque, rel=1e-9
+        SAFETY_FACTORS_OF_ERROR_ESTIMATE.force * other.torque / one.torque, rel=1e-9
     )
 
 
@@ -601,7 +648,7 @@ def test_a_reaction_that_two_levels_share_by_accident_is_not_stated_as_sure():
     )
     stated = estimate_errors_from_two_mesh_levels(hinged, before, last)
     by_step = estimate_errors_from_two_mesh_levels(
-        hinged, before, last, FACTORS._replace(cancelled=0.0)
+        hinged, before, last, SAFETY_FACTORS_OF_ERROR_ESTIMATE._replace(cancelled=0.0)
     )
     assert by_step.brake["reaction"] < 0.5 * off
     assert stated.brake["reaction"] > off - truth.unsure["reaction"]

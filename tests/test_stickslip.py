@@ -19,8 +19,8 @@ from drumlin.contact.stick_slip import (
     FORWARD,
     OPEN,
     STICK,
-    FrictionalProblem,
-    SlipHistory,
+    StickSlipProblem,
+    TractionsAndSlipsOfLastIncrement,
 )
 from drumlin.fem.analysis.at_rest import make_stick_slip_problem_and_slip_per_drum_rotation
 from drumlin.fem.analysis.holding import (
@@ -40,8 +40,8 @@ from drumlin.fem.substructure.body import (
 )
 from drumlin.fem.substructure.interface import (
     ContactLine,
+    coupling_matrices_of_contact_line,
     make_contact_line_of_lining,
-    weak_coupling_of_contact_line,
 )
 from picking import picked
 from shared_parts import drum_ring
@@ -56,7 +56,7 @@ def spring(push, shift, stiffness=100.0, penalty=0.0):
     The load is -push.
     """
     one, none = np.ones((1, 1)), np.zeros((1, 1))
-    return FrictionalProblem(
+    return StickSlipProblem(
         A_wp=one / stiffness,
         A_wt=none,
         A_sp=none,
@@ -72,7 +72,7 @@ def spring(push, shift, stiffness=100.0, penalty=0.0):
     )
 
 
-REST = SlipHistory(np.zeros(1), np.zeros(1))
+REST = TractionsAndSlipsOfLastIncrement(np.zeros(1), np.zeros(1))
 
 
 @pytest.mark.parametrize(
@@ -154,7 +154,7 @@ def test_solving_twice_changes_nothing():
 
     The history is an input.
     """
-    history = SlipHistory(np.array([1.0]), np.array([0.01]))
+    history = TractionsAndSlipsOfLastIncrement(np.array([1.0]), np.array([0.01]))
     a = stick_slip.solve_stick_slip_load_increment(
         spring(10.0, 0.2), 0.5, history, np.array([STICK])
     )
@@ -178,7 +178,7 @@ def test_the_equations_of_the_found_states_hold_and_their_tangent_agrees_with_di
     rng = np.random.default_rng(seed)
     rotation = 10 ** rng.uniform(-5.5, -3.5)
     n = len(lever)
-    rest = SlipHistory(np.zeros(n), np.zeros(n))
+    rest = TractionsAndSlipsOfLastIncrement(np.zeros(n), np.zeros(n))
     mu = 0.3
     found = stick_slip.solve_stick_slip_load_increment(problem, mu, rest, np.full(n, STICK))
     for found_next in turn_drum_in_increments(problem, lever / 2000.0, mu, found, 0.0, rotation):
@@ -226,7 +226,7 @@ def test_direction_of_friction_on_a_wedge():
         shape = (2, *([1] * (points.ndim - 1)))
         return down.reshape(shape) * np.ones_like(points), -up.reshape(shape) * np.ones_like(points)
 
-    coupling = weak_coupling_of_contact_line(line, 1.0, directions)
+    coupling = coupling_matrices_of_contact_line(line, 1.0, directions)
     p = np.full(5, 7.0)
     on_block = (-coupling.N.T @ p + mu * coupling.T.T @ p).reshape(-1, 2).sum(axis=0)
     # The push balances the horizontal part, the weight the vertical one.
@@ -275,8 +275,8 @@ def test_flat_patch_whole_and_inclined(turned):
             shape
         ) * np.ones_like(points)
 
-    coupling = weak_coupling_of_contact_line(line, 1.0, directions)
-    Y = condensed.inverse_cholesky_factor_times_nodal_forces(-coupling.N.T)
+    coupling = coupling_matrices_of_contact_line(line, 1.0, directions)
+    Y = condensed.half_flexibility_under_nodal_forces(-coupling.N.T)
     # The strip of height 1 has the strain -.05, which gives s = -1e5.
     depth = 0.05
     n = len(line.nodes)
@@ -383,7 +383,7 @@ def test_a_path_ends_at_an_answer_also_where_it_turns_back(way, monkeypatch):
         rng = np.random.default_rng(seed)
         root = rng.normal(size=(2 * n, 2 * n))
         A = root @ root.T + 0.05 * np.eye(2 * n)
-        problem = FrictionalProblem(
+        problem = StickSlipProblem(
             A_wp=A[:n, :n],
             A_wt=A[:n, n:],
             A_sp=-A[n:, :n],
@@ -398,7 +398,10 @@ def test_a_path_ends_at_an_answer_also_where_it_turns_back(way, monkeypatch):
             Q=np.zeros((n, n)),
         )
         found = stick_slip.solve_stick_slip_load_increment(
-            problem, 1.0, SlipHistory(np.zeros(n), np.zeros(n)), np.full(n, STICK)
+            problem,
+            1.0,
+            TractionsAndSlipsOfLastIncrement(np.zeros(n), np.zeros(n)),
+            np.full(n, STICK),
         )
         p, t = found.p, found.t
         w = problem.q_w + problem.A_wp @ p + problem.A_wt @ t

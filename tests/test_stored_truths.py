@@ -11,17 +11,17 @@ import pytest
 
 from drumlin_studies.sharpness import (
     describe_faults_of_stated_errors,
-    describe_worsened_accuracies_and_costs,
+    describe_growth_of_median_errors_and_unknowns,
     list_files_of_stored_fine_solutions,
     names_of_quickly_solved_brakes,
     read_stored_spreads_of_stated_errors,
     rows_with_scaled_stated_errors,
     stated_and_true_errors_of_folder,
 )
-from drumlin_studies.stated_true import JUDGED_QUANTITIES
+from drumlin_studies.stated_true import QUANTITIES_WHOSE_STATED_ERRORS_ARE_JUDGED
 from drumlin_studies.stored_truth import (
-    FINER,
-    STORED_BRAKES,
+    HOW_STORED_BRAKES_ARE_DRAWN_BY_FILE_NAME,
+    HP_MESHES_OF_STORED_TRUTH,
     read_stored_fine_solution,
     solve_stored_brake_on_far_finer_meshes,
 )
@@ -54,12 +54,12 @@ def test_stated_errors_of_quick_brakes_are_large_enough_and_no_larger_than_they_
     assert all(
         one.stated_over_true_error(quantity) >= 0.5
         for one in quick_rows
-        for quantity in JUDGED_QUANTITIES
+        for quantity in QUANTITIES_WHOSE_STATED_ERRORS_ARE_JUDGED
     )
 
 
 @pytest.mark.parametrize("factor", [0.5, 2.0])
-@pytest.mark.parametrize("quantity", JUDGED_QUANTITIES)
+@pytest.mark.parametrize("quantity", QUANTITIES_WHOSE_STATED_ERRORS_ARE_JUDGED)
 def test_a_quantity_whose_stated_errors_are_halved_or_doubled_is_noticed_on_quick_brakes(
     quick_rows, written, quantity, factor
 ):
@@ -76,7 +76,7 @@ def test_stated_errors_are_large_enough_and_no_larger_than_they_were(rows, writt
 
 @pytest.mark.slow
 def test_answers_are_as_exact_and_as_cheap_as_they_were(rows, written):
-    assert describe_worsened_accuracies_and_costs(rows, written.worths) == []
+    assert describe_growth_of_median_errors_and_unknowns(rows, written.worths) == []
 
 
 @pytest.mark.slow
@@ -91,7 +91,7 @@ def test_answers_are_as_exact_and_as_cheap_as_they_were(rows, written):
 def test_answers_that_are_less_exact_or_cost_more_are_noticed(rows, written, change, said):
     assert any(
         said in line
-        for line in describe_worsened_accuracies_and_costs(
+        for line in describe_growth_of_median_errors_and_unknowns(
             [change(one) for one in rows], written.worths
         )
     )
@@ -105,7 +105,7 @@ def test_one_brake_that_takes_far_more_unknowns_is_noticed(rows, written):
     ]
     assert any(
         "short_contact takes" in line
-        for line in describe_worsened_accuracies_and_costs(slow, written.worths)
+        for line in describe_growth_of_median_errors_and_unknowns(slow, written.worths)
     )
 
 
@@ -126,14 +126,14 @@ def test_no_other_stated_error_is_below_half_of_the_true_one(rows):
     small = {
         (one.name, one.asked, quantity): one.stated_over_true_error(quantity)
         for one in rows
-        for quantity in JUDGED_QUANTITIES
+        for quantity in QUANTITIES_WHOSE_STATED_ERRORS_ARE_JUDGED
     }
     assert {key for key, value in small.items() if value < 0.5} == BELOW_HALF
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("factor", [0.5, 2.0])
-@pytest.mark.parametrize("quantity", JUDGED_QUANTITIES)
+@pytest.mark.parametrize("quantity", QUANTITIES_WHOSE_STATED_ERRORS_ARE_JUDGED)
 def test_a_quantity_whose_stated_errors_are_halved_or_doubled_is_noticed(
     rows, written, quantity, factor
 ):
@@ -145,7 +145,7 @@ def test_a_quantity_whose_stated_errors_are_halved_or_doubled_is_noticed(
 
 @pytest.mark.slow
 def test_every_quantity_is_judged_by_truths_that_are_known_well_enough(rows):
-    for quantity in JUDGED_QUANTITIES:
+    for quantity in QUANTITIES_WHOSE_STATED_ERRORS_ARE_JUDGED:
         assert sum(one.is_true_error_certain(quantity) for one in rows) >= 60, quantity
 
 
@@ -154,9 +154,9 @@ def test_every_kind_of_brake_has_a_stored_truth():
     short and partial.
     """
     assert [path.stem for path in list_files_of_stored_fine_solutions(FOLDER)] == sorted(
-        STORED_BRAKES
+        HOW_STORED_BRAKES_ARE_DRAWN_BY_FILE_NAME
     )
-    assert {drawn.kind for drawn in STORED_BRAKES.values()} >= {
+    assert {drawn.kind for drawn in HOW_STORED_BRAKES_ARE_DRAWN_BY_FILE_NAME.values()} >= {
         *(
             "arc",
             "backed",
@@ -214,7 +214,7 @@ def test_finer_hp_elements_agree_with_triangles_where_both_have_an_answer():
     from drumlin_studies.stored_truth import solve_brake_by_finer_hp_meshes
 
     stored = read_stored_fine_solution(FOLDER / "hinge.json")
-    assert stored.by == "triangles" and len(FINER) == 3
+    assert stored.by == "triangles" and len(HP_MESHES_OF_STORED_TRUTH) == 3
     brake = stored.brake
     finer = solve_brake_by_finer_hp_meshes(brake)
     for quantity, off in true_errors_of_response(brake, finer.shoes, stored.true.shoes).items():

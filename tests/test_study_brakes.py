@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from drumlin.brake import read_any, vary
+from drumlin.brake import read_drum_or_plane_brake, vary
 from drumlin.brake.brake import Brake
 from drumlin.laws import solve_brake_by_its_rigid_shoe_law
 from drumlin.response.merit import brake_factor
@@ -25,7 +25,7 @@ KINDS = {"hinge", "abutment", "pivot", "anchor"}
 
 
 def test_the_files_hold_and_push_shoes_in_every_way() -> None:
-    brakes = list(map(read_any, FILES))
+    brakes = list(map(read_drum_or_plane_brake, FILES))
     assert len(brakes) == 10
     assert {shoe.kind_of_support for brake in brakes for shoe in brake.shoes} == KINDS
     assert set(picked(brakes, "reason_why_cam_or_strut_sets_forces")) == {
@@ -38,7 +38,7 @@ def test_the_files_hold_and_push_shoes_in_every_way() -> None:
 @pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)
 @pytest.mark.slow
 def test_every_file_has_its_law_both_ways(path: Path) -> None:
-    for brake in brake_and_reversed_brake(read_any(path)):
+    for brake in brake_and_reversed_brake(read_drum_or_plane_brake(path)):
         response = solve_brake_by_its_rigid_shoe_law(brake)
         assert max(response.balance.force, response.balance.moment) < 1e-9
         assert all(picked(response.shoes, "contact_arcs"))
@@ -46,7 +46,7 @@ def test_every_file_has_its_law_both_ways(path: Path) -> None:
 
 def test_the_elastic_cam_brake_wears_in_to_equal_torques() -> None:
     (path,) = having(FILES, stem="s_cam")
-    brake = read_any(path)
+    brake = read_drum_or_plane_brake(path)
     assert not brake.surface.is_plane_and_not_drum
     found = solve_brake_by_all_models("s_cam", brake, 24)
     new, worn = found.new.shoes, found.worn.shoes
@@ -73,7 +73,9 @@ def test_a_case_takes_solid_shoes_where_they_apply() -> None:
         ("simplex_hinged", 1e-3),
         ("rail_clamp", 0.0),
     ):
-        found = solve_brake_by_all_models(name, read_any(paths[name]), 12, solid=True)
+        found = solve_brake_by_all_models(
+            name, read_drum_or_plane_brake(paths[name]), 12, solid=True
+        )
         (row,) = having(torque_error_rows_of_models_besides_law(found), model="solid")
         assert least <= abs(row["new"]) < 0.05
 
@@ -88,7 +90,7 @@ def under(brake: Brake, index: int) -> Brake:
 def test_a_strut_is_no_actuation() -> None:
     """The brake factor of a uni-servo brake counts the force of its cylinder."""
     (path,) = having(FILES, stem="uni_servo")
-    brake = read_any(path)
+    brake = read_drum_or_plane_brake(path)
     assert not brake.surface.is_plane_and_not_drum
     response = solve_brake_by_its_rigid_shoe_law(brake)
     force = 0.96 * 3e6 * math.pi * 0.02222**2 / 4

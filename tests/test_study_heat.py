@@ -2,12 +2,12 @@
 
 import pytest
 
-from drumlin.studies import import_study_and_find_its_folder
+from drumlin.studies import import_study_and_find_folder_above_studies
 
 
 @pytest.mark.slow
 def test_the_page_has_every_state_and_the_law(tmp_path):
-    module, _ = import_study_and_find_its_folder("heat")
+    module, _ = import_study_and_find_folder_above_studies("heat")
     result = module.study(short=True)
     assert list(result.responses) == ["cold", "drum", "linings", "bodies", "all parts"]
     torque = {name: response.torque for name, response in result.responses.items()}

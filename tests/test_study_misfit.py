@@ -5,7 +5,7 @@ import pytest
 
 import independent
 from conftest import STUDY
-from drumlin.base.journal import Journal
+from drumlin.base.journal import JournalOfCaseResults
 from drumlin.brake.file import read_brake
 from drumlin_studies.misfit_rows import rows_with_mean_and_percentiles_of_quantities
 from picking import keyed, picked
@@ -16,7 +16,7 @@ STUDY_NAME = "misfit"
 
 @pytest.fixture(scope="module")
 def journal():
-    return Journal()
+    return JournalOfCaseResults()
 
 
 @pytest.fixture(scope="module")

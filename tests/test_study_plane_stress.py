@@ -76,7 +76,7 @@ def test_the_ladder_prices_every_rung_against_both_truths(result):
 
 def test_the_reader_is_told_which_brakes_plane_stress_prices():
     errors = {"torque": np.array([[0.3, 0.02], [0.04, 0.009], [0.03, -0.008]])}
-    chart = plane_stress.PlaneErrorMap(
+    chart = plane_stress.PlaneStressErrorMap(
         "some", ("width", "depth"), np.array([1.0, 2.0]), np.array([1.0, 4.0, 9.0]), errors
     )
     assert chart.describe_range_within_error(0.05) == "width from 2 on or depth from 4 on"
@@ -90,7 +90,7 @@ def swept(result):
 
 
 def test_worn_in_the_pressure_is_even_across_the_width_and_the_laws_along_the_arc(result):
-    for uneven, law in zip(result.worn.uneven, result.worn.from_law, strict=True):
+    for uneven, law in zip(result.worn.uneven, result.worn.distance_from_sine_law, strict=True):
         assert uneven[0] > 0.15 and uneven[-1] < 2e-3
         assert law[0] > 0.5 and law[-1] < 0.1
         healed = [np.array(uneven) / uneven[0], np.array(law) / law[0]]

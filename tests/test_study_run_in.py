@@ -75,7 +75,7 @@ def independent_life(brake, coefficient=1e-14, travel=2e5, within=0.01):
     found = []
     for i, shoe in enumerate(brake.shoes):
         theta, p, depth = independent.worn(brake, i, 30, coefficient, travel, 100)
-        phi = shoe.frame.phi(theta)
+        phi = shoe.frame.phi_of_surface_coordinates(theta)
         inside = (phi - phi.min() > np.ptp(phi) / 30) & (phi.max() - phi > np.ptp(phi) / 30)
         law = np.sin(phi) * (p[-1] @ np.sin(phi)) / (np.sin(phi) @ np.sin(phi))
         far = np.linalg.norm((p - law)[:, inside], axis=1) / np.linalg.norm(law[inside])

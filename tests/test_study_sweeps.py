@@ -4,7 +4,7 @@ import os
 
 import pytest
 
-from drumlin.studies import import_study_and_find_its_folder
+from drumlin.studies import import_study_and_find_folder_above_studies
 from drumlin_studies import throughput
 from picking import picked
 
@@ -12,7 +12,7 @@ pytestmark = pytest.mark.slow
 
 
 def test_throughput_and_kill(tmp_path):
-    module, _ = import_study_and_find_its_folder("sweeps")
+    module, _ = import_study_and_find_folder_above_studies("sweeps")
     result = module.study(short=True)
     assert result.same and result.killed_same
     assert picked(result.measured[module.SHARED], "workers") == [1, 2]

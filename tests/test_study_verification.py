@@ -2,14 +2,14 @@
 
 import pytest
 
-from drumlin.studies import import_study_and_find_its_folder
+from drumlin.studies import import_study_and_find_folder_above_studies
 from picking import having, picked
 
 pytestmark = pytest.mark.slow
 
 
 def test_orders_and_estimates(tmp_path):
-    module, _ = import_study_and_find_its_folder("verification")
+    module, _ = import_study_and_find_folder_above_studies("verification")
     result = module.study(short=True)
     assert len(result.orders) == 2 * 4 * 3
     assert len(result.estimates) == 2 * 2

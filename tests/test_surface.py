@@ -10,12 +10,12 @@ import pytest
 import drumlin.brake
 from drumlin.brake.brake import Brake
 from drumlin.brake.drum_brake import DrumBrake
-from drumlin.brake.plane_brake import FlatBrake, read_any
-from drumlin.brake.surface import DRUM, PLANE
+from drumlin.brake.plane_brake import FlatBrake, read_drum_or_plane_brake
+from drumlin.brake.surface import FRICTION_SURFACE_OF_DRUM, FRICTION_SURFACE_OF_PLANE
 
 ROOT = Path(__file__).resolve().parents[1]
-PAD = read_any(ROOT / "studies" / "brakes" / "rail_clamp.toml")
-BLOCK = read_any(ROOT / "studies" / "laws" / "block.toml")
+PAD = read_drum_or_plane_brake(ROOT / "studies" / "brakes" / "rail_clamp.toml")
+BLOCK = read_drum_or_plane_brake(ROOT / "studies" / "laws" / "block.toml")
 CLASSES = {"Brake", "DrumBrake", "FlatBrake", "DrumShoe", "FlatShoe"}
 
 
@@ -31,7 +31,7 @@ def test_nothing_outside_of_the_brake_asks_for_the_class_of_a_brake() -> None:
     assert switches == []
 
 
-@pytest.mark.parametrize("name", ["AnyBrake", "FlatBrake", "FlatShoe"])
+@pytest.mark.parametrize("name", ["BrakeTypeVariableInWear", "FlatBrake", "FlatShoe"])
 def test_old_names_are_there_with_a_warning(name: str) -> None:
     with pytest.warns(DeprecationWarning, match=name):
         assert issubclass(getattr(drumlin.brake, name), Brake | drumlin.brake.Shoe)
@@ -52,9 +52,11 @@ def test_data_are_read_by_the_class_of_their_surface(brake: Brake, kind: type[Br
 def test_a_length_along_the_surface_is_phi_in_sizes_and_q_in_scale_factors(brake: Brake) -> None:
     for shoe in brake.shoes:
         q = np.linspace(shoe.lining.start, shoe.lining.end, 5)
-        phi = shoe.frame.phi(q)
-        np.testing.assert_allclose(shoe.frame.theta(phi), q, rtol=1e-13, atol=1e-15)
-        lengths = np.abs(np.diff(q)) * brake.scale_factor
+        phi = shoe.frame.phi_of_surface_coordinates(q)
+        np.testing.assert_allclose(
+            shoe.frame.surface_coordinates_of_phi(phi), q, rtol=1e-13, atol=1e-15
+        )
+        lengths = np.abs(np.diff(q)) * brake.length_per_surface_coordinate
         np.testing.assert_allclose(np.abs(np.diff(phi)) * brake.size, lengths, rtol=1e-12)
         on_it = shoe.points_at_depth_and_coordinate_phi(np.zeros(5), phi, brake.size)
         np.testing.assert_allclose(
@@ -75,7 +77,7 @@ def test_the_reversed_brake_moves_the_other_way_and_back(brake: Brake) -> None:
     assert other.brake_with_reversed_motion() == brake
 
 
-@pytest.mark.parametrize("surface", [DRUM, PLANE])
+@pytest.mark.parametrize("surface", [FRICTION_SURFACE_OF_DRUM, FRICTION_SURFACE_OF_PLANE])
 def test_levers_are_the_moments_of_normal_and_tangent(
     surface: drumlin.brake.surface.FrictionSurface,
 ) -> None:
@@ -94,15 +96,19 @@ def test_levers_are_the_moments_of_normal_and_tangent(
 
 
 def test_a_surface_says_where_a_place_is_nearest_and_what_it_is_not() -> None:
-    assert DRUM.coordinate_plus_turns_nearest_to_middle(0.1 + 4 * math.pi, 0.0) == pytest.approx(
-        0.1
-    )
-    assert PLANE.coordinate_plus_turns_nearest_to_middle(7.0, 0.0) == 7.0
+    assert FRICTION_SURFACE_OF_DRUM.coordinate_plus_turns_nearest_to_middle(
+        0.1 + 4 * math.pi, 0.0
+    ) == pytest.approx(0.1)
+    assert FRICTION_SURFACE_OF_PLANE.coordinate_plus_turns_nearest_to_middle(7.0, 0.0) == 7.0
     assert (
-        DRUM.reason_why_surface_is_not_required_one(DRUM) is None
-        and PLANE.reason_why_surface_is_not_required_one(PLANE) is None
+        FRICTION_SURFACE_OF_DRUM.reason_why_surface_is_not_required_one(FRICTION_SURFACE_OF_DRUM)
+        is None
+        and FRICTION_SURFACE_OF_PLANE.reason_why_surface_is_not_required_one(
+            FRICTION_SURFACE_OF_PLANE
+        )
+        is None
     )
     assert (
-        PLANE.reason_why_surface_is_not_required_one(DRUM)
+        FRICTION_SURFACE_OF_PLANE.reason_why_surface_is_not_required_one(FRICTION_SURFACE_OF_DRUM)
         == "its shoes press on a plane, not on a drum"
     )

@@ -11,10 +11,10 @@ from scipy import stats
 from command_line import drumlin as run
 from conftest import ROOT, STUDY
 from drumlin.base.errors import BadInput
-from drumlin.base.journal import Journal, checksum_of_source_and_libraries
+from drumlin.base.journal import JournalOfCaseResults, checksum_of_source_and_libraries
 from drumlin.brake.file import read_brake, si_unit_of_brake_key, vary
 from drumlin.fem.preparation import meshes
-from drumlin.fem.preparation.cache import Cache
+from drumlin.fem.preparation.cache import CacheOfCondensedBodies
 from drumlin.fem.solve import solve
 from drumlin.sweeps import cases as case_solving
 from drumlin.sweeps import file as sweep_file
@@ -72,7 +72,7 @@ def test_grid_zip_and_models():
     assert frictions(zipped) == [0.1, 0.2, 0.3]
 
 
-LAWS = {
+LAWS_OF_HINGED_SHOES_BY_NAME = {
     "normal": ({"mean": 0.3, "deviation": "10 %"}, stats.norm(0.3, 0.03)),
     "uniform": ({"from": 0.2, "to": 0.5}, stats.uniform(0.2, 0.3)),
     "triangular": ({"from": 0.2, "mode": 0.25, "to": 0.5}, stats.triang(1 / 6, 0.2, 0.3)),
@@ -87,19 +87,24 @@ LAWS = {
 }
 
 
-@pytest.mark.parametrize("name", LAWS)
+@pytest.mark.parametrize("name", LAWS_OF_HINGED_SHOES_BY_NAME)
 def test_draws_follow_their_distribution(name):
-    given, law = LAWS[name]
+    given, law = LAWS_OF_HINGED_SHOES_BY_NAME[name]
     drawn = frictions(sweep({"friction": {"distribution": name} | given}, cases=2000).cases)
     assert stats.kstest(drawn, law.cdf).pvalue > 0.01
 
 
-@pytest.mark.parametrize("name", LAWS)
+@pytest.mark.parametrize("name", LAWS_OF_HINGED_SHOES_BY_NAME)
 def test_quantiles_are_those_of_scipy(name):
-    given, law = LAWS[name]
+    given, law = LAWS_OF_HINGED_SHOES_BY_NAME[name]
     u = np.linspace(1e-6, 1 - 1e-6, 101)
     inverse = sweep_file._make_inverse_cumulative_function(
-        "", sweep_file.DISTRIBUTIONS[name].model_validate({"distribution": name} | given), "", [0.3]
+        "",
+        sweep_file.DISTRIBUTION_CLASSES_BY_NAME[name].model_validate(
+            {"distribution": name} | given
+        ),
+        "",
+        [0.3],
     )
     np.testing.assert_allclose(inverse(u), law.ppf(u), rtol=1e-13)
 
@@ -296,7 +301,7 @@ def test_shared_bodies_change_no_digit(brake, flexible):
         for change in changes
         for base in (brake, flexible)
     ]
-    cache = Cache()
+    cache = CacheOfCondensedBodies()
     shared = [solve_case_without_raising(case, cache).row for case in reversed(cases)][::-1]
     assert (
         shared
@@ -309,7 +314,7 @@ def test_shared_bodies_change_no_digit(brake, flexible):
 
 
 def test_room_for_bodies_is_kept_to():
-    cache, made = Cache(room=10), []
+    cache, made = CacheOfCondensedBodies(room=10), []
     for key in (1, 2, 1, 3, 2, 1):
         assert cache.get(key, lambda key=key: made.append(key) or key, lambda _: 5) == key
     # Body 1 was used after body 2: body 3 took the place of 2, and then 2 the place of 1.
@@ -321,7 +326,10 @@ def test_room_for_bodies_is_kept_to():
 def test_any_executor_gives_the_same_rows(brake, count, tmp_path):
     cases = friction_cases(brake, np.linspace(0.1, 0.9, 41))
     told = []
-    with ThreadPoolExecutor(count) as executor, Journal(tmp_path / "journal") as journal:
+    with (
+        ThreadPoolExecutor(count) as executor,
+        JournalOfCaseResults(tmp_path / "journal") as journal,
+    ):
         rows = solve_all_cases_of_sweep(
             cases,
             executor=executor,
@@ -331,7 +339,7 @@ def test_any_executor_gives_the_same_rows(brake, count, tmp_path):
         )
     assert rows == solve_all_cases_of_sweep(cases) and told == [(n, 41) for n in range(42)]
     # All cases are in the journal; four more are asked for.
-    with Journal(tmp_path / "journal") as journal:
+    with JournalOfCaseResults(tmp_path / "journal") as journal:
         more = cases + friction_cases(brake, (0.11, 0.12, 0.13, 0.11))
         solve_all_cases_of_sweep(more, journal=journal, done=lambda *at: told.append(at))
         # The doubled case is not solved twice.
@@ -352,7 +360,7 @@ def test_journal_with_cases_of_another_sweep_stays(tmp_path, monkeypatch):
     assert sweep_frictions([0.2, 0.3, 0.3], "--keep-journal") == "" and journal.exists()
     said = sweep_frictions([0.3])
     assert "s.csv.journal: is kept, since it has 1 finished cases that are not" in said
-    with Journal(journal, checksum_of_source_and_libraries()) as kept:
+    with JournalOfCaseResults(journal, checksum_of_source_and_libraries()) as kept:
         assert len(kept) == 2
     # The sweep to which all cases belong deletes the journal; equal cases count once.
     assert sweep_frictions([0.2, 0.3, 0.3]) == "" and not journal.exists()
@@ -364,7 +372,7 @@ def test_table_is_written_while_the_journal_is_locked(tmp_path):
 
     def write_table(rows):
         with pytest.raises(BadInput, match="another run is writing it"):
-            Journal(journal)
+            JournalOfCaseResults(journal)
         return len(rows)
 
     lines = []
@@ -380,7 +388,7 @@ def test_sweep_that_lacks_cases_says_so_and_keeps_its_journal(tmp_path, monkeypa
 
     def answer_short_of_memory(case, cache=None):
         answer = solve_case(case, cache)
-        return answer._replace(lasting=case.changes["friction"] != 0.3)
+        return answer._replace(is_kept_in_journal=case.changes["friction"] != 0.3)
 
     made = sweep({"friction": [0.2, 0.3, 0.4]})
     lines = []

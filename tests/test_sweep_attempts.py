@@ -10,9 +10,9 @@ import pytest
 
 from conftest import ROOT, STUDY
 from drumlin.base.errors import BadInput, NoAnswer
-from drumlin.base.journal import Journal
+from drumlin.base.journal import JournalOfCaseResults
 from drumlin.brake.file import read_brake
-from drumlin.fem.preparation.cache import Cache
+from drumlin.fem.preparation.cache import CacheOfCondensedBodies
 from drumlin.sweeps import cases as sweeps
 from drumlin.sweeps import workers
 from drumlin.sweeps.cases import (
@@ -78,7 +78,7 @@ def test_only_answers_and_refusals_of_the_case_itself_are_kept(
     brake, tmp_path, monkeypatch, error, tries, kept
 ):
     cases = friction_cases(brake, (0.2, 0.3, 0.4))
-    with monkeypatch.context() as patched, Journal(tmp_path / "j", "a") as journal:
+    with monkeypatch.context() as patched, JournalOfCaseResults(tmp_path / "j", "a") as journal:
         tried = failing(patched, error, 9)
         told = []
         rows = solve_all_cases_of_sweep(cases, journal=journal, done=lambda *at: told.append(at))
@@ -91,7 +91,7 @@ def test_only_answers_and_refusals_of_the_case_itself_are_kept(
             rows[1]["status"].startswith("failed: ")
             and rows[0]["status"] == rows[2]["status"] == "solved"
         )
-    with Journal(tmp_path / "j", "a") as journal:
+    with JournalOfCaseResults(tmp_path / "j", "a") as journal:
         assert len(journal) == 2 + kept
         again = solve_all_cases_of_sweep(cases, journal=journal)
     assert (again[1] == rows[1]) if kept else (again == solve_all_cases_of_sweep(cases))
@@ -151,7 +151,7 @@ def test_bodies_in_the_cache_follow_their_mesh_file(tmp_path):
     left = next(i for i, shoe in enumerate(brake.shoes) if shoe.name == "left")
     shutil.copy(brake.shoes[left].mesh, mesh)
     case = SweepCase(brake, {f"shoe[{left}].mesh": str(mesh)})
-    cache = Cache()
+    cache = CacheOfCondensedBodies()
     assert solve_case_without_raising(case, cache).row["status"] == "solved"
     mesh.write_text("no mesh")
     assert "is not a mesh that can be read" in solve_case_without_raising(case, cache).row["status"]
@@ -164,7 +164,7 @@ def test_a_mesh_file_that_is_gone_is_no_answer_of_the_brake(meshed, tmp_path):
     mesh.unlink()
     with pytest.raises(BadInput, match=r"mesh = .*mesh\.msh'*: cannot be read"):
         read_sweep_from_toml_file(meshed)
-    with Journal(tmp_path / "j", "a") as journal:
+    with JournalOfCaseResults(tmp_path / "j", "a") as journal:
         assert (
             "no such file" in solve_all_cases_of_sweep(made.cases[:1], journal=journal)[0]["status"]
             and len(journal) == 0
@@ -195,7 +195,7 @@ def test_a_case_that_kills_its_workers_is_a_failed_row_and_the_rest_goes_on(brak
     cases = friction_cases(brake, (0.1, 0.2, 0.3, 0.4, 0.5))
     expected = solve_all_cases_of_sweep(cases)
     deadly = Deadly()
-    with Journal(tmp_path / "j", "a") as journal:
+    with JournalOfCaseResults(tmp_path / "j", "a") as journal:
         rows = solve_all_cases_of_sweep(cases, executor=deadly, workers=2, journal=journal)
         assert len(journal) == 4
     assert rows[:2] + rows[3:] == expected[:2] + expected[3:]
@@ -287,7 +287,11 @@ class Old:
 
 def test_a_scheduler_of_an_older_dask_is_not_called_lost():
     with pytest.raises(
-        NoAnswer, match=rf"is of a Dask older than {workers.OLDEST_DASK} \(.*'n_workers'\)"
+        NoAnswer,
+        match=rf"is of a Dask older than {workers.OLDEST_ALLOWED_DASK_VERSION} \(.*'n_workers'\)",
     ):
         workers._workers_of_dask_scheduler(Old(), "tcp://127.0.0.1:1")
-    assert f'"distributed>={workers.OLDEST_DASK}"' in (ROOT / "pyproject.toml").read_text()
+    assert (
+        f'"distributed>={workers.OLDEST_ALLOWED_DASK_VERSION}"'
+        in (ROOT / "pyproject.toml").read_text()
+    )

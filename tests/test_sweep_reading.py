@@ -7,7 +7,7 @@ import pytest
 
 from conftest import ROOT, STUDY, partly
 from drumlin.base.errors import BadInput
-from drumlin.brake.fields import Part
+from drumlin.brake.fields import PartOfInputFile
 from drumlin.brake.file import (
     are_allowed_values_of_key_an_interval,
     si_unit_of_brake_key,
@@ -78,7 +78,7 @@ def numbers(part, prefix=""):
         if isinstance(value, float):
             yield key
         for i, below in enumerate(value if isinstance(value, tuple) else [value]):
-            if isinstance(below, Part):
+            if isinstance(below, PartOfInputFile):
                 yield from numbers(below, f"{key}[{i}]." if isinstance(value, tuple) else f"{key}.")
 
 

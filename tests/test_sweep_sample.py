@@ -5,11 +5,11 @@ import pytest
 
 from conftest import ROOT, STUDY
 from drumlin.base.errors import BadInput, NoAnswer
-from drumlin.base.journal import Journal
-from drumlin.brake import read_any
+from drumlin.base.journal import JournalOfCaseResults
+from drumlin.brake import read_drum_or_plane_brake
 from drumlin.brake.file import vary
 from drumlin.fem.error_control.estimate import (
-    QUANTITIES,
+    QUANTITIES_WITH_STATED_ERROR,
     relative_differences_of_responses_on_two_levels,
 )
 from drumlin.fem.error_control.first_level import (
@@ -20,12 +20,16 @@ from drumlin.fem.solve import solve, solve_brake_on_first_level_without_error_es
 from drumlin.sweeps import cases as case_solving
 from drumlin.sweeps import certificate as certifying
 from drumlin.sweeps.cases import (
-    CaseAnswer,
+    ResultOfAttemptAtCase,
     journal_keys_of_cases,
     solve_all_cases_of_sweep,
     solve_case_without_raising,
 )
-from drumlin.sweeps.certificate import FIRST_LEVEL, Certificate, SampleMember
+from drumlin.sweeps.certificate import (
+    ROW_KEY_OF_FIRST_LEVEL_ERRORS,
+    MarkOfSampleCaseSolvedOnAllLevels,
+    SampleErrorsForCasesOutsideSample,
+)
 from drumlin.sweeps.file import sweep_from_file_data
 from drumlin.sweeps.sample import solve_sample_cases_and_then_all_others
 
@@ -109,15 +113,15 @@ def test_rows_say_who_certifies_them_and_go_on_from_a_journal(tmp_path):
         moved = abs(row["torque"] / own["torque"] - 1)
         assert 0 < moved < row["error_torque"] < 1e-2
         assert own["error_pressure"] < row["error_pressure"] < 0.1
-    with Journal(tmp_path / "kept") as journal:
+    with JournalOfCaseResults(tmp_path / "kept") as journal:
         solve_sample_cases_and_then_all_others(made.cases[:5], made.sample[:2], journal=journal)
         again = solve_sample_cases_and_then_all_others(made.cases, made.sample, journal=journal)
         assert again.rows == rows
         assert all(key in journal for key in journal_keys_of_cases(again.cases))
 
 
-LOCKED = CaseAnswer({"status": "failed: locks itself"})
-LOST = CaseAnswer({"status": "failed: no memory"}, lasting=False)
+LOCKED = ResultOfAttemptAtCase({"status": "failed: locks itself"})
+LOST = ResultOfAttemptAtCase({"status": "failed: no memory"}, is_kept_in_journal=False)
 
 
 @pytest.mark.parametrize(
@@ -140,20 +144,28 @@ def test_sample_without_enough_errors_certifies_no_case(monkeypatch, answer, fai
 
     def answer_without_solving(case, cache=None):
         """The given answer for the failed cases, and errors of 0.1 % for the rest of the sample."""
-        if isinstance(case.certify, Certificate):
+        if isinstance(case.certify, SampleErrorsForCasesOutsideSample):
             certificates.append(case.certify)
-            return CaseAnswer({"status": "solved"})
+            return ResultOfAttemptAtCase({"status": "solved"})
         if case.changes["friction"] in without:
             return answer
-        errors = {"kind": "a kind"} | dict.fromkeys(QUANTITIES, 1e-3)
-        return CaseAnswer({"status": "solved", FIRST_LEVEL: errors})
+        errors = {"kind": "a kind"} | dict.fromkeys(QUANTITIES_WITH_STATED_ERROR, 1e-3)
+        return ResultOfAttemptAtCase({"status": "solved", ROW_KEY_OF_FIRST_LEVEL_ERRORS: errors})
 
     monkeypatch.setattr(case_solving, "solve_case_without_raising", answer_without_solving)
     lines = []
     solve_sample_cases_and_then_all_others(made.cases, made.sample, say=lines.append)
     assert (
         len(certificates) == 14
-        and len(set(map(Certificate.text_that_identifies_cases_in_journal, certificates))) == 1
+        and len(
+            set(
+                map(
+                    SampleErrorsForCasesOutsideSample.text_that_identifies_cases_in_journal,
+                    certificates,
+                )
+            )
+        )
+        == 1
     )
     assert certificates[0].kinds == (() if said else ("a kind",))
     assert len(lines) == bool(said) and said in "".join(lines)
@@ -183,7 +195,9 @@ def test_tables_and_words_make_kinds_but_numbers_do_not(monkeypatch):
 def test_case_of_a_kind_that_the_sample_has_not_certifies_itself(brake):
     (case,) = sweep({"shoe.lining.clearance": ["0.1 mm"]}).cases
     own = solve_all_cases_of_sweep([case])[0]
-    strange = Certificate(("another kind",), dict.fromkeys(QUANTITIES, 1e-3))
+    strange = SampleErrorsForCasesOutsideSample(
+        ("another kind",), dict.fromkeys(QUANTITIES_WITH_STATED_ERROR, 1e-3)
+    )
     row = solve_case_without_raising(case._replace(certify=strange)).row
     assert row == own | {"certified": "itself"}
     # Its contact has ends that have lifted off, which the contact of the brake itself has not.
@@ -205,8 +219,10 @@ def test_member_of_sample_takes_first_level_from_its_own_solve(monkeypatch):
     )
     # The division of the brake on the first level is not solved once more.
     monkeypatch.setattr(certifying, "solve_brake_on_first_level_without_error_estimate", None)
-    row = solve_case_without_raising(case._replace(certify=SampleMember())).row
-    assert {name: row[FIRST_LEVEL][name] for name in QUANTITIES} == found
+    row = solve_case_without_raising(case._replace(certify=MarkOfSampleCaseSolvedOnAllLevels())).row
+    assert {
+        name: row[ROW_KEY_OF_FIRST_LEVEL_ERRORS][name] for name in QUANTITIES_WITH_STATED_ERROR
+    } == found
     assert 1e-4 < found["pressure"] < 0.05
 
 
@@ -214,11 +230,13 @@ def certificate_of_every_kind(monkeypatch):
     monkeypatch.setattr(
         certifying, "_text_that_identifies_kind_of_case", lambda brake, changes, first: "a kind"
     )
-    return Certificate(("a kind",), dict.fromkeys(QUANTITIES, 1e-3))
+    return SampleErrorsForCasesOutsideSample(
+        ("a kind",), dict.fromkeys(QUANTITIES_WITH_STATED_ERROR, 1e-3)
+    )
 
 
 def test_sample_on_a_plane_states_the_error_of_the_braking_force():
-    brake = read_any(STUDIES / "brakes" / "rail_clamp.toml")
+    brake = read_drum_or_plane_brake(STUDIES / "brakes" / "rail_clamp.toml")
     first, last = solve_brake_on_first_level_without_error_estimate(brake), solve(brake)
     (true,) = np.abs(np.subtract(first.effects, last.effects)) / last.effects
     errors = errors_of_first_refinement_level(brake, first, last)
@@ -236,7 +254,7 @@ def test_first_level_that_fails_for_want_of_memory_is_tried_again(monkeypatch):
     )
     certified = case._replace(certify=certificate_of_every_kind(monkeypatch))
     answer = solve_case_without_raising(certified)
-    assert answer.again and not answer.lasting
+    assert answer.again and not answer.is_kept_in_journal
 
 
 def test_brake_that_is_not_modelled_is_refused_as_without_a_sample(monkeypatch):
@@ -255,7 +273,9 @@ def test_brake_that_is_not_modelled_is_refused_as_without_a_sample(monkeypatch):
 def test_refused_case_has_the_words_of_its_own_solve():
     (case,) = sweep({"shoe.lining.clearance": ["50 mm"]}).cases
     own = solve_case_without_raising(case).row
-    strange = Certificate((), dict.fromkeys(QUANTITIES, 0.0))
+    strange = SampleErrorsForCasesOutsideSample(
+        (), dict.fromkeys(QUANTITIES_WITH_STATED_ERROR, 0.0)
+    )
     assert own["status"].startswith("failed")
     assert solve_case_without_raising(case._replace(certify=strange)).row == own
 
@@ -316,9 +336,9 @@ def test_no_case_is_further_from_its_own_last_level_than_its_sample_says(name):
         one = vary(case.brake, case.changes)
         first, last = solve_brake_on_first_level_without_error_estimate(one), solve(one)
         assert row["torque"] == first.effect
-        steps = relative_differences_of_responses_on_two_levels(one, first, last).steps
-        moved = steps[1:].reshape(-1, len(QUANTITIES)).max(axis=0)
-        for quantity, found in zip(QUANTITIES, moved.tolist(), strict=True):
+        steps = relative_differences_of_responses_on_two_levels(one, first, last).differences
+        moved = steps[1:].reshape(-1, len(QUANTITIES_WITH_STATED_ERROR)).max(axis=0)
+        for quantity, found in zip(QUANTITIES_WITH_STATED_ERROR, moved.tolist(), strict=True):
             distance = steps[0] if quantity == "torque" else found
             assert distance < row[f"error_{quantity}"] < 0.5, (name, case.changes)
     assert by_sample > len(rows) / 2

@@ -214,7 +214,9 @@ def test_a_dask_worker_is_killed(sweep_file, undisturbed, tmp_path, cluster):
 
 IMPATIENT = """
 import drumlin.sweeps.cases, drumlin.sweeps.workers as workers
-workers.ANSWER_SECONDS, workers.HEARTBEAT_SECONDS, workers.FIRST_WORKER_SECONDS = 4.0, 6.0, 4.0
+workers.SECONDS_TO_ANSWER_OF_SCHEDULER_OR_NEW_PROCESS = 4.0
+workers.SILENT_SECONDS_UNTIL_DASK_WORKERS_COUNT_AS_LOST = 6.0
+workers.SECONDS_TO_WAIT_FOR_FIRST_DASK_WORKER = 4.0
 drumlin.sweeps.cases.SECONDS_BEFORE_WAITING_MESSAGE = 1.0
 from drumlin.cli import main
 main()

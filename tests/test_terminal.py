@@ -10,12 +10,12 @@ import pytest
 from command_line import drumlin
 from conftest import STUDY
 from drumlin.brake.file import vary
-from drumlin.brake.plane_brake import read_any
+from drumlin.brake.plane_brake import read_drum_or_plane_brake
 from drumlin.cli.terminal import can_terminal_show_progress
 from drumlin.door import solve
 from drumlin.response.merit import brake_factor
 from drumlin.response.response import (
-    PeakPlace,
+    PeakPressurePlace,
     length_of_edge_zone_left_out_of_peak_search,
     place_of_peak_pressure,
 )
@@ -118,14 +118,16 @@ def test_a_shoe_that_is_lifted_off_and_a_warning_are_said_at_once(tmp_path):
 
 
 def test_where_the_pressure_peaks(root, brake):
-    flat = read_any(root / "studies/laws/pad.toml")
+    flat = read_drum_or_plane_brake(root / "studies/laws/pad.toml")
     pad = solve(flat, "linear")
-    assert place_of_peak_pressure(flat, 0, pad.shoes[0]) == PeakPlace(flat.shoes[0].lining.end, 0.0)
+    assert place_of_peak_pressure(flat, 0, pad.shoes[0]) == PeakPressurePlace(
+        flat.shoes[0].lining.end, 0.0
+    )
     assert brake_factor(flat, pad) == pytest.approx(
         pad.merits[0].braking_force / flat.shoes[0].actuation.force
     )
     # Its pressure has no bound at the end that runs on.
-    clamp = read_any(root / "studies/brakes/rail_clamp.toml")
+    clamp = read_drum_or_plane_brake(root / "studies/brakes/rail_clamp.toml")
     (shoe,) = solve(clamp, elements=40).shoes
     place = place_of_peak_pressure(clamp, 0, shoe)
     # The zone is half of the 10 mm of thickness.

@@ -12,12 +12,12 @@ from drumlin.sweeps import cases as sweep
 from drumlin.sweeps.tolerances import (
     ManufacturingTolerance,
     cases_with_random_deviations,
-    draw_random_deviations_in_all_samples,
+    draw_deviations_for_all_sobol_samples,
     mean_and_percentiles_of_sample,
-    one_result_of_all_cases,
     sobol_indices_of_tolerances,
     truncated_normal_distribution,
     uniform_distribution,
+    values_of_named_result_in_all_cases,
 )
 
 TOLERANCES = (
@@ -42,8 +42,8 @@ def test_the_shares_of_the_sine_laws_torque_are_those_of_its_derivatives(brake):
     agree.
     """
     n = 128
-    deviates = draw_random_deviations_in_all_samples(TOLERANCES, n, seed=3)
-    torque = one_result_of_all_cases(
+    deviates = draw_deviations_for_all_sobol_samples(TOLERANCES, n, seed=3)
+    torque = values_of_named_result_in_all_cases(
         sweep.solve_all_cases_of_sweep(
             cases_with_random_deviations(brake, TOLERANCES, deviates, "sine")
         ),
@@ -74,7 +74,7 @@ def test_the_shares_of_the_sine_laws_torque_are_those_of_its_derivatives(brake):
 def test_shares_of_a_product_with_interaction():
     """f = x (1 + y) of two even deviates on (-1, 1): first 3/4 and 0, total 1 and 1/4."""
     tolerances = [ManufacturingTolerance(name, uniform_distribution(-1, 1), {}) for name in "xy"]
-    deviates = draw_random_deviations_in_all_samples(tolerances, 1024, seed=1)
+    deviates = draw_deviations_for_all_sobol_samples(tolerances, 1024, seed=1)
     found = sobol_indices_of_tolerances(
         tolerances, deviates[..., 0] * (1 + deviates[..., 1]), seed=2
     )
@@ -91,16 +91,16 @@ def test_draws_are_what_saltelli_asks_for():
         ManufacturingTolerance("a", truncated_normal_distribution(2.0), {}),
         ManufacturingTolerance("b", uniform_distribution(3, 5), {}),
     ]
-    x = draw_random_deviations_in_all_samples(tolerances, 64, seed=1)
+    x = draw_deviations_for_all_sobol_samples(tolerances, 64, seed=1)
     assert x.shape == (4, 64, 2)
     assert (x[2, :, 0] == x[1, :, 0]).all() and (x[2, :, 1] == x[0, :, 1]).all()
     assert (x[3, :, 0] == x[0, :, 0]).all() and (x[3, :, 1] == x[1, :, 1]).all()
     assert np.abs(x[..., 0]).max() <= 2 and x[..., 1].min() >= 3 and x[..., 1].max() <= 5
-    assert (draw_random_deviations_in_all_samples(tolerances, 64, seed=1) == x).all() and (
-        draw_random_deviations_in_all_samples(tolerances, 64, seed=2) != x
+    assert (draw_deviations_for_all_sobol_samples(tolerances, 64, seed=1) == x).all() and (
+        draw_deviations_for_all_sobol_samples(tolerances, 64, seed=2) != x
     ).any()
     with pytest.raises(BadInput, match="power of 2"):
-        draw_random_deviations_in_all_samples(tolerances, 48, seed=1)
+        draw_deviations_for_all_sobol_samples(tolerances, 48, seed=1)
 
 
 def test_deviates_add_up_on_the_keys_that_they_share(brake):
@@ -134,7 +134,7 @@ def test_shares_need_an_answer_of_every_case(brake):
         cases_with_random_deviations(
             brake,
             tolerances,
-            draw_random_deviations_in_all_samples(tolerances, 8, seed=1),
+            draw_deviations_for_all_sobol_samples(tolerances, 8, seed=1),
             "sine",
         )
     )
@@ -142,4 +142,4 @@ def test_shares_need_an_answer_of_every_case(brake):
     with pytest.raises(
         NoAnswer, match=r"of 24 cases have no answer; the first: failed: .*self-locking"
     ):
-        one_result_of_all_cases(rows, "torque")
+        values_of_named_result_in_all_cases(rows, "torque")

@@ -14,7 +14,7 @@ from drumlin.brake.fields import Material
 from drumlin.brake.file import make_drum_brake_from_data, read_brake, vary
 from drumlin.fem.solve import solve
 from drumlin.verification.triangles import (
-    TriangleLevel,
+    DegreeAndGradingOfTriangleMesh,
     contact,
     lagrange,
     levels,
@@ -26,9 +26,9 @@ from drumlin.verification.triangles.face import (
     node_numbers_along_edges,
     triangle_body_with_nodes_and_stiffness,
 )
-from drumlin.verification.triangles.outline import Outline
+from drumlin.verification.triangles.outline import OutlineOfLayeredBody
 from drumlin.verification.triangles.triangulation import (
-    TriangleLayer,
+    LayerOfTriangulatedBody,
     bisect_marked_triangles_without_hanging_nodes,
     edges_of_mesh_and_of_each_triangle,
     grade_mesh_towards_points,
@@ -39,14 +39,17 @@ from drumlin_studies.stated_true import relative_pressure_error_of_shoe
 
 pytestmark = pytest.mark.slow
 
-SMALL = (TriangleLevel(3, 5, 1.4, 1.0), TriangleLevel(5, 7, 1.2, 1.0))
+SMALL = (
+    DegreeAndGradingOfTriangleMesh(3, 5, 1.4, 1.0),
+    DegreeAndGradingOfTriangleMesh(5, 7, 1.2, 1.0),
+)
 
 
 def block(a, b):
     """A grid of a rectangle in a plane in which s and d are lengths."""
     elastic = ElasticLayer.make_layer_in_plane_stress(Material(E=1.0, nu=0.0), 1.0)
     return triangulate_grid_of_layered_body(
-        np.linspace(0, a, 4), [np.linspace(0, 1, 3)], [TriangleLayer(0.0, a, elastic)]
+        np.linspace(0, a, 4), [np.linspace(0, 1, 3)], [LayerOfTriangulatedBody(0.0, a, elastic)]
     )
 
 
@@ -115,7 +118,7 @@ def test_ring_under_even_pressure_is_lames():
     B/b = 0.
     """
     a, b, E, nu, width, p = 0.1, 0.13, 2e11, 0.3, 0.04, 1e6
-    layer = TriangleLayer(
+    layer = LayerOfTriangulatedBody(
         -math.inf, math.inf, ElasticLayer.make_layer_in_plane_stress(Material(E=E, nu=nu), width)
     )
 
@@ -123,7 +126,7 @@ def test_ring_under_even_pressure_is_lames():
         r = a + (b - a) * d
         return np.stack([r * np.cos(s), r * np.sin(s)], axis=-1)
 
-    shape = Outline(
+    shape = OutlineOfLayeredBody(
         place, [layer], np.array([b - a]), np.zeros(2), np.zeros((0, 2)), None, None, 0.0, 1, a
     )
     mesh = triangulate_grid_of_layered_body(
@@ -218,7 +221,9 @@ def test_of_two_answers_triangles_find_the_one_that_grows_from_no_friction():
     brake = draw_random_brake(5820)
     *_, (found,) = solve_brake_on_sequence_of_triangle_meshes(brake, SMALL[:1])
     assert found.torque == pytest.approx(solve(brake, tolerance=1e-3).torque, rel=1e-3)
-    (other,) = levels.solve_brake_on_one_triangle_mesh(brake, levels.CONTACT_FINDING_LEVEL)
+    (other,) = levels.solve_brake_on_one_triangle_mesh(
+        brake, levels.COARSE_MESH_LEVEL_TO_FIND_CONTACT_ENDS
+    )
     assert other.torque > 3 * found.torque
 
 
@@ -252,7 +257,9 @@ def test_moments_and_forces_of_a_solution_are_in_equilibrium(brake):
         load = found.pressure_at(theta) * half * weights * mild.drum.radius * shoe.lining.width
         e = np.array([np.cos(theta), np.sin(theta)])
         drag = mild.friction * mild.sign_of_motion
-        force = (load * (-shoe.sign * e + drag * np.array([-e[1], e[0]]))).sum(axis=(1, 2))
+        force = (
+            load * (-shoe.sign_internal_plus_external_minus * e + drag * np.array([-e[1], e[0]]))
+        ).sum(axis=(1, 2))
         total = force + shoe.actuation.force_vector + found.hinge_reaction
         assert np.linalg.norm(total) < 1e-4 * np.linalg.norm(force)
         assert found.torque == pytest.approx(

@@ -10,14 +10,14 @@ import pytest
 import drumlin
 from drumlin import BadInput, NoAnswer, vary
 from drumlin.brake.file import make_validated_brake_part
-from drumlin.brake.plane_brake import FlatBrake, read_any
+from drumlin.brake.plane_brake import FlatBrake, read_drum_or_plane_brake
 from drumlin.fem import model as fem_model
 from drumlin.fem.error_control import levels
 from drumlin.fem.mesh.file import write_shoe_mesh_to_file
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.response.balance import largest_imbalance_among_shoes, relative_imbalance_of_shoe
 from drumlin.response.norms import relative_distance_of_pressures
-from drumlin.response.response import Balance, Response, ShoeResponse
+from drumlin.response.response import ForceAndMomentImbalance, Response, ShoeResponse
 from drumlin.response.resultants import (
     LiningWithoutEndZones,
     gauss_lobatto_points,
@@ -25,7 +25,7 @@ from drumlin.response.resultants import (
     planar_cross_product,
 )
 from drumlin_studies.fuzzing.endings import describe_fault_of_run, run_input_in_this_process
-from drumlin_studies.fuzzing.inputs import BrokenInput, content_of_brake_file
+from drumlin_studies.fuzzing.inputs import FilesAndCommandLineOfBrokenInput, content_of_brake_file
 from drumlin_studies.textbook_brakes import brake_with_one_hinged_shoe
 from picking import picked, saying
 
@@ -54,7 +54,7 @@ def test_a_distance_of_pressures_is_never_nan():
 
 def test_an_answer_that_is_not_finite_is_none():
     with pytest.raises(NoAnswer, match="not finite"):
-        Response("fem", (_pressing([1, math.nan, 1]),), Balance(0.0, 0.0))
+        Response("fem", (_pressing([1, math.nan, 1]),), ForceAndMomentImbalance(0.0, 0.0))
 
 
 def test_a_contact_within_the_lining_s_end_has_a_peak_pressure(brake):
@@ -261,7 +261,7 @@ WORN = (
 def test_running_in_says_no_number_that_is_not_finite(tmp_path, words):
     """What has no value, an energy balance for another exponent, is left out."""
     more = [] if "--elements" in words else ["--elements", "6"]
-    given = BrokenInput(
+    given = FilesAndCommandLineOfBrokenInput(
         "wear",
         {"b.toml": content_of_brake_file("double_shoe/brake")},
         ["wear", "b.toml", "--json", "r.json", *words],
@@ -309,7 +309,7 @@ def test_shoes_that_lie_in_each_other_are_said(brake):
 
 def test_pads_are_warned_of_as_shoes_on_a_drum_are():
     """Strains beyond small ones, and pads that lie in each other, in millimetres."""
-    clamp = read_any("studies/brakes/rail_clamp.toml")
+    clamp = read_drum_or_plane_brake("studies/brakes/rail_clamp.toml")
     data = vary(clamp, {"shoe.actuation.force": "250 kN"}).model_dump(by_alias=True)
     shoe = data["shoe"][0]
     other = {
@@ -344,7 +344,10 @@ def test_a_pad_that_must_turn_too_far_to_touch_is_refused():
     A clearance c at x from the pin takes a turn of some c/x; small displacements hold up to 11.5
     deg.
     """
-    clamp, pad = read_any("studies/brakes/rail_clamp.toml"), read_any("studies/laws/pad.toml")
+    clamp, pad = (
+        read_drum_or_plane_brake("studies/brakes/rail_clamp.toml"),
+        read_drum_or_plane_brake("studies/laws/pad.toml"),
+    )
     lining = {"thickness": 0.01, "material": {"E": 1e9, "nu": 0.3}}
     hinged = vary(pad, {f"shoe.lining.{key}": value for key, value in lining.items()})
     for brake, x, far in ((hinged, 0.18, 1.0), (clamp, 0.22, 0.5)):
@@ -368,7 +371,7 @@ def test_a_pad_on_a_pivot_that_must_tilt_too_far_is_refused(slope, refused):
     Its lining stands off in a wedge, which the lever's turn and the tilt about the pivot close
     together; small displacements hold up to 0.2 rad.
     """
-    clamp = read_any("studies/brakes/rail_clamp.toml")
+    clamp = read_drum_or_plane_brake("studies/brakes/rail_clamp.toml")
     assert isinstance(clamp, FlatBrake) and set(picked(clamp.shoes, "kind_of_support")) == {"pivot"}
     wedge = {}
     for i, shoe in enumerate(clamp.shoes):

@@ -11,11 +11,11 @@ import drumlin
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import make_drum_brake_from_data
 from drumlin.brake.writing import brake_file_text
-from drumlin.explore.answers import Explorer
+from drumlin.explore.answers import SliderSolver
 from drumlin.explore.knobs import brake_at_slider_setting, slider_setting_at_brake_file_values
 from drumlin.explore.page import http_reply_to_requested_address
 from drumlin.explore.picture import drawing_lines_of_brake
-from drumlin.fem.error_control.levels import LEVELS
+from drumlin.fem.error_control.levels import REFINEMENT_LEVELS_FROM_COARSE_TO_FINE
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.foundation.post import (
     _fractions_of_sectors_beyond_stations,
@@ -33,9 +33,12 @@ from drumlin.lining_wear.run_in import (
 )
 from drumlin.lining_wear.worn_in import post_brake_with_worn_in_clearances
 from drumlin.verification import triangles
-from drumlin.verification.check import PressureTable, _pressure_integral_along_lining
+from drumlin.verification.check import (
+    PressureCurveOfShoe,
+    _integral_of_pressure_over_theta_on_linings,
+)
 from drumlin.verification.reference import (
-    Refinement,
+    MeshesOfReferenceValues,
     compute_reference_values,
     solve_brake_for_reference_values,
 )
@@ -94,7 +97,7 @@ def test_worn_volume_is_conserved_and_every_lining_wears() -> None:
     assert [surface.lining for surface in surfaces] == [0, 1, 2]
     # The volume of each lining, from its own depths, is k times the integral of its force.
     volumes = [
-        float(run.setup.interfaces[0].area[s.local] @ run.states[-1].depth[s.part])
+        float(run.setup.interfaces[0].area[s.slice_in_interface] @ run.states[-1].depth[s.part])
         for s in surfaces
     ]
     assert min(volumes) > 0
@@ -205,19 +208,26 @@ def test_the_integral_of_a_table_leaves_out_the_slot() -> None:
     (shoe,) = APART.shoes
     theta = np.radians(np.arange(-55.5, 56.0))
     # What a table says between the linings means nothing.
-    curve = PressureTable(theta, np.where(np.abs(theta) < math.radians(5), 50.0, 2.0))
-    assert _pressure_integral_along_lining(shoe, curve) == pytest.approx(2 * math.radians(102))
+    curve = PressureCurveOfShoe(theta, np.where(np.abs(theta) < math.radians(5), 50.0, 2.0))
+    assert _integral_of_pressure_over_theta_on_linings(shoe, curve) == pytest.approx(
+        2 * math.radians(102)
+    )
 
 
 @pytest.mark.slow
 def test_reference_values_of_several_linings_agree_with_triangles(tmp_path: Path) -> None:
     """Two finite-element solvers that share only the brake; a further check is a coarse file."""
     trio = solve_brake_for_reference_values(
-        APART, Refinement(2, LEVELS[1:3], triangles.TRIANGLE_LEVELS[:1])
+        APART,
+        MeshesOfReferenceValues(
+            2,
+            REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[1:3],
+            triangles.TRIANGLE_MESH_LEVELS_FROM_COARSE_TO_FINE[:1],
+        ),
     )
     known = compute_reference_values(APART, brake_file_text(APART), "", trio)
     (shoe,) = known.shoes
-    assert shoe.torque.relative < 1e-5 and shoe.distance < 2e-3
+    assert shoe.torque.relative_uncertainty < 1e-5 and shoe.distance < 2e-3
     assert shoe.slots == APART.shoes[0].lining.slots
     path = tmp_path / "reference.json"
     write_reference_file(reference_values_as_json_data(known), path)
@@ -237,11 +247,11 @@ def test_reference_values_of_several_linings_agree_with_triangles(tmp_path: Path
 
 
 def test_the_explorer_turns_the_knobs_of_all_linings() -> None:
-    explorer = Explorer(brake_with([lining(-56, -5, clearance="0.02 mm"), lining(5, 56)]))
+    explorer = SliderSolver(brake_with([lining(-56, -5, clearance="0.02 mm"), lining(5, 56)]))
     setting = slider_setting_at_brake_file_values(explorer.brake)
     moved = {"clearance": 0.01, "misfit": 0.05, "wear": 0.3}
     answer = explorer.fem_and_law_answer_at_slider_setting(replace(setting, values=moved))
-    assert answer.found is not None
+    assert answer.fem_response is not None
     # The knobs add lengths to the clearance and to the misfit of both linings.
     changed = brake_at_slider_setting(
         explorer.brake, explorer.knobs, replace(setting, values=moved | {"wear": 0.0})
@@ -272,7 +282,9 @@ def test_triangles_agree_on_an_elastic_ring_under_several_linings() -> None:
     brake = make_drum_brake_from_data(data)
     response = drumlin.solve(brake, model_error=False)
     rigid = drumlin.solve(THREE, model_error=False)
-    (true,) = solve_brake_on_sequence_of_triangle_meshes(brake, triangles.TRIANGLE_LEVELS[:2])[-1]
+    (true,) = solve_brake_on_sequence_of_triangle_meshes(
+        brake, triangles.TRIANGLE_MESH_LEVELS_FROM_COARSE_TO_FINE[:2]
+    )[-1]
     (shoe,) = response.shoes
     assert response.error is not None
     assert abs(shoe.torque / true.torque - 1) < response.error["torque"] < 2e-5

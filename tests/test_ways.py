@@ -5,12 +5,12 @@ from itertools import chain, product
 import pytest
 
 from conftest import partly
-from drumlin.studies import import_study_and_find_its_folder
+from drumlin.studies import import_study_and_find_folder_above_studies
 from drumlin_studies import consistency_refused
-from drumlin_studies.consistency import Check, counts_of_comparison_outcomes_by_check
+from drumlin_studies.consistency import TwoPathComparison, counts_of_comparison_outcomes_by_check
 from picking import having, picked
 
-WAYS = import_study_and_find_its_folder("stability")[0].ways.PATH_CHECKS
+WAYS = import_study_and_find_folder_above_studies("stability")[0].ways.PATH_CHECKS
 # Seeds of brakes on which nothing was mended, nor shown by the study.
 FIRST_SEED = 300_000
 # Number of brakes that the fast test takes.
@@ -34,11 +34,14 @@ def test_two_ways_to_one_quantity_agree_or_say_why_not(name, part):
     answered = [row for row in rows if row.outcome != "refused"]
     # Of the brakes that the default solve answers, one in ten is compared with three meshes. Meshes
     # that disagree prove nothing: at least half of these brakes must remain.
-    assert len(answered) >= 0.5 * len(seeds) / consistency_refused.BRAKES_PER_MESH_CHECK
+    assert (
+        len(answered)
+        >= 0.5 * len(seeds) / consistency_refused.SOLVED_BRAKES_PER_ONE_CHECKED_ON_UNIFORM_MESHES
+    )
 
 
 def test_a_difference_beyond_what_is_allowed_counts_unless_it_is_said():
-    row = Check("holding", "hinge 1", "torque", 2e-3, 1e-3)
+    row = TwoPathComparison("holding", "hinge 1", "torque", 2e-3, 1e-3)
     said, refused = row._replace(said="held, it ends elsewhere"), row._replace(refused=True)
     near = row._replace(difference=5e-4)
     assert picked((row, said, refused, near), "outcome") == [

@@ -81,13 +81,17 @@ def test_wear_ends_at_the_law_where_that_presses_a_part_only(
     assert np.linalg.norm(last.pressure - found.p) < 1e-3 * np.linalg.norm(found.p)
 
 
-LAWS = [("table", 30042, 101.0048), ("cam", 30381, 1374.9285), ("abutment", 60016, 2171.6646)]
+LAWS_OF_HINGED_SHOES_BY_NAME = [
+    ("table", 30042, 101.0048),
+    ("cam", 30381, 1374.9285),
+    ("abutment", 60016, 2171.6646),
+]
 
 
 @pytest.mark.parametrize("elements", [20, 40])
 @pytest.mark.parametrize(
     ("kind", "seed", "torque"),
-    partly(LAWS, LAWS[:1]),
+    partly(LAWS_OF_HINGED_SHOES_BY_NAME, LAWS_OF_HINGED_SHOES_BY_NAME[:1]),
 )
 def test_worn_in_linings_bear_by_the_law_where_it_presses_a_part(
     kind: str, seed: int, torque: float, elements: int
@@ -237,7 +241,9 @@ def test_beginning_middle_and_end_agree_on_random_brakes(seed: int) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", range(100, 100 + len(consistency_wear.WEAR_KINDS)))
+@pytest.mark.parametrize(
+    "seed", range(100, 100 + len(consistency_wear.KINDS_OF_RANDOM_BRAKES_FOR_WEAR_CHECK))
+)
 def test_beginning_middle_and_end_agree_on_brakes_of_every_kind(seed: int) -> None:
     assert set(picked(consistency_wear.rows_of_wear_checks_of_random_brake(seed), "outcome")) <= {
         "agrees",

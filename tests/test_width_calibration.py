@@ -8,15 +8,15 @@ import pytest
 
 from drumlin.fem.error_control.estimate import read_safety_factors
 from drumlin.fem.width import ladder
-from drumlin.fem.width.ladder import SOLID_FACTORS, SolidFactors
+from drumlin.fem.width.ladder import SAFETY_FACTORS_OF_SOLID_ERRORS, SafetyFactorsOfSolidErrors
 from drumlin_studies.width_calibration import (
-    LARGEST_SHORTFALL,
-    LEAST_FITTED,
-    SECTION_SEEDS,
-    TRUE_OVER_UNCERTAINTY,
-    WIDTH_QUANTILE,
-    WIDTH_SEEDS,
-    WidthRow,
+    FRACTION_COVERED_BY_STATED_WIDTH_ERROR,
+    LARGEST_TRUE_OVER_STATED_ERROR_ALLOWED_IN_FIT,
+    LEAST_TRUE_ERROR_IN_FIT_BY_QUANTITY,
+    LEAST_TRUE_ERROR_IN_FIT_OVER_ITS_UNCERTAINTY,
+    SEEDS_FOR_FIT_TO_ERRORS_OF_SECTION_MESH,
+    SEEDS_FOR_FIT_TO_ERRORS_OF_WIDTH_DEGREE,
+    EstimatedAndTrueErrorOfSolidShoe,
     fit_safety_factors_of_width_errors,
     read_width_error_rows_from_csv,
     smallest_safety_factor_of_width_errors,
@@ -37,15 +37,20 @@ def kept(root):
 def made_up(ratios, quantity="pressure"):
     """Rows of one brake each, with these ratios of true errors to estimates."""
     return [
-        WidthRow("free", seed, "width", 2, quantity, 0.01, 0.01 * ratio, unsure=0.0)
+        EstimatedAndTrueErrorOfSolidShoe(
+            "free", seed, "width", 2, quantity, 0.01, 0.01 * ratio, unsure=0.0
+        )
         for seed, ratio in enumerate(ratios)
     ]
 
 
 def test_the_factors_are_those_of_the_kept_rows(kept):
-    assert fit_safety_factors_of_width_errors(kept) == SOLID_FACTORS
+    assert fit_safety_factors_of_width_errors(kept) == SAFETY_FACTORS_OF_SOLID_ERRORS
     brakes = {(row.part, row.kind, row.seed) for row in kept}
-    for part, kinds in (("width", WIDTH_SEEDS), ("section", SECTION_SEEDS)):
+    for part, kinds in (
+        ("width", SEEDS_FOR_FIT_TO_ERRORS_OF_WIDTH_DEGREE),
+        ("section", SEEDS_FOR_FIT_TO_ERRORS_OF_SECTION_MESH),
+    ):
         for kind, seeds in kinds.items():
             own = {seed for one, two, seed in brakes if (one, two) == (part, kind)}
             assert own <= set(seeds)
@@ -55,8 +60,12 @@ def test_the_factors_are_those_of_the_kept_rows(kept):
 def test_the_errors_that_were_observed_are_stated(kept):
     """Nearly all true errors are below the stated ones, and none is more than twice as large."""
     for part, pressure, force in (
-        ("width", SOLID_FACTORS.pressure, SOLID_FACTORS.force),
-        ("section", SOLID_FACTORS.section_pressure, SOLID_FACTORS.section_force),
+        ("width", SAFETY_FACTORS_OF_SOLID_ERRORS.pressure, SAFETY_FACTORS_OF_SOLID_ERRORS.force),
+        (
+            "section",
+            SAFETY_FACTORS_OF_SOLID_ERRORS.section_pressure,
+            SAFETY_FACTORS_OF_SOLID_ERRORS.section_force,
+        ),
     ):
         for names, factor in ((("pressure",), pressure), (("torque", "reaction"), force)):
             ratios = [
@@ -65,8 +74,10 @@ def test_the_errors_that_were_observed_are_stated(kept):
                 if row.part == part and row.quantity in names and row.is_row_usable_for_fit
             ]
             assert len(ratios) > 9
-            assert sum(ratio < 1 for ratio in ratios) <= max(2, (1 - WIDTH_QUANTILE) * len(ratios))
-            assert min(ratios) > 0.99 / LARGEST_SHORTFALL
+            assert sum(ratio < 1 for ratio in ratios) <= max(
+                2, (1 - FRACTION_COVERED_BY_STATED_WIDTH_ERROR) * len(ratios)
+            )
+            assert min(ratios) > 0.99 / LARGEST_TRUE_OVER_STATED_ERROR_ALLOWED_IN_FIT
 
 
 def test_the_smallest_factor_covers_all_but_the_share_that_may_be_missed():
@@ -76,11 +87,16 @@ def test_the_smallest_factor_covers_all_but_the_share_that_may_be_missed():
     few = made_up([0.5] * 20 + [0.6])
     assert 0.5 <= smallest_safety_factor_of_width_errors(few) < 0.6
     missed = made_up([0.5] * 20 + [3.0])
-    assert smallest_safety_factor_of_width_errors(missed) == pytest.approx(3.0 / LARGEST_SHORTFALL)
+    assert smallest_safety_factor_of_width_errors(missed) == pytest.approx(
+        3.0 / LARGEST_TRUE_OVER_STATED_ERROR_ALLOWED_IN_FIT
+    )
 
 
 def test_errors_that_are_nothing_are_left_out():
-    tiny = [row._replace(true=0.5 * LEAST_FITTED["pressure"]) for row in made_up([1.0])]
+    tiny = [
+        row._replace(true=0.5 * LEAST_TRUE_ERROR_IN_FIT_BY_QUANTITY["pressure"])
+        for row in made_up([1.0])
+    ]
     assert math.isnan(smallest_safety_factor_of_width_errors(tiny))
     assert smallest_safety_factor_of_width_errors([*tiny, *made_up([1.0, 1.0])]) == 1.0
 
@@ -88,10 +104,14 @@ def test_errors_that_are_nothing_are_left_out():
 def test_errors_that_the_truth_does_not_know_are_left_out():
     known = made_up([1.0, 1.0])
     doubtful = [
-        row._replace(unsure=1.1 * row.true / TRUE_OVER_UNCERTAINTY) for row in made_up([9.0] * 3)
+        row._replace(unsure=1.1 * row.true / LEAST_TRUE_ERROR_IN_FIT_OVER_ITS_UNCERTAINTY)
+        for row in made_up([9.0] * 3)
     ]
     assert smallest_safety_factor_of_width_errors([*known, *doubtful]) == 1.0
-    surer = [row._replace(unsure=0.9 * row.true / TRUE_OVER_UNCERTAINTY) for row in doubtful]
+    surer = [
+        row._replace(unsure=0.9 * row.true / LEAST_TRUE_ERROR_IN_FIT_OVER_ITS_UNCERTAINTY)
+        for row in doubtful
+    ]
     assert smallest_safety_factor_of_width_errors([*known, *surer]) == pytest.approx(9.0)
 
 
@@ -107,10 +127,10 @@ def test_the_file_that_the_code_reads_was_written_by_the_command(kept):
     data = json.loads(path.read_text(encoding="utf-8"))
     written = data["provenance"]
     text = width_safety_factors_as_json_text(
-        SOLID_FACTORS, kept, written["commit"], written["date"]
+        SAFETY_FACTORS_OF_SOLID_ERRORS, kept, written["commit"], written["date"]
     )
     assert path.read_text(encoding="utf-8") == text
-    assert SolidFactors(**read_safety_factors(path)) == SOLID_FACTORS
+    assert SafetyFactorsOfSolidErrors(**read_safety_factors(path)) == SAFETY_FACTORS_OF_SOLID_ERRORS
     assert written["commit"] and written["date"]
 
 

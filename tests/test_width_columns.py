@@ -6,16 +6,19 @@ import pytest
 from drumlin.fem.hp.element import reference_element_of_degree
 from drumlin.fem.hp.shoe import node_positions_in_each_element_of_row
 from drumlin.fem.width.columns import (
-    BackEdge,
-    column_layers_of_shoe,
-    condense_columns_of_any_shape,
+    ConditionAtEdgeFarthestFromContact,
+    condense_element_columns_of_any_shape,
     condense_mirror_symmetric_columns,
     indices_of_unknowns_along_node_row,
     indices_of_unknowns_along_symmetric_half_row,
+    layers_of_element_column_from_half_widths,
 )
-from drumlin.fem.width.functions import WidthFunctions, integrals_of_function_products_over_width
+from drumlin.fem.width.functions import (
+    FunctionsAcrossWidth,
+    integrals_of_function_products_over_width,
+)
 from drumlin.fem.width.integrals import (
-    SYMMETRIES,
+    SYMMETRY_NUMBERS_OF_COLUMN_DISPLACEMENTS,
     LameConstants,
     angular_factors_of_section_integrals,
     cross_section_integrals_between_circles,
@@ -64,14 +67,16 @@ def unknown_values(stack, along, xy_of, field, p):
     return values
 
 
-def columns_on_arc(p, q, *, contact=True, back=BackEdge.FREE):
+def columns_on_arc(p, q, *, contact=True, back=ConditionAtEdgeFarthestFromContact.FREE):
     """A column with a width of two layers, by its nodes and by its symmetries."""
-    functions = WidthFunctions(BREAKS, q)
+    functions = FunctionsAcrossWidth(BREAKS, q)
     depths, along = (
         np.array([0.0, 0.5, 1.2]),
         0.3 * node_positions_in_each_element_of_row(np.array([-1.0, 1.0]), p),
     )
-    stack = column_layers_of_shoe(functions, HALVES, p, contact=contact, back=back)
+    stack = layers_of_element_column_from_half_widths(
+        functions, HALVES, p, contact=contact, back=back
+    )
     widths = [integrals_of_function_products_over_width(functions, half) for half in HALVES]
     xy = cells(along, depths, p)
     lame = LAME, SOFT
@@ -79,9 +84,9 @@ def columns_on_arc(p, q, *, contact=True, back=BackEdge.FREE):
         cross_section_integrals_of_any_shape(own, each, p)
         for own, each in zip(xy, lame, strict=True)
     ]
-    (whole,) = condense_columns_of_any_shape(parts, widths, stack)
+    (whole,) = condense_element_columns_of_any_shape(parts, widths, stack)
     radii, by_symmetry = 5.0 - depths, []
-    for symmetry in SYMMETRIES:
+    for symmetry in SYMMETRY_NUMBERS_OF_COLUMN_DISPLACEMENTS:
         factors = angular_factors_of_section_integrals(along, p, symmetry)
         each = [
             cross_section_integrals_between_circles(radii[k], radii[k + 1], lame[k], factors, p)
@@ -92,7 +97,7 @@ def columns_on_arc(p, q, *, contact=True, back=BackEdge.FREE):
     return stack, along, depths, whole, half
 
 
-@pytest.mark.parametrize("back", list(BackEdge))
+@pytest.mark.parametrize("back", list(ConditionAtEdgeFarthestFromContact))
 @pytest.mark.parametrize("contact", [True, False])
 @pytest.mark.parametrize(("p", "q"), [(2, 1), (2, 2), (3, 2), (4, 3), (5, 1)])
 def test_a_column_by_its_symmetries_is_that_of_its_nodes(p, q, contact, back):
@@ -172,8 +177,10 @@ def test_the_patch_test_holds_with_a_width(p, q):
     half, pull, angle = 1.1, 0.3, 0.6
     E = LAME.mu * (3 * LAME.lam + 2 * LAME.mu) / (LAME.lam + LAME.mu)
     nu = LAME.lam / (2 * (LAME.lam + LAME.mu))
-    functions = WidthFunctions((0.0, half), q)
-    stack = column_layers_of_shoe(functions, (half, half), p, contact=True, back=BackEdge.FREE)
+    functions = FunctionsAcrossWidth((0.0, half), q)
+    stack = layers_of_element_column_from_half_widths(
+        functions, (half, half), p, contact=True, back=ConditionAtEdgeFarthestFromContact.FREE
+    )
     widths = [integrals_of_function_products_over_width(functions, half)] * 2
     along = node_positions_in_each_element_of_row(np.array([0.0, 2.0]), p)
     rows = np.append(
@@ -187,7 +194,7 @@ def test_the_patch_test_holds_with_a_width(p, q):
     points = np.einsum("ij,jrc->irc", turn, bent)
     order = reference_element_of_degree(p).order
     xy = [points[:, k * p : (k + 1) * p + 1].reshape(2, -1)[None, :, order] for k in range(2)]
-    (whole,) = condense_columns_of_any_shape(
+    (whole,) = condense_element_columns_of_any_shape(
         [cross_section_integrals_of_any_shape(own, LAME, p) for own in xy], widths, stack
     )
     slope = turn @ np.diag([pull / E, -nu * pull / E]) @ turn.T

@@ -9,7 +9,7 @@ import pytest
 import drumlin as package
 from command_line import drumlin
 from drumlin.brake.file import vary
-from drumlin.fem.error_control.levels import LEVELS
+from drumlin.fem.error_control.levels import REFINEMENT_LEVELS_FROM_COARSE_TO_FINE
 from drumlin.fem.error_control.singular_points import singular_points_of_each_shoe_shape
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import make_prepared_model
@@ -30,9 +30,17 @@ def true_error(brake, degree=4):
     """The error of plane stress on a section of the first level, whose own error cancels."""
     start = solve(brake)
     points = singular_points_of_each_shoe_shape(brake, start)
-    plane = solve_prepared_model(make_prepared_model(brake, LEVELS[0], points), brake, start=start)
+    plane = solve_prepared_model(
+        make_prepared_model(brake, REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[0], points),
+        brake,
+        start=start,
+    )
     wide = solve_prepared_model(
-        prepare_model_with_shoe_widths(brake, LEVELS[0], degree, points), brake, start=start
+        prepare_model_with_shoe_widths(
+            brake, REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[0], degree, points
+        ),
+        brake,
+        start=start,
     )
     return relative_distance_of_plane_stress_from_width_solution(brake, plane, wide).brake
 

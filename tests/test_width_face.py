@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from drumlin.fem.analysis.solid_fields import contact_face_of_solid_shoe
-from drumlin.fem.error_control.levels import LEVELS
+from drumlin.fem.error_control.levels import REFINEMENT_LEVELS_FROM_COARSE_TO_FINE
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.width.prepare import LARGEST_WIDTH_DEGREE, prepare_model_with_shoe_widths
 from drumlin.response.face import pressure_on_face_of_lining
@@ -18,7 +18,7 @@ from wide_shoes import HELD
 def solved():
     """A shoe of rigid body with degree 3 across its width, and its prepared model."""
     brake = HELD["rigid"]()
-    scene = prepare_model_with_shoe_widths(brake, LEVELS[0], 3)
+    scene = prepare_model_with_shoe_widths(brake, REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[0], 3)
     return brake, scene, solve_prepared_model(scene, brake)
 
 
@@ -39,12 +39,14 @@ def test_the_mean_over_the_width_is_the_pressure_of_the_response(solved):
 def test_written_pressures_tell_those_of_the_nodes(degree):
     brake = HELD["T-section" if degree == 1 else "rigid"]()
     face = contact_face_of_solid_shoe(
-        prepare_model_with_shoe_widths(brake, LEVELS[0], degree).bodies[0]
+        prepare_model_with_shoe_widths(
+            brake, REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[0], degree
+        ).bodies[0]
     )
     p = np.random.default_rng(1).standard_normal(len(face.nodes))
     written = face.pressure_distribution_over_arc_and_width(p)
     np.testing.assert_allclose(face.nodal_pressures_from_pressures_of_file(written), p, atol=1e-10)
-    _, mean = face.angles_and_mean_pressures(p)
+    _, mean = face.angles_and_pressures_averaged_over_width(p)
     own = written.pressure @ written.widths / written.widths.sum()
     np.testing.assert_allclose(own, mean, atol=1e-12)
     np.testing.assert_allclose(written.pressure, written.pressure[:, ::-1])
@@ -53,7 +55,9 @@ def test_written_pressures_tell_those_of_the_nodes(degree):
 def test_the_peak_is_the_largest_pressure_away_from_the_ends(solved):
     brake, _, response = solved
     face, shoe = pressure_on_face_of_lining(brake, response, 0), response.shoes[0]
-    zone = length_of_edge_zone_left_out_of_peak_search(brake.shoes[0], brake.scale_factor)
+    zone = length_of_edge_zone_left_out_of_peak_search(
+        brake.shoes[0], brake.length_per_surface_coordinate
+    )
     theta = np.linspace(shoe.theta[0] + zone, shoe.theta[-1] - zone, 4001)
     dense = np.array(
         [replace(shoe, pressure=column).pressure_at(theta) for column in face.pressure.T]

@@ -15,7 +15,7 @@ from drumlin.fem.analysis.solid_fields import (
     displacements_and_stresses_in_shoe_part,
     recover_stresses_in_half_of_each_solid_shoe,
 )
-from drumlin.fem.error_control.levels import LEVELS
+from drumlin.fem.error_control.levels import REFINEMENT_LEVELS_FROM_COARSE_TO_FINE
 from drumlin.fem.hp.division import divide_shoe_into_hp_elements
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import make_prepared_model
@@ -24,7 +24,7 @@ from drumlin.fem.width.functions import (
     matrix_from_node_values_to_function_factors,
 )
 from drumlin.fem.width.prepare import prepare_model_with_shoe_widths
-from drumlin.fem.width.recovery import WidthUnknowns
+from drumlin.fem.width.recovery import EliminatedUnknownsOfShoeWithWidth
 from drumlin.response.response import length_of_edge_zone_left_out_of_peak_search
 from wide_shoes import HELD
 
@@ -43,11 +43,13 @@ def stress_tensors(fields):
 def pressed_nodes_away_from_ends(brake, index, fields, answer):
     """Nodes in contact, farther from the ends of lining and contact than the lining is thick."""
     shoe, theta = brake.shoes[index], fields.points[:, 0]
-    if not shoe.flat:
+    if not shoe.is_on_plane:
         middle = 0.5 * (answer.theta[0] + answer.theta[-1])
         theta = np.arctan2(fields.points[:, 1], fields.points[:, 0])
         theta = middle + (theta - middle + np.pi) % (2 * np.pi) - np.pi
-    zone = 2 * length_of_edge_zone_left_out_of_peak_search(shoe, brake.scale_factor)
+    zone = 2 * length_of_edge_zone_left_out_of_peak_search(
+        shoe, brake.length_per_surface_coordinate
+    )
     inside = np.zeros(len(theta), dtype=bool)
     for start, end in answer.contact_arcs:
         low, high = max(start, answer.theta[0] + zone), min(end, answer.theta[-1] - zone)
@@ -59,7 +61,7 @@ def pressed_nodes_away_from_ends(brake, index, fields, answer):
 def test_stresses_on_the_face_are_pressure_and_friction(kind):
     """sigma n = -p n + mu p t, and no stress along z, to the error of the pressure itself."""
     brake = HELD[kind]()
-    scene = prepare_model_with_shoe_widths(brake, LEVELS[0], 2)
+    scene = prepare_model_with_shoe_widths(brake, REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[0], 2)
     response = solve_prepared_model(scene, brake)
     # Beside a web of 15 mm under a lining of 40 mm degree 2 is 3 % off.
     within = 0.05 if kind == "narrow body in a grip" else 5e-3
@@ -68,7 +70,7 @@ def test_stresses_on_the_face_are_pressure_and_friction(kind):
         on = pressed_nodes_away_from_ends(brake, i, fields, answer)
         assert len(on) > 20
         # On a plane the normal is y, on a drum it is the radius.
-        normal = np.array([0.0, 1.0, 0.0]) if shoe.flat else fields.points[on] * [1, 1, 0]
+        normal = np.array([0.0, 1.0, 0.0]) if shoe.is_on_plane else fields.points[on] * [1, 1, 0]
         normal = np.broadcast_to(normal, (len(on), 3))
         normal = normal / np.linalg.norm(normal, axis=1)[:, None]
         traction = np.einsum("nij,nj->ni", stress_tensors(fields)[on], normal)
@@ -88,8 +90,10 @@ def test_the_stress_of_known_strains_is_exact(name):
     brake = HELD["wide body"]()
     shoe = brake.shoes[0]
     functions = functions_across_width_of_shoe(shoe, 3)
-    division = divide_shoe_into_hp_elements(shoe, brake.size, LEVELS[0])
-    unknowns = WidthUnknowns(shoe, brake.size, division, functions)
+    division = divide_shoe_into_hp_elements(
+        shoe, brake.size, REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[0]
+    )
+    unknowns = EliminatedUnknownsOfShoeWithWidth(shoe, brake.size, division, functions)
     slope, across, bend = np.array([[3e-3, 1e-3], [-2e-3, 1e-3]]), 5e-4, 0.2
     even = np.zeros((unknowns.grid.N, len(functions.even_functions_across_width), 2))
     odd = np.zeros((unknowns.grid.N, len(functions.odd_functions_across_width)))
@@ -114,13 +118,15 @@ def test_the_stress_of_known_strains_is_exact(name):
 @pytest.mark.parametrize("kind", partly(HELD, ("rigid",)))
 def test_the_face_moves_to_the_drum(kind):
     brake = HELD[kind]()
-    scene = prepare_model_with_shoe_widths(brake, LEVELS[0], 2)
+    scene = prepare_model_with_shoe_widths(brake, REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[0], 2)
     response = solve_prepared_model(scene, brake)
     for i, shoe in enumerate(brake.shoes):
         fields = recover_stresses_in_half_of_each_solid_shoe(scene, brake, response)[i]
         on = fields.pressure > 0.01 * fields.pressure.max()
         x, y = fields.points[on, :2].T
-        normal = np.array([0 * x, 1 + 0 * y] if shoe.flat else np.array([x, y]) / np.hypot(x, y))
+        normal = np.array(
+            [0 * x, 1 + 0 * y] if shoe.is_on_plane else np.array([x, y]) / np.hypot(x, y)
+        )
         moved = np.einsum("in,ni->n", normal, fields.displacement[on, :2])
         # The gap closes weakly, not at every node.
         assert np.abs(moved).mean() < 0.02 * np.abs(fields.displacement).max()
@@ -132,8 +138,8 @@ def test_the_face_moves_to_the_drum(kind):
 def test_at_degree_zero_stresses_are_those_of_plane_stress():
     brake = HELD["pad"]()
     plane, wide = (
-        make_prepared_model(brake, LEVELS[0]),
-        prepare_model_with_shoe_widths(brake, LEVELS[0], 0),
+        make_prepared_model(brake, REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[0]),
+        prepare_model_with_shoe_widths(brake, REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[0], 0),
     )
     flat = stress_and_displacement_fields_of_shoe(
         plane, brake, solve_prepared_model(plane, brake), 0
@@ -157,7 +163,7 @@ def test_at_degree_zero_stresses_are_those_of_plane_stress():
 
 def test_cells_fill_the_half_shoe_once():
     brake = HELD["T-section"]()
-    scene = prepare_model_with_shoe_widths(brake, LEVELS[0], 1)
+    scene = prepare_model_with_shoe_widths(brake, REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[0], 1)
     fields = recover_stresses_in_half_of_each_solid_shoe(
         scene, brake, solve_prepared_model(scene, brake)
     )[1]

@@ -8,17 +8,20 @@ import pytest
 from drumlin.contact import active_set
 from drumlin.contact.equations import ContactProblem
 from drumlin.fem.analysis.solid_fields import contact_face_of_solid_shoe
-from drumlin.fem.error_control.levels import LEVELS
-from drumlin.fem.hp.division import Singularity, SingularPoint, divide_shoe_into_hp_elements
+from drumlin.fem.error_control.levels import REFINEMENT_LEVELS_FROM_COARSE_TO_FINE
+from drumlin.fem.hp.division import KindOfSingularPoint, SingularPoint, divide_shoe_into_hp_elements
 from drumlin.fem.hp.element import reference_element_of_degree
 from drumlin.fem.hp.shoe import node_positions_in_each_element_of_row
 from drumlin.fem.width.columns import (
-    BackEdge,
-    column_layers_of_shoe,
-    condense_columns_of_any_shape,
+    ConditionAtEdgeFarthestFromContact,
+    condense_element_columns_of_any_shape,
     indices_of_unknowns_along_node_row,
+    layers_of_element_column_from_half_widths,
 )
-from drumlin.fem.width.functions import WidthFunctions, integrals_of_function_products_over_width
+from drumlin.fem.width.functions import (
+    FunctionsAcrossWidth,
+    integrals_of_function_products_over_width,
+)
 from drumlin.fem.width.integrals import LameConstants, cross_section_integrals_of_any_shape
 from drumlin.fem.width.prepare import condense_and_couple_shoe_with_width
 from flat_pads import pad
@@ -32,15 +35,17 @@ def test_a_ring_under_outer_pressure_moves_as_lame_says(q):
     """
     E, nu, pressure, a, b, half, p = 2.0, 0.3, 0.7, 0.6, 1.0, 0.5, 6
     lame = LameConstants(E * nu / ((1 + nu) * (1 - 2 * nu)), E / (2 * (1 + nu)))
-    functions = WidthFunctions((0.0, half), q)
-    stack = column_layers_of_shoe(functions, (half, half), p, contact=True, back=BackEdge.FREE)
+    functions = FunctionsAcrossWidth((0.0, half), q)
+    stack = layers_of_element_column_from_half_widths(
+        functions, (half, half), p, contact=True, back=ConditionAtEdgeFarthestFromContact.FREE
+    )
     phi = 0.3 * node_positions_in_each_element_of_row(np.array([-1.0, 1.0]), p)[0]
     r = node_positions_in_each_element_of_row(np.array([b, 0.8, a]), p)
     xy = np.array([r[:, :, None] * np.cos(phi), r[:, :, None] * np.sin(phi)])
     xy = xy.reshape(2, 2, -1)[:, :, reference_element_of_degree(p).order]
     parts = [cross_section_integrals_of_any_shape(xy[:, k][None], lame, p) for k in range(2)]
     widths = [integrals_of_function_products_over_width(functions, half)] * 2
-    (column,) = condense_columns_of_any_shape(parts, widths, stack)
+    (column,) = condense_element_columns_of_any_shape(parts, widths, stack)
 
     size = -pressure * b**2 / (b**2 - a**2)
     radii = np.append(r[:, :-1].ravel(), a)
@@ -100,12 +105,21 @@ def test_a_sphere_presses_as_hertz_says(nu):
     }
     brake = pad("hinge", mu=0.0, lining=lining)
     shoe = brake.shoes[0]
-    points = [SingularPoint(at / brake.unit, 2 * a / brake.unit, Singularity.END) for at in (-a, a)]
-    division = divide_shoe_into_hp_elements(shoe, brake.size, LEVELS[1], points)
-    functions = WidthFunctions((0.0, a / 2, a, 2 * a, height), 4)
+    points = [
+        SingularPoint(
+            at / brake.surface_coordinate_per_phi,
+            2 * a / brake.surface_coordinate_per_phi,
+            KindOfSingularPoint.END,
+        )
+        for at in (-a, a)
+    ]
+    division = divide_shoe_into_hp_elements(
+        shoe, brake.size, REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[1], points
+    )
+    functions = FunctionsAcrossWidth((0.0, a / 2, a, 2 * a, height), 4)
     body = condense_and_couple_shoe_with_width(shoe, brake.size, division, functions, False, {})
     face, coupling = contact_face_of_solid_shoe(body), body.coupling
-    half = body.condensed.inverse_cholesky_factor_times_nodal_forces(coupling.N.T)
+    half = body.condensed.half_flexibility_under_nodal_forces(coupling.N.T)
     x = face.xy[0]
     z = np.tile(face.node_distances_from_mid_plane, len(face.line.nodes))
     r = np.hypot(x, z)

@@ -7,7 +7,7 @@ import pytest
 
 from drumlin.brake.file import vary
 from drumlin.fem.width.functions import (
-    WidthFunctions,
+    FunctionsAcrossWidth,
     functions_across_width_of_shoe,
     integrals_of_function_products_over_width,
     piece_ends_across_half_width_of_shoe,
@@ -29,7 +29,7 @@ def sampled(functions, z):
 
 @pytest.mark.parametrize("degree", DEGREES)
 def test_they_hold_all_polynomials_of_their_parity_and_degree(degree):
-    functions = WidthFunctions(BREAKS, degree)
+    functions = FunctionsAcrossWidth(BREAKS, degree)
     z = np.linspace(0, 3, 200)
     for parity, values in enumerate(sampled(functions, z)):
         for power in range(parity, degree + 1, 2):
@@ -41,7 +41,7 @@ def test_they_hold_all_polynomials_of_their_parity_and_degree(degree):
 @pytest.mark.parametrize("degree", DEGREES)
 def test_those_of_a_degree_are_among_those_of_the_next(degree):
     z = np.linspace(0, 3, 50)
-    few, many = WidthFunctions(BREAKS, degree), WidthFunctions(BREAKS, degree + 1)
+    few, many = FunctionsAcrossWidth(BREAKS, degree), FunctionsAcrossWidth(BREAKS, degree + 1)
     for own, others in zip(sampled(few, z), sampled(many, z), strict=True):
         apart = np.abs(own[:, None] - others).max(axis=2)
         assert (apart.min(axis=1) == 0).all()
@@ -49,7 +49,7 @@ def test_those_of_a_degree_are_among_those_of_the_next(degree):
 
 @pytest.mark.parametrize("degree", DEGREES)
 def test_even_and_odd_ones_start_flat_and_at_zero(degree):
-    functions = WidthFunctions(BREAKS, degree)
+    functions = FunctionsAcrossWidth(BREAKS, degree)
     at = np.array([0.0])
     assert (
         np.abs(
@@ -67,7 +67,7 @@ def test_even_and_odd_ones_start_flat_and_at_zero(degree):
 
 @pytest.mark.parametrize("degree", DEGREES)
 def test_they_are_continuous(degree):
-    functions = WidthFunctions(BREAKS, degree)
+    functions = FunctionsAcrossWidth(BREAKS, degree)
     for at in BREAKS[1:-1]:
         before, behind = np.array([at - 1e-9]), np.array([at + 1e-9])
         for own in (functions.even_functions_across_width, functions.odd_functions_across_width):
@@ -78,7 +78,7 @@ def test_they_are_continuous(degree):
 
 @pytest.mark.parametrize("degree", DEGREES)
 def test_in_a_narrower_part_the_functions_of_wider_ones_vanish(degree):
-    functions = WidthFunctions(BREAKS, degree)
+    functions = FunctionsAcrossWidth(BREAKS, degree)
     for half in BREAKS[1:]:
         even, odd = functions.counts_of_even_and_odd_functions_on_part(half)
         inside = np.linspace(0, half, 40)
@@ -107,11 +107,11 @@ def test_face_nodes_tell_the_functions_and_part_one(degree, half):
 
 
 def functions_of_breaks(degree):
-    return WidthFunctions(BREAKS if degree else (0.0, BREAKS[-1]), degree)
+    return FunctionsAcrossWidth(BREAKS if degree else (0.0, BREAKS[-1]), degree)
 
 
 def test_slopes_of_the_bubbles_of_a_piece_are_orthonormal():
-    integrals = integrals_of_function_products_over_width(WidthFunctions((0.0, 1.0), 9), 1.0)
+    integrals = integrals_of_function_products_over_width(FunctionsAcrossWidth((0.0, 1.0), 9), 1.0)
     np.testing.assert_allclose(integrals.even_slopes[1:, 1:], np.eye(4), atol=1e-13)
     np.testing.assert_allclose(integrals.odd_slopes[1:, 1:], np.eye(4), atol=1e-13)
     # A bubble's ends are zero: the slope of z is orthogonal to the slopes of all odd ones.
@@ -121,7 +121,7 @@ def test_slopes_of_the_bubbles_of_a_piece_are_orthonormal():
 def test_integrals_over_one_piece_are_those_by_hand():
     # On |z| <= h:  e = 1, N_2 = sqrt(3/8) (x^2 - 1),  o = x, N_3 = sqrt(5/8) (x^3 - x),  x = z/h.
     h = 2.0
-    found = integrals_of_function_products_over_width(WidthFunctions((0.0, h), 3), h)
+    found = integrals_of_function_products_over_width(FunctionsAcrossWidth((0.0, h), 3), h)
     two, three = np.sqrt(3 / 8), np.sqrt(5 / 8)
     np.testing.assert_allclose(
         found.even, h * np.array([[2, -4 / 3 * two], [-4 / 3 * two, 16 / 15 * 3 / 8]])
@@ -132,19 +132,19 @@ def test_integrals_over_one_piece_are_those_by_hand():
     # Int e o' = [2, 0; Int N_2, Int N_2 N_3'],  Int N_2 N_3' = two three 8/15 - ... by parts.
     by_parts = two * three * float(Fraction(2, 1) * (Fraction(3, 5) - Fraction(4, 3) + 1))
     np.testing.assert_allclose(
-        found.even_odd_slopes, [[2, 0], [-4 / 3 * two, by_parts]], atol=1e-14
+        found.even_times_odd_slopes, [[2, 0], [-4 / 3 * two, by_parts]], atol=1e-14
     )
-    assert found.even_slopes_odd[1, 0] == pytest.approx(two * 4 / 3)
+    assert found.even_slopes_times_odd[1, 0] == pytest.approx(two * 4 / 3)
 
 
 def test_integrals_over_pieces_are_those_of_a_fine_sum():
-    functions = WidthFunctions(BREAKS, 3)
+    functions = FunctionsAcrossWidth(BREAKS, 3)
     z = (np.arange(300_000) + 0.5) * 1e-5
     e, slopes = functions.function_values_and_slopes(functions.even_functions_across_width, z)
     o, _ = functions.function_values_and_slopes(functions.odd_functions_across_width, z)
     found = integrals_of_function_products_over_width(functions, 3.0)
     np.testing.assert_allclose(found.even, 2e-5 * e @ e.T, atol=1e-7)
-    np.testing.assert_allclose(found.even_slopes_odd, 2e-5 * slopes @ o.T, atol=1e-4)
+    np.testing.assert_allclose(found.even_slopes_times_odd, 2e-5 * slopes @ o.T, atol=1e-4)
 
 
 def test_breaks_are_at_the_sides_of_the_parts(brake, flexible):

@@ -4,14 +4,14 @@ import numpy as np
 import pytest
 
 from drumlin.brake.file import read_brake, vary
-from drumlin.fem.width.correction import REMAINING_SHARE
+from drumlin.fem.width.correction import REMAINING_ERROR_OVER_WIDTH_CORRECTION
 from drumlin_studies.random_brake import draw_random_brake
 from drumlin_studies.width_error import (
-    LEAST_JUDGED,
-    WidthErrorRow,
-    plane_stress_errors_or_reason,
-    table_lines_of_error_ratios,
+    LEAST_JUDGED_PLANE_STRESS_ERROR,
+    TrueAndEstimatedPlaneStressErrorRow,
+    table_lines_of_estimated_over_true_errors,
     table_lines_of_remaining_error_after_correction,
+    true_and_estimated_plane_stress_errors_or_reason,
 )
 from sections import t_section
 
@@ -19,7 +19,7 @@ from sections import t_section
 def row(widths, true, ratio, remaining=0.0):
     """A row whose three errors are `true`, and estimated as a multiple of it."""
     names = ("torque", "pressure", "reaction")
-    return WidthErrorRow(
+    return TrueAndEstimatedPlaneStressErrorRow(
         "t",
         widths,
         dict.fromkeys(names, true),
@@ -30,7 +30,7 @@ def row(widths, true, ratio, remaining=0.0):
 
 def test_the_table_counts_errors_that_matter():
     rows = [row(1, 1e-2, 0.5), row(1, 1e-2, 1.0), row(1, 1e-4, 9.0), row(3, 1e-2, 2.0)]
-    _, one, several, *_ = table_lines_of_error_ratios(rows)
+    _, one, several, *_ = table_lines_of_estimated_over_true_errors(rows)
     assert one.split() == [*["one", "torque", "2", "0.50"], "0.53", "0.75", "0.97", "1.00", "50%"]
     assert several.split()[:4] == ["several", "torque", "1", "2.00"]
 
@@ -46,8 +46,8 @@ def test_the_table_of_corrected_answers_counts_errors_that_matter():
 
 @pytest.mark.slow
 def test_a_brake_is_judged_on_its_own_section(flexible):
-    found = plane_stress_errors_or_reason(t_section(flexible), 3)
-    assert isinstance(found, WidthErrorRow)
+    found = true_and_estimated_plane_stress_errors_or_reason(t_section(flexible), 3)
+    assert isinstance(found, TrueAndEstimatedPlaneStressErrorRow)
     assert found.widths == 3
     for name, true in found.true.items():
         assert true > 1e-3
@@ -58,11 +58,11 @@ def test_a_brake_is_judged_on_its_own_section(flexible):
 def test_a_brake_without_an_estimate_is_a_line(root, flexible):
     ring = read_brake(root / "studies" / "post_brake" / "brake.toml")
     assert (
-        plane_stress_errors_or_reason(ring)
+        true_and_estimated_plane_stress_errors_or_reason(ring)
         == "its drum is an elastic ring, whose own width is not modelled"
     )
     stiff = vary(flexible, {"shoe.lining.material.nu": 0.4999})
-    assert "is all but incompressible" in plane_stress_errors_or_reason(stiff)
+    assert "is all but incompressible" in true_and_estimated_plane_stress_errors_or_reason(stiff)
 
 
 @pytest.mark.parametrize("name", ["torque", "pressure", "reaction"])
@@ -77,12 +77,12 @@ def test_what_remains_after_the_correction_is_within_its_share_on_other_brakes()
     brakes = [draw_random_brake(seed, kinds[seed % 4]) for seed in range(3000, 3016)]
     rows = [
         found
-        for found in map(plane_stress_errors_or_reason, brakes)
-        if isinstance(found, WidthErrorRow)
+        for found in map(true_and_estimated_plane_stress_errors_or_reason, brakes)
+        if isinstance(found, TrueAndEstimatedPlaneStressErrorRow)
     ]
     shares = []
-    for name, stated in REMAINING_SHARE.items():
-        own = [found for found in rows if found.true[name] > LEAST_JUDGED]
+    for name, stated in REMAINING_ERROR_OVER_WIDTH_CORRECTION.items():
+        own = [found for found in rows if found.true[name] > LEAST_JUDGED_PLANE_STRESS_ERROR]
         shares += [
             found.error_share_remaining_after_width_correction(name) / stated for found in own
         ]

@@ -6,12 +6,12 @@ import pytest
 from conftest import partly
 from drumlin.base.errors import BadInput
 from drumlin.brake.file import read_brake, vary
-from drumlin.fem.error_control.levels import LEVELS
+from drumlin.fem.error_control.levels import REFINEMENT_LEVELS_FROM_COARSE_TO_FINE
 from drumlin.fem.error_control.singular_points import singular_points_of_each_shoe_shape
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.substructure.body import rigid_body_displacements_of_nodes
-from drumlin.fem.width.error import WIDTH_LEVEL
-from drumlin.fem.width.functions import WidthFunctions
+from drumlin.fem.width.error import LEVEL_OF_PLANE_STRESS_ERROR_ESTIMATE
+from drumlin.fem.width.functions import FunctionsAcrossWidth
 from drumlin.fem.width.prepare import (
     prepare_model_with_shoe_widths,
     reason_why_width_model_does_not_apply,
@@ -25,7 +25,7 @@ from wide_shoes import HELD, plane
 QUICK = ("T-section", "post", "grip", "pad")
 
 
-def wide(brake, degree, level=LEVELS[0], places=None):
+def wide(brake, degree, level=REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[0], places=None):
     return solve_prepared_model(prepare_model_with_shoe_widths(brake, level, degree, places), brake)
 
 
@@ -76,7 +76,7 @@ def test_forces_and_moments_balance(kind, degree):
 @pytest.mark.parametrize("kind", partly(HELD, QUICK))
 def test_rigid_body_modes_strain_nothing(kind):
     brake = HELD[kind]()
-    scene = prepare_model_with_shoe_widths(brake, LEVELS[0], 3)
+    scene = prepare_model_with_shoe_widths(brake, REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[0], 3)
     for body, shoe in zip(scene.bodies, brake.shoes, strict=True):
         inner = body.condensed
         R = rigid_body_displacements_of_nodes(body.line.xy, shoe.pin_position_in_shoe_frame)
@@ -91,7 +91,7 @@ def test_as_the_width_goes_to_zero_the_difference_falls_in_proportion(brake):
     apart = []
     for width in (40e-3, 8e-3, 2e-3, 5e-4):
         narrow = widths(brake, width)
-        level = refinement_level_for_narrow_shoes(narrow, LEVELS[0])
+        level = refinement_level_for_narrow_shoes(narrow, REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[0])
         own = wide(narrow, 2), plane(narrow, level)
         apart.append(abs(relative_error_of_number(own[0].torque, own[1].torque)))
     first, second, third, fourth = apart
@@ -103,13 +103,15 @@ def test_as_the_width_goes_to_zero_the_difference_falls_in_proportion(brake):
 
 @pytest.mark.slow
 def test_on_the_main_brake_it_is_the_solid_shoes_to_which_hexahedra_converge(brake):
-    points = singular_points_of_each_shoe_shape(brake, plane(brake, LEVELS[1]))
-    functions = WidthFunctions((0.0, 17e-3, 20e-3), 4)
-    mine = wide(brake, lambda shoe: functions, LEVELS[1], points)
+    points = singular_points_of_each_shoe_shape(
+        brake, plane(brake, REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[1])
+    )
+    functions = FunctionsAcrossWidth((0.0, 17e-3, 20e-3), 4)
+    mine = wide(brake, lambda shoe: functions, REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[1], points)
     # 448.7310 N m is the limit of quadratic hexahedra, 80 of them along each lining, which an
     # earlier solver of drumlin extrapolated.
     assert mine.torque == pytest.approx(448.7310, rel=1e-5)
-    ungraded = wide(brake, 4, LEVELS[1], points)
+    ungraded = wide(brake, 4, REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[1], points)
     assert ungraded.torque == pytest.approx(448.7310, rel=2e-4)
 
 
@@ -120,7 +122,7 @@ def test_on_the_main_brake_it_is_the_solid_shoes_to_which_hexahedra_converge(bra
 def test_on_random_brakes_degree_zero_is_plane_stress(kind, seed):
     brake = draw_random_brake_of_kind(seed, kind)
     assert_same(wide(brake, 0), plane(brake), 1e-11)
-    balance = wide(brake, 2, WIDTH_LEVEL).balance
+    balance = wide(brake, 2, LEVEL_OF_PLANE_STRESS_ERROR_ESTIMATE).balance
     assert max(balance.force, balance.moment) < 1e-9
 
 
@@ -128,11 +130,13 @@ def test_what_is_not_covered_is_refused_in_a_line(brake, root):
     ring = read_brake(root / "studies" / "post_brake" / "brake.toml")
     assert reason_why_width_model_does_not_apply(brake) is None
     with pytest.raises(BadInput, match="its drum is an elastic ring, whose own width"):
-        prepare_model_with_shoe_widths(ring, LEVELS[0], 1)
+        prepare_model_with_shoe_widths(ring, REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[0], 1)
     with pytest.raises(BadInput, match="its bending_stiffness is not that of a section"):
-        prepare_model_with_shoe_widths(vary(ring, {"drum.ring": None}), LEVELS[0], 1)
+        prepare_model_with_shoe_widths(
+            vary(ring, {"drum.ring": None}), REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[0], 1
+        )
     full = vary(brake, {"shoe.lining.material.nu": 0.4995})
     with pytest.raises(BadInput, match=r"nu = 0\.4995 is all but incompressible; at most 0\.499"):
-        prepare_model_with_shoe_widths(full, LEVELS[0], 1)
+        prepare_model_with_shoe_widths(full, REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[0], 1)
     with pytest.raises(BadInput, match="--across = 10: must be from 0 to 9"):
-        prepare_model_with_shoe_widths(brake, LEVELS[0], 10)
+        prepare_model_with_shoe_widths(brake, REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[0], 10)

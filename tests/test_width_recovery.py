@@ -13,7 +13,7 @@ from drumlin.fem.analysis.solid_fields import (
     contact_face_of_solid_shoe,
     displacement_unknowns_of_solid_shoe,
 )
-from drumlin.fem.error_control.levels import LEVELS
+from drumlin.fem.error_control.levels import REFINEMENT_LEVELS_FROM_COARSE_TO_FINE
 from drumlin.fem.hp.division import divide_shoe_into_hp_elements
 from drumlin.fem.hp.element import reference_element_of_degree
 from drumlin.fem.model import solve_prepared_model
@@ -21,23 +21,23 @@ from drumlin.fem.preparation.displacements import nodal_displacements_of_shoe
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.substructure.body import rigid_body_displacements_of_nodes
 from drumlin.fem.width.columns import (
-    BackEdge,
-    assembled_stiffness_of_columns,
-    column_layers_of_shoe,
+    ConditionAtEdgeFarthestFromContact,
+    column_stiffnesses_without_inner_element_unknowns,
     condensation_plan_of_column,
     displacements_inside_elements,
     indices_of_unknowns_along_node_row,
+    layers_of_element_column_from_half_widths,
     unknowns_of_element_column_by_role_in_condensation,
 )
 from drumlin.fem.width.functions import (
-    WidthFunctions,
+    FunctionsAcrossWidth,
     functions_across_width_of_shoe,
     integrals_of_function_products_over_width,
     matrix_from_node_values_to_function_factors,
 )
 from drumlin.fem.width.integrals import LameConstants, cross_section_integrals_of_any_shape
 from drumlin.fem.width.prepare import prepare_model_with_shoe_widths
-from drumlin.fem.width.recovery import WidthUnknowns
+from drumlin.fem.width.recovery import EliminatedUnknownsOfShoeWithWidth
 from drumlin.response.balance import brake_with_forces_of_response
 from sections import without_contraction
 from wide_shoes import HELD
@@ -47,7 +47,9 @@ ROUND_OFF = 1e-8
 
 
 def prepared(kind, degree):
-    return prepare_model_with_shoe_widths(HELD[kind](), LEVELS[0], degree)
+    return prepare_model_with_shoe_widths(
+        HELD[kind](), REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[0], degree
+    )
 
 
 def contact_displacements(unknowns, u):
@@ -101,8 +103,8 @@ def test_a_motion_of_the_frame_moves_the_shoe_as_a_rigid_body():
 def test_without_contraction_one_width_moves_as_plane_stress(kind, degree):
     brake = without_contraction(HELD[kind]())
     plane, wide = (
-        make_prepared_model(brake, LEVELS[0]),
-        prepare_model_with_shoe_widths(brake, LEVELS[0], degree),
+        make_prepared_model(brake, REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[0]),
+        prepare_model_with_shoe_widths(brake, REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[0], degree),
     )
     response = solve_prepared_model(plane, brake)
     under_forces = brake_with_forces_of_response(brake, response)
@@ -127,7 +129,7 @@ def test_without_contraction_one_width_moves_as_plane_stress(kind, degree):
 @pytest.mark.parametrize("degree", [0, 3])
 def test_a_uniform_pressure_on_a_bonded_layer_makes_a_uniform_stress(degree):
     brake = without_contraction(HELD["rigid pad"]())
-    scene = prepare_model_with_shoe_widths(brake, LEVELS[0], degree)
+    scene = prepare_model_with_shoe_widths(brake, REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[0], degree)
     shoe, body, pressure = brake.shoes[0], scene.bodies[0], 2e6
     inner, count = displacement_unknowns_of_solid_shoe(body), len(body.line.nodes)
     nodal = -body.coupling.N.T @ np.full((count, 1), pressure)
@@ -145,8 +147,10 @@ def test_a_uniform_pressure_on_a_bonded_layer_makes_a_uniform_stress(degree):
 def test_the_patch_test_holds_inside_a_column(p, q):
     """Uniform strain without stress across the width: what was eliminated is exact."""
     lame, halves = LameConstants(1.3, 0.7), (1.1, 1.1)
-    functions = WidthFunctions((0.0, 0.4, 1.1), q)
-    stack = column_layers_of_shoe(functions, halves, p, contact=False, back=BackEdge.FREE)
+    functions = FunctionsAcrossWidth((0.0, 0.4, 1.1), q)
+    stack = layers_of_element_column_from_half_widths(
+        functions, halves, p, contact=False, back=ConditionAtEdgeFarthestFromContact.FREE
+    )
     along = indices_of_unknowns_along_node_row(p)
     plan, names = (
         condensation_plan_of_column(stack, along),
@@ -174,7 +178,7 @@ def test_the_patch_test_holds_inside_a_column(p, q):
         return np.array(found)[:, None]
 
     kept, rest = exact(names.kept), exact(names.rest)
-    K, C, inner = assembled_stiffness_of_columns(parts, widths, plan)
+    K, C, inner = column_stiffnesses_without_inner_element_unknowns(parts, widths, plan)
     # The edge at the contact and the back are loaded by the stress; no force acts between them.
     forces = C[0] @ kept + inner[0] @ rest
     middle = np.array([u.row == p for u in names.rest])
@@ -203,8 +207,10 @@ def test_loads_on_the_end_of_a_t_section_are_even_over_the_width_of_table_and_we
     brake = vary(flexible, {"shoe.body.table": table, "shoe.body.width": 6e-3})
     shoe = brake.shoes[0]
     functions = functions_across_width_of_shoe(shoe, 2)
-    division = divide_shoe_into_hp_elements(shoe, brake.size, LEVELS[0])
-    unknowns = WidthUnknowns(shoe, brake.size, division, functions)
+    division = divide_shoe_into_hp_elements(
+        shoe, brake.size, REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[0]
+    )
+    unknowns = EliminatedUnknownsOfShoeWithWidth(shoe, brake.size, division, functions)
     nodes, line = (
         unknowns.grid.sets["actuation"],
         unknowns.layers.unknowns_across_body_thickness(division),

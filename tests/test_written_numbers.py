@@ -10,7 +10,7 @@ from drumlin.base.errors import BadInput
 from drumlin.base.written_numbers import number_from_text_as_people_write_it
 from drumlin.brake.drum_brake import DrumBrake
 from drumlin.brake.file import make_drum_brake_from_data, read_brake, vary
-from drumlin.brake.schema import QUANTITY
+from drumlin.brake.schema import PATTERN_OF_QUANTITY_TEXT
 from drumlin.brake.units import quantity_in_si
 from drumlin.sweeps.file import sweep_from_file_data
 from drumlin.verification.check import read_pressure_curves
@@ -79,7 +79,7 @@ WRITTEN = [
 def test_quantities_are_read_as_people_write_them(si, text, value):
     assert quantity_in_si(text, si, unit_required=True) == pytest.approx(value, rel=1e-14)
     # An editor that checks the file by its schema marks no text that is read.
-    assert re.search(QUANTITY, text)
+    assert re.search(PATTERN_OF_QUANTITY_TEXT, text)
 
 
 @pytest.mark.parametrize(

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from drumlin.brake.file import read_brake, vary
-from drumlin.fem.error_control.levels import LEVELS
+from drumlin.fem.error_control.levels import REFINEMENT_LEVELS_FROM_COARSE_TO_FINE
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import make_prepared_model
 from flat_pads import pad
@@ -46,5 +46,5 @@ HELD = {
 """Brakes of all ways to hold and push shoes."""
 
 
-def plane(brake, level=LEVELS[0]):
+def plane(brake, level=REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[0]):
     return solve_prepared_model(make_prepared_model(brake, level), brake)

@@ -5,11 +5,11 @@ import numpy as np
 from drumlin.contact.equations import ContactProblem
 from drumlin.fem.substructure.interface import (
     ContactLine,
+    coupling_matrices_of_contact_line,
     function_that_returns_drum_normals_and_tangents,
-    weak_coupling_of_contact_line,
 )
 from drumlin.lining_wear.archard import (
-    WearInterface,
+    WearContactProblem,
     WearLaw,
 )
 
@@ -26,7 +26,7 @@ def winkler(gap, *, elements=24, mu=MU, arc=(0.3, 2.2)):
     phi = np.linspace(*arc, 2 * elements + 1)
     xy = RADIUS * np.array([np.cos(phi), np.sin(phi)])
     pieces = np.arange(0, 2 * elements, 2) + np.arange(3)[:, None]
-    coupling = weak_coupling_of_contact_line(
+    coupling = coupling_matrices_of_contact_line(
         ContactLine(np.arange(len(phi)), xy, phi, pieces),
         WIDTH,
         function_that_returns_drum_normals_and_tangents(1),
@@ -41,7 +41,7 @@ def winkler(gap, *, elements=24, mu=MU, arc=(0.3, 2.2)):
         # The shoe presses as it turns clockwise.
         h=np.array([FORCE]),
     )
-    interface = WearInterface(
+    interface = WearContactProblem(
         problem,
         np.zeros(len(phi)),
         coupling.M,

@@ -25,7 +25,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from drumlin.base.errors import BadInput, NoAnswer
-    from drumlin.brake import read_any as read_brake
+    from drumlin.brake import read_drum_or_plane_brake as read_brake
     from drumlin.brake import vary
     from drumlin.brake.brake import Brake
     from drumlin.door import (
@@ -73,12 +73,12 @@ __all__ = [
 ]
 
 # Module and name of the public objects that are not in drumlin.door, by their public name.
-_ELSEWHERE = {
+_MODULE_AND_NAME_BY_PUBLIC_NAME = {
     "BadInput": ("drumlin.base.errors", "BadInput"),
     "Brake": ("drumlin.brake", "Brake"),
     "NoAnswer": ("drumlin.base.errors", "NoAnswer"),
     "Response": ("drumlin.response", "Response"),
-    "read_brake": ("drumlin.brake", "read_any"),
+    "read_brake": ("drumlin.brake", "read_drum_or_plane_brake"),
     "vary": ("drumlin.brake", "vary"),
 }
 
@@ -87,7 +87,7 @@ def __getattr__(name: str) -> Any:
     """Load the module of a public name when the name is first used, and return its object."""
     if name not in __all__:
         raise AttributeError(f"module 'drumlin' has no attribute {name!r}")
-    module, attribute = _ELSEWHERE.get(name, ("drumlin.door", name))
+    module, attribute = _MODULE_AND_NAME_BY_PUBLIC_NAME.get(name, ("drumlin.door", name))
     value = globals()[name] = getattr(import_module(module), attribute)
     return value
 

@@ -33,18 +33,18 @@ from drumlin.response.norms import (
     relative_distance_of_vectors,
     relative_error_of_number,
 )
-from drumlin.response.response import EDGE_ZONE, Response
+from drumlin.response.response import UNCOMPARED_EDGE_ZONE_IN_RADIANS, Response
 from drumlin.response.show import plot_pressure_of_each_shoe, text_of_contact_arcs
 
-COLD = "cold"
+NAME_OF_RESULT_WITHOUT_HEAT = "cold"
 """Name, in comparisons, of the result that finite elements give for a heated brake without heat."""
 
-# Type variable for the class of the compared brake: `Comparison.brake` keeps this class.
-BrakeKind = TypeVar("BrakeKind", bound=Brake)
+# Type variable for the class of the compared brake: `ModelComparison.brake` keeps this class.
+BrakeTypeVariable = TypeVar("BrakeTypeVariable", bound=Brake)
 
 
 @dataclass(frozen=True)
-class Outcome:
+class ModelResultOrReasonOfFailure:
     """The result of one model for a brake, or the reason why the model has no answer.
 
     Attributes
@@ -63,10 +63,13 @@ class Outcome:
     repeats: int
 
 
-def solve_and_time_model(name: str, solve: Callable[[], Response], repeats: int = 1) -> Outcome:
+def solve_and_time_model(
+    name: str, solve: Callable[[], Response], repeats: int = 1
+) -> ModelResultOrReasonOfFailure:
     """Solve a brake by one model and measure the time.
 
-    If the model raises NoAnswer, the Outcome has the reason, and no exception is raised.
+    If the model raises NoAnswer, the ModelResultOrReasonOfFailure has the reason, and no exception
+    is raised.
 
     Parameters
     ----------
@@ -82,10 +85,10 @@ def solve_and_time_model(name: str, solve: Callable[[], Response], repeats: int 
         except NoAnswer as error:
             failure = str(error)
         seconds.append(time.perf_counter() - start)
-    return Outcome(name, response, failure, median(seconds), repeats)
+    return ModelResultOrReasonOfFailure(name, response, failure, median(seconds), repeats)
 
 
-class Extrapolated(NamedTuple):
+class RichardsonLimit(NamedTuple):
     """The limit of a value as meshes are refined, by Richardson extrapolation from three meshes.
 
     Attributes
@@ -103,7 +106,7 @@ class Extrapolated(NamedTuple):
 
 def richardson_limit_from_changes_between_meshes(
     fine: float, first: float, last: float, ratio: float = 2.0
-) -> Extrapolated:
+) -> RichardsonLimit:
     """Estimate the limit of a value as meshes are refined, by Richardson extrapolation.
 
     The extrapolation needs two changes of the same sign, of which the second is smaller than the
@@ -118,20 +121,20 @@ def richardson_limit_from_changes_between_meshes(
     ratio : ratio of the element sizes of two successive meshes
     """
     if last == 0:
-        return Extrapolated(math.nan, fine, abs(first))
+        return RichardsonLimit(math.nan, fine, abs(first))
     # `gain` is the first change divided by the second.
     gain = first / last
     order = math.log(abs(gain), ratio) if abs(gain) > 1 else math.nan
     if gain <= 1:
-        return Extrapolated(order, fine, max(abs(first), abs(last)))
+        return RichardsonLimit(order, fine, max(abs(first), abs(last)))
     # The changes beyond the finest mesh are a geometric series with the ratio 1/gain.
     correction = last / (gain - 1)
-    return Extrapolated(order, fine + correction, abs(correction))
+    return RichardsonLimit(order, fine + correction, abs(correction))
 
 
 def richardson_limit_from_three_meshes(
     coarse: float, medium: float, fine: float, ratio: float = 2.0
-) -> Extrapolated:
+) -> RichardsonLimit:
     """Estimate the limit of a value from three meshes.
 
     See `richardson_limit_from_changes_between_meshes`.
@@ -139,7 +142,7 @@ def richardson_limit_from_three_meshes(
     return richardson_limit_from_changes_between_meshes(fine, medium - coarse, fine - medium, ratio)
 
 
-class TableColumn(NamedTuple):
+class ResultTableColumn(NamedTuple):
     """A column of a table of results as people read it.
 
     Attributes
@@ -173,36 +176,40 @@ class TableColumn(NamedTuple):
         return f"{self.heading} [{self.unit}]" if self.unit else self.heading
 
 
-COLUMNS = (
-    TableColumn("case", "case"),
-    TableColumn("rotation", "drum turns"),
-    TableColumn("shoe", "shoe"),
-    TableColumn("model", "model"),
-    TableColumn("torque", "torque", "N m", 1, ".5g"),
-    TableColumn("torque_error", "error of torque", "%", 100, "+.2f"),
-    TableColumn("stated_torque_error", "stated error of torque", "%", 100, ".1g"),
-    TableColumn("peak_pressure", "peak pressure", "MPa", 1e-6, ".4g"),
-    TableColumn("peak_error", "error of peak", "%", 100, "+.1f"),
-    TableColumn("pressure_error", "error of p (L2)", "%", 100, ".1f"),
-    TableColumn("stated_pressure_error", "stated error of p", "%", 100, ".1g"),
-    TableColumn("reaction", "hinge reaction", "N", 1, ".5g"),
-    TableColumn("reaction_error", "error of reaction", "%", 100, ".1f"),
-    TableColumn("contact", "contact arcs", "deg"),
-    TableColumn("self_energising", "self-energising"),
-    TableColumn("seconds", "run time", "ms", 1e3, ".3g"),
-    TableColumn("status", "status"),
+COLUMNS_OF_COMPARISON_TABLE = (
+    ResultTableColumn("case", "case"),
+    ResultTableColumn("rotation", "drum turns"),
+    ResultTableColumn("shoe", "shoe"),
+    ResultTableColumn("model", "model"),
+    ResultTableColumn("torque", "torque", "N m", 1, ".5g"),
+    ResultTableColumn("torque_error", "error of torque", "%", 100, "+.2f"),
+    ResultTableColumn("stated_torque_error", "stated error of torque", "%", 100, ".1g"),
+    ResultTableColumn("peak_pressure", "peak pressure", "MPa", 1e-6, ".4g"),
+    ResultTableColumn("peak_error", "error of peak", "%", 100, "+.1f"),
+    ResultTableColumn("pressure_error", "error of p (L2)", "%", 100, ".1f"),
+    ResultTableColumn("stated_pressure_error", "stated error of p", "%", 100, ".1g"),
+    ResultTableColumn("reaction", "hinge reaction", "N", 1, ".5g"),
+    ResultTableColumn("reaction_error", "error of reaction", "%", 100, ".1f"),
+    ResultTableColumn("contact", "contact arcs", "deg"),
+    ResultTableColumn("self_energising", "self-energising"),
+    ResultTableColumn("seconds", "run time", "ms", 1e3, ".3g"),
+    ResultTableColumn("status", "status"),
 )
 """The columns of the table of a comparison, in their order."""
 
 
 def comparison_table_rows(
-    brake: Brake, outcomes: Sequence[Outcome], reference: str = "fem", case: str | None = None
+    brake: Brake,
+    outcomes: Sequence[ModelResultOrReasonOfFailure],
+    reference: str = "fem",
+    case: str | None = None,
 ) -> list[dict[str, Any]]:
     """The rows of the table of a comparison: one for each model and shoe.
 
     Each model also has a row for the whole brake, in which the shoe is "all". The keys are those of
-    COLUMNS, the values are in SI units and errors are fractions. On a plane the torque is the
-    braking force [N]. A model without an answer has one row, with the reason in "status".
+    COLUMNS_OF_COMPARISON_TABLE, the values are in SI units and errors are fractions. On a plane the
+    torque is the braking force [N]. A model without an answer has one row, with the reason in
+    "status".
 
     Parameters
     ----------
@@ -216,7 +223,11 @@ def comparison_table_rows(
     table: list[dict[str, Any]] = []
     # Each row begins with the case and the model; the values follow.
     for outcome in outcomes:
-        base = {"case": case or brake.title, "rotation": brake.sense, "model": outcome.model}
+        base = {
+            "case": case or brake.title,
+            "rotation": brake.direction_as_text_in_tables,
+            "model": outcome.model,
+        }
         if outcome.response is None:
             status = f"failed: {outcome.failure}"
             table.append({**base, "shoe": "all", "seconds": outcome.seconds, "status": status})
@@ -231,7 +242,7 @@ def comparison_table_rows(
 def _table_row_of_shoe(
     brake: Brake, response: Response, i: int, true: Response | None
 ) -> dict[str, Any]:
-    """The values of one shoe in the table of a comparison, by the keys of COLUMNS.
+    """The values of one shoe in the table of a comparison, by the keys of its columns.
 
     Parameters
     ----------
@@ -267,7 +278,9 @@ def _table_row_of_shoe(
     return row
 
 
-def _table_row_of_whole_brake(outcome: Outcome, true: Response | None) -> dict[str, Any]:
+def _table_row_of_whole_brake(
+    outcome: ModelResultOrReasonOfFailure, true: Response | None
+) -> dict[str, Any]:
     """The values of the whole brake by one model in the table of a comparison.
 
     `true` is the result that errors refer to; None for a row without errors.
@@ -287,10 +300,10 @@ def length_of_uncompared_zone_at_lining_end(brake: Brake) -> float:
 
     It is an angle [rad] on a drum and a length [m] on a plane.
     """
-    return EDGE_ZONE * brake.unit
+    return UNCOMPARED_EDGE_ZONE_IN_RADIANS * brake.surface_coordinate_per_phi
 
 
-def comparison_columns_for_brake(brake: Brake) -> tuple[TableColumn, ...]:
+def comparison_columns_for_brake(brake: Brake) -> tuple[ResultTableColumn, ...]:
     """The columns of the table of a comparison for this brake.
 
     For a brake on a plane the headings name the braking force in place of the torque, with its
@@ -298,15 +311,20 @@ def comparison_columns_for_brake(brake: Brake) -> tuple[TableColumn, ...]:
     """
     surface = brake.surface
     if not surface.is_plane_and_not_drum:
-        return COLUMNS
+        return COLUMNS_OF_COMPARISON_TABLE
     # The keys are the same for drum and plane, so that programs can read both kinds of table.
     words: dict[str, dict[str, Any]] = {
-        "rotation": {"heading": surface.moving},
-        "torque": {"heading": surface.effect, "unit": surface.effect_unit},
+        "rotation": {"heading": surface.name_of_moving_body},
+        "torque": {
+            "heading": surface.word_for_torque_or_brake_force,
+            "unit": surface.unit_of_torque_or_brake_force,
+        },
         "torque_error": {"heading": "error of the force"},
         "contact": {"unit": surface.shown_unit},
     }
-    return tuple(column._replace(**words.get(column.key, {})) for column in COLUMNS)
+    return tuple(
+        column._replace(**words.get(column.key, {})) for column in COLUMNS_OF_COMPARISON_TABLE
+    )
 
 
 def table_as_csv_text(table: Sequence[dict[str, Any]]) -> str:
@@ -327,7 +345,7 @@ def table_as_csv_text(table: Sequence[dict[str, Any]]) -> str:
 
 
 @dataclass(frozen=True, repr=False)
-class Comparison(Generic[BrakeKind]):
+class ModelComparison(Generic[BrakeTypeVariable]):
     """A brake and its results by every model that applies; the finite elements come first.
 
     Attributes
@@ -338,8 +356,8 @@ class Comparison(Generic[BrakeKind]):
     """
 
     case: str
-    brake: BrakeKind
-    outcomes: tuple[Outcome, ...]
+    brake: BrakeTypeVariable
+    outcomes: tuple[ModelResultOrReasonOfFailure, ...]
 
     @property
     def responses(self) -> dict[str, Response]:
@@ -389,14 +407,14 @@ class Comparison(Generic[BrakeKind]):
 
 
 def compare(
-    brake: BrakeKind,
+    brake: BrakeTypeVariable,
     case: str = "",
     repeats: int = 1,
     models: Sequence[str] | None = None,
     *,
     solid: bool = False,
     **options: Any,
-) -> Comparison[BrakeKind]:
+) -> ModelComparison[BrakeTypeVariable]:
     """Solve a brake by all models that apply, side by side.
 
     The finite elements solve a brake with heated parts twice: hot, and cold.
@@ -412,7 +430,7 @@ def compare(
 
     Returns
     -------
-    Comparison
+    ModelComparison
         the results by model, and the rows of a table with errors relative to the finite elements,
         as fractions; a model without an answer has a row with the reason
 
@@ -428,7 +446,9 @@ def compare(
     for name, reason in reasons_why_models_do_not_apply(brake, named).items():
         # A model that does not apply gets a row only if the user names it.
         if models is not None and name in models:
-            outcomes.append(Outcome(name, None, f"does not apply: {reason}", 0.0, 0))
+            outcomes.append(
+                ModelResultOrReasonOfFailure(name, None, f"does not apply: {reason}", 0.0, 0)
+            )
     for model in applicable_models(brake, named):
         if models is not None and model.name not in models:
             continue
@@ -441,18 +461,18 @@ def compare(
         # A heated brake is also solved without its heat, for comparison.
         if model.name == "fem" and names_of_heated_parts(brake):
             solve = partial(_solve_brake_without_heat, model, brake, **own_options)
-            outcomes.append(solve_and_time_model(COLD, solve, times))
-    return Comparison(case or brake.title, brake, tuple(outcomes))
+            outcomes.append(solve_and_time_model(NAME_OF_RESULT_WITHOUT_HEAT, solve, times))
+    return ModelComparison(case or brake.title, brake, tuple(outcomes))
 
 
 def _solve_brake_without_heat(model: Model, brake: Brake, **options: Any) -> Response:
     """The result of a model for a heated brake without its heat."""
     response = model.solve(brake_with_heat_only_in_given_parts(brake, ()), **options)
-    return replace(response, model=COLD)
+    return replace(response, model=NAME_OF_RESULT_WITHOUT_HEAT)
 
 
 @dataclass(frozen=True)
-class Convergence:
+class ResultsOnRefinedMeshes:
     """The results of a brake on several meshes, each with twice as many elements as the one before.
 
     Attributes
@@ -465,7 +485,7 @@ class Convergence:
     responses: tuple[Response, ...]
 
     @property
-    def torque(self) -> Extrapolated:
+    def torque(self) -> RichardsonLimit:
         """The torque of the brake [N m] extrapolated from the three finest meshes to its limit."""
         return richardson_limit_from_three_meshes(
             *(response.torque for response in self.responses[-3:])
@@ -492,7 +512,7 @@ class Convergence:
         return limit.order, limit.uncertainty
 
 
-def solve_on_refined_meshes(brake: Brake, elements: Sequence[int]) -> Convergence:
+def solve_on_refined_meshes(brake: Brake, elements: Sequence[int]) -> ResultsOnRefinedMeshes:
     """Solve a brake by finite elements on several meshes, without penalty in the contact.
 
     `elements` are the numbers of elements along each lining, from coarse to fine.
@@ -501,4 +521,4 @@ def solve_on_refined_meshes(brake: Brake, elements: Sequence[int]) -> Convergenc
     from drumlin.fem.solve import solve  # noqa: PLC0415
 
     responses = tuple(solve(brake, elements=n, penalty=math.inf) for n in elements)
-    return Convergence(tuple(elements), responses)
+    return ResultsOnRefinedMeshes(tuple(elements), responses)

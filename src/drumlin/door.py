@@ -19,28 +19,28 @@ from drumlin.base.errors import BadInput, DrumlinError, NoAnswer
 if TYPE_CHECKING:
     from drumlin.brake.brake import Brake
     from drumlin.brake.surface import FrictionSurface
-    from drumlin.comparison import Comparison
-    from drumlin.fem.analysis.fields import Fields
-    from drumlin.fem.analysis.holding import Hold
-    from drumlin.fem.analysis.sensitivity import Sensitivity
-    from drumlin.laws.own import Shape
+    from drumlin.comparison import ModelComparison
+    from drumlin.fem.analysis.fields import StressAndDisplacementFields
+    from drumlin.fem.analysis.holding import HoldingState
+    from drumlin.fem.analysis.sensitivity import TorqueSensitivities
+    from drumlin.laws.own import PressureShapeFunction
     from drumlin.lining_wear.whole_brake import WearRun
     from drumlin.models import Model
     from drumlin.response.response import Response
-    from drumlin.sizing import Sizing
+    from drumlin.sizing import SizingResult
     from drumlin.sweeps.sweep_table import SweepTable
-    from drumlin.verification.check import Verdict
-    from drumlin.verification.reference import Reference
+    from drumlin.verification.check import DeviationOfCurveFromReference
+    from drumlin.verification.reference import ReferenceValuesOfBrake
 
     BrakeOrPath = Brake | Path | str
 
-MOST_STEPS = 10_000
+MAX_ROTATION_INCREMENTS_OF_HOLD = 10_000
 """Largest number of increments in which `hold` turns the drum.
 
 The states of so many increments fill some 100 MB of JSON.
 """
 
-Say = Callable[[str], None]
+FunctionThatShowsProgressText = Callable[[str], None]
 """The type of a function that shows the user a line about the progress of a computation."""
 
 
@@ -49,13 +49,13 @@ def _ignore_text_about_progress(_: str) -> None:
 
 
 # Type variables for the arguments and the result of a public function.
-Arguments = ParamSpec("Arguments")
-Result = TypeVar("Result")
+FunctionArguments = ParamSpec("FunctionArguments")
+FunctionResult = TypeVar("FunctionResult")
 
 
 def _make_public_function_that_rewords_errors(
-    function: Callable[Arguments, Result],
-) -> Callable[Arguments, Result]:
+    function: Callable[FunctionArguments, FunctionResult],
+) -> Callable[FunctionArguments, FunctionResult]:
     """Make a public function whose errors name its arguments, not options of the command line.
 
     The packages that do the work write their messages for the command line. The command line calls
@@ -64,9 +64,9 @@ def _make_public_function_that_rewords_errors(
     names = tuple(inspect.signature(function).parameters)
 
     @wraps(function)
-    def function_that_rewords_errors(
-        *arguments: Arguments.args, **options: Arguments.kwargs
-    ) -> Result:
+    def call_function_and_reword_errors(
+        *arguments: FunctionArguments.args, **options: FunctionArguments.kwargs
+    ) -> FunctionResult:
         """Call the function, and name Python arguments in the errors that it raises."""
         try:
             _check_integers_of_arguments_have_few_digits(names, arguments, options)
@@ -75,7 +75,7 @@ def _make_public_function_that_rewords_errors(
             error.replace_options_by_python_arguments_in_message()
             raise
 
-    return function_that_rewords_errors
+    return call_function_and_reword_errors
 
 
 def _check_integers_of_arguments_have_few_digits(
@@ -96,7 +96,7 @@ def _check_integers_of_arguments_have_few_digits(
             raise BadInput(str(error)) from None
 
 
-class _Source(NamedTuple):
+class _BrakeWithFileText(NamedTuple):
     """A brake with the text of its file.
 
     Attributes
@@ -123,23 +123,23 @@ def _brake_itself_or_read_from_file(brake: BrakeOrPath) -> Brake:
     return brake_itself_or_read_from_file(brake)
 
 
-def _brake_with_text_of_its_file(brake: BrakeOrPath) -> _Source:
+def _brake_with_text_of_its_file(brake: BrakeOrPath) -> _BrakeWithFileText:
     """Return a brake with the text of its brake file.
 
     For a brake that was not read from a file it is the text that `write_brake` writes.
     """
     from drumlin.base.texts import command_text_without_folders
-    from drumlin.brake import read_any
+    from drumlin.brake import read_drum_or_plane_brake
     from drumlin.brake.file import read_text_of_brake_file
     from drumlin.brake.writing import brake_file_text
 
     # A brake that was not read from a file has no folder in which reference values could lie.
     if not isinstance(brake, str | Path):
-        return _Source(brake, brake_file_text(brake), None, "drumlin.reference(brake)")
+        return _BrakeWithFileText(brake, brake_file_text(brake), None, "drumlin.reference(brake)")
     path = Path(brake)
     text = read_text_of_brake_file(path)
     command = command_text_without_folders(["drumlin", "reference", str(path)])
-    return _Source(read_any(path, text), text, path.parent, command)
+    return _BrakeWithFileText(read_drum_or_plane_brake(path, text), text, path.parent, command)
 
 
 def _solver_options_given_by_user(**options: Any) -> dict[str, Any]:
@@ -298,7 +298,7 @@ def compare(
     tolerance: float | None = None,
     finite_width: bool = False,
     solid: bool = False,
-) -> Comparison[Brake]:
+) -> ModelComparison[Brake]:
     """Solve a brake by all models that apply, side by side.
 
     Parameters
@@ -316,7 +316,7 @@ def compare(
 
     Returns
     -------
-    Comparison
+    ModelComparison
         `responses` has the results by model. `rows` has the rows of a table with run times [s] and
         errors relative to the finite elements, as fractions; a model without an answer has a row
         with the reason
@@ -362,8 +362,8 @@ def size(
     finite_width: bool = False,
     sections: int | None = None,
     lift: Sequence[str] | None = None,
-    say: Say = _ignore_text_about_progress,
-) -> Sizing:
+    say: FunctionThatShowsProgressText = _ignore_text_about_progress,
+) -> SizingResult:
     """Find the value of a key at which a brake has a wanted torque or peak pressure.
 
     Parameters
@@ -390,7 +390,7 @@ def size(
 
     Returns
     -------
-    Sizing
+    SizingResult
         the value of the key [SI], its error from the stated errors of the torque, the range that
         was searched, the brake with this value, and its response
 
@@ -410,7 +410,7 @@ def size(
     """
     from drumlin.brake.file import si_unit_of_brake_key
     from drumlin.models import check_options_belong_to_model, model_with_name_that_applies_to_brake
-    from drumlin.sizing import LARGEST, Question, size_brake
+    from drumlin.sizing import WORD_FOR_LARGEST_TORQUE, SizingQuestion, size_brake
 
     whole = _brake_itself_or_read_from_file(brake)
     given = _solver_options_given_by_user(
@@ -425,12 +425,14 @@ def size(
     check_options_belong_to_model(model, given)
     unit = si_unit_of_brake_key(whole, key) or ""
     wanted = torque
-    if torque is not None and torque != LARGEST:
-        wanted = _value_of_function_option_in_si("--torque", torque, whole.surface.effect_unit)
+    if torque is not None and torque != WORD_FOR_LARGEST_TORQUE:
+        wanted = _value_of_function_option_in_si(
+            "--torque", torque, whole.surface.unit_of_torque_or_brake_force
+        )
     pressure = None
     if peak_pressure is not None:
         pressure = _value_of_function_option_in_si("--peak-pressure", peak_pressure, "Pa")
-    question = Question(
+    question = SizingQuestion(
         whole,
         key,
         model,
@@ -553,7 +555,7 @@ def wear(
     kind: str | None = None,
     sections: int | None = None,
     lift: Sequence[str] | None = None,
-    say: Say = _ignore_text_about_progress,
+    say: FunctionThatShowsProgressText = _ignore_text_about_progress,
 ) -> WearRun:
     """Wear the linings of a brake by Archard's law, as during running-in.
 
@@ -614,7 +616,9 @@ def wear(
     held = (
         None
         if torque is None
-        else _value_of_function_option_in_si("--torque", torque, worn.surface.effect_unit)
+        else _value_of_function_option_in_si(
+            "--torque", torque, worn.surface.unit_of_torque_or_brake_force
+        )
     )
     options = on_springs if model == "foundation" else on_mesh
     setups = whole_brake.make_wear_setups_of_brake(
@@ -641,7 +645,7 @@ class HoldingRun(NamedTuple):
     """
 
     brake: Brake
-    states: tuple[Hold, ...]
+    states: tuple[HoldingState, ...]
 
     def as_dict(self) -> list[dict[str, Any]]:
         """The states as plain data for JSON, in SI; the keys are those of `drumlin hold --json`."""
@@ -653,9 +657,10 @@ class HoldingRun(NamedTuple):
         """Two lines of text: the largest moment that is held, and when the brake slips."""
         surface = self.brake.surface
 
-        def rotation_or_sliding_distance_as_text(state: Hold) -> str:
+        def rotation_or_sliding_distance_as_text(state: HoldingState) -> str:
             """The rotation of a state as text with its unit; on a plane the sliding distance."""
-            return f"{surface.moved} {state.rotation * surface.shown:.4g} {surface.shown_unit}"
+            shown = state.rotation * surface.si_to_shown_unit_factor
+            return f"{surface.word_for_motion} {shown:.4g} {surface.shown_unit}"
 
         held = max(self.states, key=lambda state: abs(state.torque))
         last = self.states[-1]
@@ -666,7 +671,7 @@ class HoldingRun(NamedTuple):
         if last.sticking == 0:
             first = next(state for state in self.states if state.sticking == 0)
             slips = f"the whole contact slips from {rotation_or_sliding_distance_as_text(first)} on"
-        moment = f"{abs(held.torque):.6g} {surface.effect_unit}"
+        moment = f"{abs(held.torque):.6g} {surface.unit_of_torque_or_brake_force}"
         return [f"holds up to {moment}, at {rotation_or_sliding_distance_as_text(held)}", slips]
 
 
@@ -680,7 +685,7 @@ def hold(
     elements: int | None = None,
     kind: str | None = None,
     penalty: float | None = None,
-    say: Say = _ignore_text_about_progress,
+    say: FunctionThatShowsProgressText = _ignore_text_about_progress,
 ) -> HoldingRun:
     """Turn the drum from rest against the shoes that hold it, through partial slip to full slip.
 
@@ -718,12 +723,12 @@ def hold(
     import numpy as np
 
     from drumlin.fem.analysis import holding
-    from drumlin.fem.analysis.prepared import prepared_model_for_analysis
+    from drumlin.fem.analysis.prepared import prepared_model_for_hold_wear_or_sensitivity
 
     held = _brake_itself_or_read_from_file(brake)
     held.check_shoes_can_be_meshed()
-    if not 1 <= steps <= MOST_STEPS:
-        raise BadInput(f"--steps = {steps}: must be from 1 to {MOST_STEPS}")
+    if not 1 <= steps <= MAX_ROTATION_INCREMENTS_OF_HOLD:
+        raise BadInput(f"--steps = {steps}: must be from 1 to {MAX_ROTATION_INCREMENTS_OF_HOLD}")
     on_mesh, stiffness = (
         _solver_options_given_by_user(elements=elements, kind=kind),
         _solver_options_given_by_user(penalty=penalty),
@@ -731,10 +736,10 @@ def hold(
     end = (
         None
         if rotation is None
-        else _value_of_function_option_in_si("--rotation", rotation, held.surface.unit)
+        else _value_of_function_option_in_si("--rotation", rotation, held.surface.coordinate_unit)
     )
     # If the user gives no rotation, the drum is turned until every node slips.
-    scene = prepared_model_for_analysis(held, model, **on_mesh)
+    scene = prepared_model_for_hold_wear_or_sensitivity(held, model, **on_mesh)
     if end is None:
         end = holding.find_drum_rotation_of_full_slip(scene, held, **stiffness)
     # The state at rest comes first, so that there is one state more than increments.
@@ -753,7 +758,7 @@ def sensitivity(
     elements: int | None = None,
     kind: str | None = None,
     penalty: float | None = None,
-) -> Sensitivity:
+) -> TorqueSensitivities:
     """Exact derivatives of the torque by friction, force, moduli, clearance and hinge position.
 
     Parameters
@@ -767,7 +772,7 @@ def sensitivity(
 
     Returns
     -------
-    Sensitivity
+    TorqueSensitivities
         `torque` T [N m], `friction` dT/dmu [N m], `S` = (mu/T) dT/dmu, and the derivatives by the
         data of each shoe; on a plane T is the braking force [N]
 
@@ -784,7 +789,7 @@ def sensitivity(
     >>> slopes.S > 1
     True
     """
-    from drumlin.fem.analysis.prepared import prepared_model_for_analysis
+    from drumlin.fem.analysis.prepared import prepared_model_for_hold_wear_or_sensitivity
     from drumlin.fem.analysis.sensitivity import compute_torque_sensitivity as slopes
 
     on_mesh, stiffness = (
@@ -793,10 +798,12 @@ def sensitivity(
     )
     whole = _brake_itself_or_read_from_file(brake)
     whole.check_shoes_can_be_meshed()
-    return slopes(prepared_model_for_analysis(whole, model, **on_mesh), whole, **stiffness)
+    return slopes(
+        prepared_model_for_hold_wear_or_sensitivity(whole, model, **on_mesh), whole, **stiffness
+    )
 
 
-class LockingLimit(NamedTuple):
+class SelfLockingFrictionOfGroup(NamedTuple):
     """The friction coefficient at which a group of shoes locks itself.
 
     Attributes
@@ -821,7 +828,7 @@ def self_locking(
     elements: int | None = None,
     kind: str | None = None,
     penalty: float = math.inf,
-) -> tuple[LockingLimit, ...]:
+) -> tuple[SelfLockingFrictionOfGroup, ...]:
     """Find the friction coefficient at which a brake locks itself, by finite elements.
 
     Parameters
@@ -834,7 +841,7 @@ def self_locking(
 
     Returns
     -------
-    tuple of LockingLimit
+    tuple of SelfLockingFrictionOfGroup
         one for each group of shoes whose forces depend on each other: all shoes on an elastic ring,
         on a cam or on struts; any other shoe is a group of its own
 
@@ -851,7 +858,7 @@ def self_locking(
     >>> [limit.shoes for limit in limits]
     [('right',), ('left',)]
     """
-    from drumlin.contact.self_locking import LARGEST_SOUGHT_FRICTION
+    from drumlin.contact.self_locking import LARGEST_SOUGHT_SELF_LOCKING_FRICTION
     from drumlin.fem.analysis.self_locking import self_locking_friction_of_shoe_groups
     from drumlin.fem.model import require_positive_penalty
     from drumlin.fem.solve import prepared_model_with_finest_elements
@@ -864,11 +871,11 @@ def self_locking(
     found = self_locking_friction_of_shoe_groups(
         prepared_model_with_finest_elements(whole, **on_mesh),
         whole,
-        LARGEST_SOUGHT_FRICTION if most is None else most,
+        LARGEST_SOUGHT_SELF_LOCKING_FRICTION if most is None else most,
         penalty,
     )
     return tuple(
-        LockingLimit(
+        SelfLockingFrictionOfGroup(
             tuple(whole.shoes[i].name for i in members), end.friction, end.pressure_stays_finite
         )
         for members, end in found.items()
@@ -876,7 +883,7 @@ def self_locking(
 
 
 @_make_public_function_that_rewords_errors
-def reference(brake: BrakeOrPath, output: Path | str | None = None) -> Reference:
+def reference(brake: BrakeOrPath, output: Path | str | None = None) -> ReferenceValuesOfBrake:
     """Compute reference values of a brake with uncertainties; this takes minutes.
 
     They come from two independent finite element programs.
@@ -888,7 +895,7 @@ def reference(brake: BrakeOrPath, output: Path | str | None = None) -> Reference
 
     Returns
     -------
-    Reference
+    ReferenceValuesOfBrake
         the torque [N m], and for each shoe its torque [N m], reactions [N] and pressure [Pa] at
         whole degrees, each with its uncertainty; on a plane the braking force [N], and pressures at
         whole millimetres
@@ -934,7 +941,7 @@ class CheckResult(NamedTuple):
     surface : the surface of the brake, drum or plane
     """
 
-    verdicts: tuple[Verdict, ...]
+    verdicts: tuple[DeviationOfCurveFromReference, ...]
     tolerance: float
     reference: str
     surface: FrictionSurface
@@ -942,9 +949,9 @@ class CheckResult(NamedTuple):
     @property
     def within(self) -> bool:
         """Whether the distances of every shoe are within the tolerance."""
-        from drumlin.verification.check import are_verdicts_within_tolerance
+        from drumlin.verification.check import are_curve_deviations_within_tolerance
 
-        return are_verdicts_within_tolerance(self.verdicts, self.tolerance)
+        return are_curve_deviations_within_tolerance(self.verdicts, self.tolerance)
 
     def lines(self) -> list[str]:
         """Lines of text about the errors of each shoe; the last line is a verdict on all shoes."""
@@ -960,7 +967,7 @@ def check(
     *,
     reference: Path | str | None = None,
     tolerance: float = 0.01,
-    say: Say = _ignore_text_about_progress,
+    say: FunctionThatShowsProgressText = _ignore_text_about_progress,
 ) -> CheckResult:
     """Compare pressures p(theta) from any source with reference values of the brake.
 
@@ -994,11 +1001,14 @@ def check(
     ...     print(fault)
     tolerance = 2: must be greater than 0 and less than 1
     """
-    from drumlin.studies import REPOSITORY
+    from drumlin.studies import FOLDER_OF_INSTALLED_OR_SOURCE_STUDIES_AND_MESHES
     from drumlin.verification.check import compare_curves_with_reference as verdicts_on
     from drumlin.verification.check import read_pressure_curves
     from drumlin.verification.reference import compute_reference_values as values_of
-    from drumlin.verification.reference_file import read_reference_file, stored_reference_path
+    from drumlin.verification.reference_file import (
+        path_of_stored_reference_for_brake_file_text,
+        read_reference_file,
+    )
 
     if not 0 < tolerance < 1:
         raise BadInput(f"--tolerance = {tolerance:g}: must be greater than 0 and less than 1")
@@ -1008,7 +1018,9 @@ def check(
     # and among drumlin's own values, in this order.
     values = Path("reports") / "reference" / "values"
     beside = () if source.folder is None else (source.folder,)
-    known = reference or stored_reference_path(source.text, *beside, values, REPOSITORY / values)
+    known = reference or path_of_stored_reference_for_brake_file_text(
+        source.text, *beside, values, FOLDER_OF_INSTALLED_OR_SOURCE_STUDIES_AND_MESHES / values
+    )
     if known is None:
         say("no stored reference: columns of high degree, then triangles")
         found, name = values_of(source.brake, source.text, source.command), "made anew"
@@ -1026,7 +1038,7 @@ def fields(
     elements: int | None = None,
     kind: str | None = None,
     penalty: float | None = None,
-) -> tuple[Fields, ...]:
+) -> tuple[StressAndDisplacementFields, ...]:
     """Displacements and stresses in the shoes, and in an elastic drum ring, by finite elements.
 
     Parameters
@@ -1039,7 +1051,7 @@ def fields(
 
     Returns
     -------
-    tuple of Fields
+    tuple of StressAndDisplacementFields
         one for each shoe, and last one for the drum ring if it is elastic: points (n, 2) [m],
         displacement (n, 2) [m], stress (n, 3) with xx, yy, xy [Pa], von Mises stress (n,) [Pa]
 
@@ -1087,7 +1099,7 @@ def fields(
 
 
 @_make_public_function_that_rewords_errors
-def law(name: str, assumes: str = "") -> Callable[[Shape], Shape]:
+def law(name: str, assumes: str = "") -> Callable[[PressureShapeFunction], PressureShapeFunction]:
     """Register a pressure law of your own by a decorator; `solve` and `compare` then know it.
 
     The law belongs to shoes that turn about a hinge on a drum. Only the shape of the pressure is
@@ -1127,13 +1139,15 @@ def law(name: str, assumes: str = "") -> Callable[[Shape], Shape]:
     # `@drumlin.law` without a name in brackets passes the function as the name: it is refused.
     require_allowed_name_for_law_of_user(name)
 
-    def register_law_and_return_its_shape(shape: Shape) -> Shape:
+    def register_law_and_return_function_unchanged(
+        shape: PressureShapeFunction,
+    ) -> PressureShapeFunction:
         """Register the law with the shape of its pressure, and return the function unchanged."""
         words = assumes or (shape.__doc__ or "a law of the user").strip().partition("\n")[0]
         register_law_with_pressure_shape(name, words, shape)
         return shape
 
-    return register_law_and_return_its_shape
+    return register_law_and_return_function_unchanged
 
 
 @_make_public_function_that_rewords_errors
@@ -1193,11 +1207,11 @@ def example(name: str) -> Brake:
     'duplex, shoes on abutments'
     """
     from drumlin.base.texts import did_you_mean_hint
-    from drumlin.brake import read_any
+    from drumlin.brake import read_drum_or_plane_brake
     from drumlin.studies import paths_of_example_brakes
 
     paths = paths_of_example_brakes()
     if name not in paths:
         hint = did_you_mean_hint(name, paths)
         raise BadInput(f"name = {name!r}: no such example{hint}; allowed: {', '.join(paths)}")
-    return read_any(paths[name])
+    return read_drum_or_plane_brake(paths[name])

@@ -10,11 +10,11 @@ from drumlin.base.files import require_fields_file_name_ends_in_vtu
 from drumlin.base.texts import did_you_mean_hint
 from drumlin.brake.brake import Brake
 from drumlin.brake.orthotropic import reason_if_any_part_is_orthotropic
-from drumlin.laws import LAWS, flat, hinged, naming, pivoted, rigid
-from drumlin.laws.own import Shape, make_law_from_pressure_shape
+from drumlin.laws import LAWS_OF_HINGED_SHOES_BY_NAME, flat, hinged, naming, pivoted, rigid
+from drumlin.laws.own import PressureShapeFunction, make_law_from_pressure_shape
 from drumlin.laws.pressure_friction import (
     reason_why_law_cannot_take_pressure_dependent_friction,
-    solve_brake_by_law_of_even_pressure,
+    solve_brake_by_law_of_uniform_pressure,
 )
 from drumlin.response.response import Response
 
@@ -67,9 +67,9 @@ def _solve_by_finite_elements(
 
 def _reason_why_finite_elements_do_not_apply(brake: Brake) -> str | None:
     """Why the finite elements do not apply to a brake; None if they apply."""
-    from drumlin.fem.preparation.scene import reason_why_brake_is_not_modelled
+    from drumlin.fem.preparation.scene import reason_against_finite_element_model
 
-    return reason_why_brake_is_not_modelled(brake)
+    return reason_against_finite_element_model(brake)
 
 
 def _solve_by_foundation_model(brake: Brake, **options: Any) -> Response:
@@ -100,7 +100,7 @@ def _reason_why_solid_shoe_model_does_not_apply(brake: Brake) -> str | None:
     return reason_why_width_model_does_not_apply(brake)
 
 
-class ShortShoeLaw(NamedTuple):
+class ShortShoeLawOfSurface(NamedTuple):
     """The law of the short shoe on one kind of surface.
 
     Attributes
@@ -113,14 +113,14 @@ class ShortShoeLaw(NamedTuple):
     solve: Callable[[Brake], Response]
 
 
-SHORT_SHOE_LAWS: Mapping[str, ShortShoeLaw] = {
-    "drum": ShortShoeLaw(
-        partial(hinged.reason_against_hinged_shoe_law, LAWS["short"]),
-        partial(hinged.solve_brake_with_hinged_shoes_by_law, LAWS["short"]),
+SHORT_SHOE_LAWS: Mapping[str, ShortShoeLawOfSurface] = {
+    "drum": ShortShoeLawOfSurface(
+        partial(hinged.reason_against_hinged_shoe_law, LAWS_OF_HINGED_SHOES_BY_NAME["short"]),
+        partial(hinged.solve_brake_with_hinged_shoes_by_law, LAWS_OF_HINGED_SHOES_BY_NAME["short"]),
     ),
-    "plane": ShortShoeLaw(
-        partial(flat.reason_against_flat_law, flat.FLAT_SHORT),
-        partial(flat.solve_brake_on_plane_by_law, flat.FLAT_SHORT),
+    "plane": ShortShoeLawOfSurface(
+        partial(flat.reason_against_flat_law, flat.SHORT_SHOE_LAW_ON_PLANE),
+        partial(flat.solve_brake_on_plane_by_law, flat.SHORT_SHOE_LAW_ON_PLANE),
     ),
 }
 """The law of the short shoe for each kind of surface, "drum" or "plane"."""
@@ -128,17 +128,17 @@ SHORT_SHOE_LAWS: Mapping[str, ShortShoeLaw] = {
 
 def _reason_why_short_shoe_law_does_not_apply(brake: Brake) -> str | None:
     """Why the law of the short shoe does not apply to a brake; None if it applies."""
-    return SHORT_SHOE_LAWS[brake.surface.word].why_not(brake)
+    return SHORT_SHOE_LAWS[brake.surface.name].why_not(brake)
 
 
 def _solve_by_short_shoe_law(brake: Brake) -> Response:
     """Solve a brake by the law of the short shoe."""
-    return SHORT_SHOE_LAWS[brake.surface.word].solve(brake)
+    return SHORT_SHOE_LAWS[brake.surface.name].solve(brake)
 
 
 def _make_model_of_hinged_law(name: str) -> Model:
     """Make the model of the law of hinged shoes that has this name."""
-    law = LAWS[name]
+    law = LAWS_OF_HINGED_SHOES_BY_NAME[name]
     return _make_model_of_closed_form_law(
         name,
         law.assumes,
@@ -172,7 +172,7 @@ def _make_model_of_closed_form_law(
             or reason_if_any_part_is_orthotropic(brake, "a closed-form law")
         )
 
-    solver = partial(solve_brake_by_law_of_even_pressure, solve)
+    solver = partial(solve_brake_by_law_of_uniform_pressure, solve)
     return Model(name, assumes, reason_why_law_does_not_apply, solver)
 
 
@@ -197,25 +197,25 @@ MODELS: dict[str, Model] = {
         _make_model_of_hinged_law("uniform"),
         _make_model_of_closed_form_law(
             "short",
-            LAWS["short"].assumes,
+            LAWS_OF_HINGED_SHOES_BY_NAME["short"].assumes,
             _reason_why_short_shoe_law_does_not_apply,
             _solve_by_short_shoe_law,
         ),
         _make_model_of_closed_form_law(
             "pivoted",
-            pivoted.PIVOTED_ASSUMES,
+            pivoted.PIVOTED_SHOE_LAW_ASSUMPTIONS,
             pivoted.reason_against_pivoted_shoe_law,
             partial(rigid.solve_brake_by_rigid_shoe_law, name="pivoted"),
         ),
         _make_model_of_closed_form_law(
             "linear",
-            flat.LINEAR.assumes,
-            partial(flat.reason_against_flat_law, flat.LINEAR),
+            flat.LINEAR_PRESSURE_LAW.assumes,
+            partial(flat.reason_against_flat_law, flat.LINEAR_PRESSURE_LAW),
             partial(rigid.solve_brake_by_rigid_shoe_law, name="linear"),
         ),
         _make_model_of_closed_form_law(
             "rigid",
-            rigid.RIGID_ASSUMES,
+            rigid.RIGID_SHOE_LAW_ASSUMPTIONS,
             naming.reason_why_brake_has_no_law_named_rigid,
             rigid.solve_brake_by_rigid_shoe_law,
         ),
@@ -233,20 +233,20 @@ MODELS: dict[str, Model] = {
 `register_law_with_pressure_shape` adds the laws of the user.
 """
 
-BUILT_IN_MODELS = frozenset(MODELS)
+NAMES_OF_BUILT_IN_MODELS = frozenset(MODELS)
 """Names of drumlin's own models, which no law of the user may have."""
 
 
 def require_allowed_name_for_law_of_user(name: object) -> None:
     """Raise BadInput for a name that is no word, or that a model of drumlin has."""
-    if not isinstance(name, str) or not name.isidentifier() or name in BUILT_IN_MODELS:
+    if not isinstance(name, str) or not name.isidentifier() or name in NAMES_OF_BUILT_IN_MODELS:
         raise BadInput(
             f"name = {name!r}: must be a word of letters, digits and underscores that is none of "
             f"{', '.join(MODELS)}"
         )
 
 
-def register_law_with_pressure_shape(name: str, assumes: str, shape: Shape) -> None:
+def register_law_with_pressure_shape(name: str, assumes: str, shape: PressureShapeFunction) -> None:
     """Add a law of the user to MODELS, or replace an earlier law of the user with this name.
 
     Parameters
@@ -305,16 +305,18 @@ def model_options_given_by_user(**options: Any) -> dict[str, Any]:
     elements = options.get("elements")
     # A number of elements out of range is refused before any model is loaded.
     if elements is not None:
-        from drumlin.fem.preparation.meshes import MOST_LINING_ELEMENTS
+        from drumlin.fem.preparation.meshes import MOST_ELEMENTS_ALONG_LINING
 
-        if not 1 <= elements <= MOST_LINING_ELEMENTS:
-            raise BadInput(f"--elements = {elements}: must be from 1 to {MOST_LINING_ELEMENTS}")
+        if not 1 <= elements <= MOST_ELEMENTS_ALONG_LINING:
+            raise BadInput(
+                f"--elements = {elements}: must be from 1 to {MOST_ELEMENTS_ALONG_LINING}"
+            )
     return {
         name: value for name, value in options.items() if value is not None and value is not False
     }
 
 
-OWN_OPTIONS: Mapping[str, tuple[str, ...]] = {
+OPTIONS_OF_EACH_MODEL: Mapping[str, tuple[str, ...]] = {
     "fem": ("elements", "kind", "penalty", "tolerance", "finite-width", "fields"),
     "solid": ("across", "penalty", "tolerance", "fields"),
     "foundation": ("sections", "lift"),
@@ -330,9 +332,9 @@ def check_options_belong_to_model(model: str, given: Collection[str]) -> None:
 
     `model` is the name of the chosen model, `given` are the names of the options in Python.
     """
-    own = OWN_OPTIONS.get(model, ())
+    own = OPTIONS_OF_EACH_MODEL.get(model, ())
     # Models may share options. An option is refused only if the chosen model does not have it.
-    for owner, names in OWN_OPTIONS.items():
+    for owner, names in OPTIONS_OF_EACH_MODEL.items():
         others = [f"--{name}" for name in names if name not in own]
         asked = any(option[2:].replace("-", "_") in given for option in others)
         # The message names all options of the other model that the chosen model does not have.

@@ -32,81 +32,81 @@ from drumlin.brake.file import (
 from drumlin.brake.units import quantity_with_usual_unit
 from drumlin.fem.analysis.sensitivity import compute_torque_sensitivity
 from drumlin.fem.analysis.slope_by_key import exact_torque_slope_by_key, slopes_wanted_for_key
-from drumlin.fem.preparation.cache import Cache
+from drumlin.fem.preparation.cache import CacheOfCondensedBodies
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.fem.solve import prepared_model_with_finest_elements
 from drumlin.models import model_with_name_that_applies_to_brake
 from drumlin.response.response import Response
 
-LARGEST = "largest"
+WORD_FOR_LARGEST_TORQUE = "largest"
 """The value of --torque that asks for the largest torque of the range."""
 
-RANGE_FACTOR = 10.0
+DEFAULT_FACTOR_FROM_FILE_VALUE_TO_RANGE_END = 10.0
 """Factor between a quantity in the file and each end of its range, if no range is given.
 
 It holds for quantities that keep their sign, such as lengths and forces. The value is a judgement:
 the answer names the range that was searched, and the user may give another range.
 """
-ANGLE_RANGE = math.radians(30)
+DEFAULT_HALF_RANGE_OF_ANGLE = math.radians(30)
 """Angle [rad] between an angle in the file and each end of its range, if no range is given."""
 
-COORDINATE_RANGE = 0.25
+DEFAULT_HALF_RANGE_OF_COORDINATE_OVER_BRAKE_SIZE = 0.25
 """Length between a coordinate of the file and each end of its range, relative to brake size.
 
 It holds for coordinates of points if no range is given, and is a judgement.
 """
-FIRST_TRIALS = 9
+NUMBER_OF_KEY_VALUES_TRIED_FIRST = 9
 """Number of values of the key, from end to end of its range, at which the brake is solved first.
 
 If the torque crosses the wanted torque twice between two neighbours, this is not seen. More values
 take more time.
 """
-BORDER_TRIALS = 16
+BISECTIONS_TO_LIMIT_OF_SOLVABLE_KEY_VALUES = 16
 """Number of bisections that find the value of the key at which answers end, as at self-locking.
 
 This value is then known to 1e-5 of the distance between two of the first trials.
 """
-SLOPE_STEP = 1e-2
+RELATIVE_KEY_STEP_OF_DIFFERENCE_QUOTIENT = 1e-2
 """Change of the key's value between two solves that give the slope of torque or peak pressure.
 
 It is relative to the value of the key, or to the range of an angle or a coordinate. The slope turns
 an error of the torque into an error of the key; the slope itself has an error of some 1 %. With a
 smaller change the errors of the two torques would disturb the slope.
 """
-EXTREME_RESOLUTION = 1e-4
+KEY_TOLERANCE_AT_EXTREME_QUANTITY = 1e-4
 """Tolerance of the key's value at which a quantity has its maximum or minimum.
 
 It is relative to the distance of the two values of the key between which the maximum is sought.
 Near a maximum the torque is quadratic: its error is then some 1e-8 of its rise between these two
 values. A smaller tolerance takes more time.
 """
-SOLVED_SHARE = 0.01
+SEARCH_TOLERANCE_OVER_STATED_ERROR = 0.01
 """Fraction of the stated error of a torque or peak pressure at which the search for it ends.
 
 The search ends when the quantity differs from its wanted value by less than this fraction.
 """
 
-NEAR_TRIALS = 12
+MOST_TRIALS_TO_ENCLOSE_WANTED_VALUE = 12
 """Largest number of trials, from the file's value on, until two enclose the wanted quantity.
 
 Most questions take two to four trials. If these trials do not enclose the wanted quantity, the
 whole range is tried, which takes more time.
 """
-JUMP_OF_QUANTITY = 1e-9
+RELATIVE_DIFFERENCE_AT_DISCONTINUITY = 1e-9
 """Relative difference from the wanted value above which a quantity counts as discontinuous there.
 
 The limit is used when two values of the key that differ by round-off only enclose the wanted value.
 A larger stated error replaces it. The round-off of a solve is some 1e-12: with a much smaller limit
 round-off would count as a jump.
 """
-EXACT = 1e-14
+SEARCH_TOLERANCE_WITHOUT_STATED_ERROR = 1e-14
 """Relative difference from the wanted value at which the search ends if no error is stated.
 
 It is some 50 times the relative round-off of a double.
 """
 
 
-class Trial(NamedTuple):
+class TriedKeyValue(NamedTuple):
     """A value of the key that was tried, with the torque and peak pressure of the brake.
 
     Attributes
@@ -127,7 +127,7 @@ class Trial(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Question:
+class SizingQuestion:
     """The question which value of a key gives a brake a wanted torque or peak pressure.
 
     Attributes
@@ -136,7 +136,7 @@ class Question:
     key : the key, written as for `vary`
     model : name of the model that solves the brakes
     options : options of the model
-    torque : wanted torque [N m], LARGEST for the largest one, or None
+    torque : wanted torque [N m], WORD_FOR_LARGEST_TORQUE for the largest one, or None
     peak_pressure : wanted peak pressure [Pa], or its upper limit if a torque is wanted, or None
     low, high : ends of the range of the key [SI]; None for a range about the value of the file
     say : called with a line of text before each trial
@@ -155,8 +155,8 @@ class Question:
     low: float | None = None
     high: float | None = None
     say: Callable[[str], None] = lambda words: None
-    cache: Cache = field(default_factory=Cache)
-    trials: dict[float, Trial] = field(default_factory=dict)
+    cache: CacheOfCondensedBodies = field(default_factory=CacheOfCondensedBodies)
+    trials: dict[float, TriedKeyValue] = field(default_factory=dict)
     last_model: dict[float, PreparedModel] = field(default_factory=dict)
 
     @cached_property
@@ -177,21 +177,29 @@ class Question:
         return are_allowed_values_of_key_an_interval(self.brake, self.key)
 
     @cached_property
-    def ends(self) -> tuple[float, float]:
+    def ends_of_key_range(self) -> tuple[float, float]:
         """The ends of the range of the key. Raises BadInput for a range without values."""
         value = self.value_of_file
         if self.unit == "rad":
-            ends = (value - ANGLE_RANGE, value + ANGLE_RANGE)
+            ends = (value - DEFAULT_HALF_RANGE_OF_ANGLE, value + DEFAULT_HALF_RANGE_OF_ANGLE)
         elif not self.does_key_keep_one_sign:
-            reach = COORDINATE_RANGE * self.brake.size
+            reach = DEFAULT_HALF_RANGE_OF_COORDINATE_OVER_BRAKE_SIZE * self.brake.size
             ends = (value - reach, value + reach)
         else:
-            first, second = sorted((value / RANGE_FACTOR, value * RANGE_FACTOR))
+            first, second = sorted(
+                (
+                    value / DEFAULT_FACTOR_FROM_FILE_VALUE_TO_RANGE_END,
+                    value * DEFAULT_FACTOR_FROM_FILE_VALUE_TO_RANGE_END,
+                )
+            )
             ends = (first, second)
         low = ends[0] if self.low is None else self.low
         high = ends[1] if self.high is None else self.high
         if not low < high:
-            raise BadInput(f"--from = {self.text(low)}: must be less than --to = {self.text(high)}")
+            raise BadInput(
+                f"--from = {self.key_value_as_text(low)}: must be less than "
+                f"--to = {self.key_value_as_text(high)}"
+            )
         return low, high
 
     def key_values_to_try_first(self) -> list[float]:
@@ -199,24 +207,27 @@ class Question:
 
         Lengths, forces and moduli are spaced by equal factors.
         """
-        low, high = self.ends
+        low, high = self.ends_of_key_range
         spaced = np.geomspace if self.does_key_keep_one_sign and low * high > 0 else np.linspace
-        values = {float(x) for x in spaced(low, high, FIRST_TRIALS)} | {low, high}
+        values = {float(x) for x in spaced(low, high, NUMBER_OF_KEY_VALUES_TRIED_FIRST)} | {
+            low,
+            high,
+        }
         if low <= self.value_of_file <= high:
             values.add(self.value_of_file)
         return sorted(value for value in values if low <= value <= high)
 
-    def text(self, value: float) -> str:
+    def key_value_as_text(self, value: float) -> str:
         """A value of the key as text with its unit, such as "12 mm"."""
         return quantity_with_usual_unit(value, self.unit)
 
     def torque_or_braking_force_as_text(self, torque: float) -> str:
         """A torque as text, such as "400 N m"; for a brake on a plane its braking force."""
-        return quantity_with_usual_unit(torque, self.brake.surface.effect_unit)
+        return quantity_with_usual_unit(torque, self.brake.surface.unit_of_torque_or_brake_force)
 
-    def solve(self, value: float) -> Response:
+    def response_at_key_value(self, value: float) -> Response:
         """The response of the brake at a value of the key. Raises BadInput and NoAnswer."""
-        self.say(f"sizing: {self.key} = {self.text(value)}")
+        self.say(f"sizing: {self.key} = {self.key_value_as_text(value)}")
         varied = vary(self.brake, {self.key: value})
         options = dict(self.options)
         if self.model in {"fem", "solid"}:
@@ -231,7 +242,7 @@ class Question:
             options["use_model"] = keep_model
         return model_with_name_that_applies_to_brake(self.model, varied).solve(varied, **options)
 
-    def solve_trial_at_key_value(self, value: float) -> Trial:
+    def solve_trial_at_key_value(self, value: float) -> TriedKeyValue:
         """Solve the brake with a value of the key; the trial has an answer or a `failure`.
 
         A value that has been solved already is not solved again.
@@ -240,20 +251,20 @@ class Question:
             self.trials[value] = self._newly_solved_trial(value)
         return self.trials[value]
 
-    def _newly_solved_trial(self, value: float) -> Trial:
+    def _newly_solved_trial(self, value: float) -> TriedKeyValue:
         """Solve the brake with a value of the key, as `solve_trial_at_key_value` does."""
         try:
-            response = self.solve(value)
+            response = self.response_at_key_value(value)
         except (BadInput, NoAnswer) as error:
-            return Trial(value, math.nan, math.nan, {}, str(error))
+            return TriedKeyValue(value, math.nan, math.nan, {}, str(error))
         stated = response.error or {}
         peak = max(shoe.peak_pressure for shoe in response.shoes)
         errors = {"torque": stated.get("torque", 0.0), "peak_pressure": stated.get("peak", 0.0)}
-        return Trial(value, float(response.effect), float(peak), errors)
+        return TriedKeyValue(value, float(response.effect), float(peak), errors)
 
 
 @dataclass(frozen=True)
-class Sizing:
+class SizingResult:
     """The value of a key at which a brake has a wanted torque or peak pressure.
 
     Attributes
@@ -306,7 +317,8 @@ class Sizing:
         lines = [
             f"{self.key} = {text(self.value, self.unit)} "
             f"({text(self.value_of_file, self.unit)} in the file): "
-            f"{surface.effect} {text(self.torque, surface.effect_unit)}, "
+            f"{surface.word_for_torque_or_brake_force} "
+            f"{text(self.torque, surface.unit_of_torque_or_brake_force)}, "
             f"peak pressure {text(self.peak_pressure, 'Pa')}"
         ]
         words = {"elements": "the finite elements", "plane_stress": "plane stress itself"}
@@ -321,7 +333,7 @@ class Sizing:
         return lines
 
 
-def size_brake(question: Question, answer: Callable[[Brake], Response]) -> Sizing:
+def size_brake(question: SizingQuestion, answer: Callable[[Brake], Response]) -> SizingResult:
     """Find the value of a key that gives a wanted torque or peak pressure.
 
     Parameters
@@ -345,7 +357,7 @@ def size_brake(question: Question, answer: Callable[[Brake], Response]) -> Sizin
         if near is not None and _is_peak_pressure_allowed(question, near):
             return _sizing_result_of_found_value(question, near, (), answer)
     trials = _solve_first_trial_values(question)
-    if question.torque == LARGEST:
+    if question.torque == WORD_FOR_LARGEST_TORQUE:
         found, remark = _trial_with_largest_torque_and_what_bounds_it(question, trials)
         return _sizing_result_of_found_value(question, found, (), answer, remark)
     roots = _find_all_trials_with_wanted_quantity(question, trials, name)
@@ -357,7 +369,7 @@ def size_brake(question: Question, answer: Callable[[Brake], Response]) -> Sizin
     return _sizing_result_of_found_value(question, allowed[0], others, answer)
 
 
-def _check_wanted_quantities(question: Question) -> None:
+def _check_wanted_quantities(question: SizingQuestion) -> None:
     """Raise BadInput unless a positive quantity is wanted and the key can be varied."""
     if question.torque is None and question.peak_pressure is None:
         raise BadInput("--torque, --peak-pressure: give at least one of both")
@@ -380,7 +392,7 @@ def _check_wanted_quantities(question: Question) -> None:
     model_with_name_that_applies_to_brake(question.model, question.brake)
 
 
-def _solve_first_trial_values(question: Question) -> list[Trial]:
+def _solve_first_trial_values(question: SizingQuestion) -> list[TriedKeyValue]:
     """Solve the brake at the values of the key that are tried first.
 
     Raises NoAnswer if there is no answer at any of them.
@@ -393,14 +405,14 @@ def _solve_first_trial_values(question: Question) -> list[Trial]:
         raise NoAnswer(
             f"{_first_words_of_refusal_text(question)}, because no value of the range has an "
             "answer; "
-            f"{question.key} = {question.text(nearest.value)}: {nearest.failure}"
+            f"{question.key} = {question.key_value_as_text(nearest.value)}: {nearest.failure}"
         )
     return trials
 
 
 def _find_all_trials_with_wanted_quantity(
-    question: Question, trials: list[Trial], name: str
-) -> list[Trial]:
+    question: SizingQuestion, trials: list[TriedKeyValue], name: str
+) -> list[TriedKeyValue]:
     """The trials at which the wanted quantity has its wanted value.
 
     The value is sought between the first trials. If it is not found, further trials are added: near
@@ -421,20 +433,20 @@ def _find_all_trials_with_wanted_quantity(
     assert isinstance(wanted, float | int)
     searches: tuple[Callable[[], None], ...] = (
         lambda: None,
-        lambda: _add_trials_where_answers_end(question, trials),
-        lambda: _add_trial_with_extreme_quantity(question, trials, name, wanted),
+        lambda: _add_trials_at_limits_of_solvable_key_values(question, trials),
+        lambda: _add_trial_with_largest_or_smallest_quantity(question, trials, name, wanted),
     )
     for search in searches:
         search()
-        roots = list(_find_trials_that_cross_wanted_value(question, trials, name, wanted))
+        roots = list(_find_trials_at_crossings_of_wanted_value(question, trials, name, wanted))
         if roots:
             return roots
     raise NoAnswer(_text_on_value_out_of_reach(question, trials, name, wanted))
 
 
-def _find_trials_that_cross_wanted_value(
-    question: Question, trials: Sequence[Trial], name: str, wanted: float
-) -> Iterator[Trial]:
+def _find_trials_at_crossings_of_wanted_value(
+    question: SizingQuestion, trials: Sequence[TriedKeyValue], name: str, wanted: float
+) -> Iterator[TriedKeyValue]:
     """Yield the trials at which a quantity crosses a wanted value."""
     for before, after in pairwise(trials):
         off = [getattr(trial, name) - wanted for trial in (before, after)]
@@ -448,16 +460,22 @@ def _find_trials_that_cross_wanted_value(
         yield trials[-1]
 
 
-def _quantity_minus_wanted_value(trial: Trial, name: str, wanted: float) -> float:
+def _quantity_minus_wanted_value(trial: TriedKeyValue, name: str, wanted: float) -> float:
     """A trial's quantity minus the wanted value; 0 if that is a small part of its stated error."""
     off = float(getattr(trial, name) - wanted)
-    close = max(EXACT, SOLVED_SHARE * trial.errors.get(name, 0.0)) * wanted
+    close = (
+        max(
+            SEARCH_TOLERANCE_WITHOUT_STATED_ERROR,
+            SEARCH_TOLERANCE_OVER_STATED_ERROR * trial.errors.get(name, 0.0),
+        )
+        * wanted
+    )
     return 0.0 if abs(off) <= close else off
 
 
 def _find_trial_with_wanted_value_between_two_trials(
-    question: Question, known: list[Trial], name: str, wanted: float
-) -> Trial:
+    question: SizingQuestion, known: list[TriedKeyValue], name: str, wanted: float
+) -> TriedKeyValue:
     """The trial at which a quantity has a wanted value, between two trials that enclose it.
 
     The next value of the key comes from a rational function through the nearest trials, if it lies
@@ -497,21 +515,21 @@ def _find_trial_with_wanted_value_between_two_trials(
         )
 
 
-def _solve_trial_or_raise_no_answer(question: Question, value: float) -> Trial:
+def _solve_trial_or_raise_no_answer(question: SizingQuestion, value: float) -> TriedKeyValue:
     """Solve the brake with a value of the key. Raises NoAnswer with the reason for no answer."""
     trial = question.solve_trial_at_key_value(value)
     if trial.failure:
         raise NoAnswer(
             f"{_first_words_of_refusal_text(question)}, because {question.key} = "
-            f"{question.text(value)} "
+            f"{question.key_value_as_text(value)} "
             f"has no answer: {trial.failure}"
         )
     return trial
 
 
 def _closest_trials_around_wanted_value(
-    known: Sequence[Trial], name: str, wanted: float
-) -> tuple[Trial, Trial]:
+    known: Sequence[TriedKeyValue], name: str, wanted: float
+) -> tuple[TriedKeyValue, TriedKeyValue]:
     """The two neighbouring trials, in growing order, between which a quantity crosses `wanted`.
 
     If there are several pairs, the pair with the smallest distance is returned. Raises ValueError
@@ -526,29 +544,34 @@ def _closest_trials_around_wanted_value(
 
 
 def _nearer_of_two_almost_equal_trials(
-    question: Question, ends: tuple[Trial, Trial], name: str, wanted: float
-) -> Trial:
+    question: SizingQuestion, ends: tuple[TriedKeyValue, TriedKeyValue], name: str, wanted: float
+) -> TriedKeyValue:
     """The trial nearer to the wanted value, of two trials whose keys differ by round-off only.
 
     Raises NoAnswer if the quantity of this trial differs from the wanted value by more than its
-    stated error and more than JUMP_OF_QUANTITY: then the quantity jumps between the two trials.
+    stated error and more than RELATIVE_DIFFERENCE_AT_DISCONTINUITY: then the quantity jumps between
+    the two trials.
     """
     near = min(ends, key=lambda trial: abs(getattr(trial, name) - wanted))
-    allowed = max(JUMP_OF_QUANTITY, near.errors.get(name, 0.0)) * wanted
+    allowed = max(RELATIVE_DIFFERENCE_AT_DISCONTINUITY, near.errors.get(name, 0.0)) * wanted
     if abs(getattr(near, name) - wanted) <= allowed:
         return near
-    what = question.brake.surface.effect if name == "torque" else "peak pressure"
-    unit = question.brake.surface.effect_unit if name == "torque" else "Pa"
+    what = (
+        question.brake.surface.word_for_torque_or_brake_force
+        if name == "torque"
+        else "peak pressure"
+    )
+    unit = question.brake.surface.unit_of_torque_or_brake_force if name == "torque" else "Pa"
     from_to = [quantity_with_usual_unit(getattr(trial, name), unit) for trial in ends]
     raise NoAnswer(
         f"{_first_words_of_refusal_text(question)}, because the {what} jumps from {from_to[0]} to "
         f"{from_to[1]} "
-        f"at {question.text(near.value)}"
+        f"at {question.key_value_as_text(near.value)}"
     )
 
 
 def _key_value_by_rational_interpolation(
-    known: Sequence[Trial], name: str, wanted: float
+    known: Sequence[TriedKeyValue], name: str, wanted: float
 ) -> float | None:
     """The value x of the key at which a rational function y(x) has the wanted quantity.
 
@@ -574,15 +597,15 @@ def _key_value_by_rational_interpolation(
 
 
 def _find_trial_with_wanted_value_near_file_value(
-    question: Question, name: str, wanted: float
-) -> Trial | None:
+    question: SizingQuestion, name: str, wanted: float
+) -> TriedKeyValue | None:
     """The trial at which a quantity has a wanted value, sought from the value in the file on.
 
     The result is None if the wanted value is not found: then the whole range must be searched. It
     is also None for angles and coordinates, since the torque often has the same value at two of
     them.
     """
-    (low, high), start = question.ends, question.value_of_file
+    (low, high), start = question.ends_of_key_range, question.value_of_file
     if start == 0 or not (question.does_key_keep_one_sign and low <= start <= high):
         return None
     first = question.solve_trial_at_key_value(start)
@@ -599,16 +622,17 @@ def _find_trial_with_wanted_value_near_file_value(
 
 
 def _solve_trials_until_wanted_value_is_enclosed(
-    question: Question, first: Trial, name: str, wanted: float
-) -> list[Trial]:
+    question: SizingQuestion, first: TriedKeyValue, name: str, wanted: float
+) -> list[TriedKeyValue]:
     """Solved trials, beginning with `first`, of which two enclose the wanted value or one has it.
 
-    The list is empty if there are no such trials after NEAR_TRIALS trials in the range.
+    The list is empty if there are no such trials after MOST_TRIALS_TO_ENCLOSE_WANTED_VALUE trials
+    in the range.
     """
-    known, (low, high) = [first], question.ends
+    known, (low, high) = [first], question.ends_of_key_range
     slope = _exact_torque_slope_at_key_value(question, first.value, name)
     value: float | None = _key_value_to_try_after_first_trial(first, name, wanted, slope)
-    for _ in range(NEAR_TRIALS):
+    for _ in range(MOST_TRIALS_TO_ENCLOSE_WANTED_VALUE):
         if _is_wanted_value_enclosed(known, name, wanted):
             return known
         value = None if value is None else min(max(value, low), high)
@@ -627,31 +651,41 @@ def _solve_trials_until_wanted_value_is_enclosed(
     return []
 
 
-def _is_wanted_value_enclosed(known: Sequence[Trial], name: str, wanted: float) -> bool:
+def _is_wanted_value_enclosed(known: Sequence[TriedKeyValue], name: str, wanted: float) -> bool:
     """Whether two of the solved trials enclose the wanted value of a quantity, or one has it."""
     off = [_quantity_minus_wanted_value(trial, name, wanted) for trial in known]
     return min(off) <= 0 <= max(off)
 
 
 def _key_value_to_try_after_first_trial(
-    trial: Trial, name: str, wanted: float, slope: float | None
+    trial: TriedKeyValue, name: str, wanted: float, slope: float | None
 ) -> float:
     """The second value of the key to try: by the slope of the quantity, or in proportion to it.
 
     `slope` is the derivative of the quantity by the key, or None. It is not used if it gives a
     value of another sign than the proportional value, or one that differs from it by more than the
-    factor RANGE_FACTOR.
+    factor DEFAULT_FACTOR_FROM_FILE_VALUE_TO_RANGE_END.
     """
     quantity = float(getattr(trial, name))
-    proportional = trial.value * wanted / quantity if quantity > 0 else RANGE_FACTOR * trial.value
+    proportional = (
+        trial.value * wanted / quantity
+        if quantity > 0
+        else DEFAULT_FACTOR_FROM_FILE_VALUE_TO_RANGE_END * trial.value
+    )
     if not slope:
         return proportional
     value = trial.value + (wanted - quantity) / slope
-    is_near = 1 / RANGE_FACTOR < value / proportional < RANGE_FACTOR
+    is_near = (
+        1 / DEFAULT_FACTOR_FROM_FILE_VALUE_TO_RANGE_END
+        < value / proportional
+        < DEFAULT_FACTOR_FROM_FILE_VALUE_TO_RANGE_END
+    )
     return value if is_near else proportional
 
 
-def _exact_torque_slope_at_key_value(question: Question, value: float, name: str) -> float | None:
+def _exact_torque_slope_at_key_value(
+    question: SizingQuestion, value: float, name: str
+) -> float | None:
     """The exact derivative of the torque by the key at a value of the key; None if unknown.
 
     Finite elements in plane stress give it for friction, forces, moduli, clearances and hinges.
@@ -675,13 +709,15 @@ def _exact_torque_slope_at_key_value(question: Question, value: float, name: str
     return exact_torque_slope_by_key(brake, question.key, slopes)
 
 
-def _add_trials_where_answers_end(question: Question, trials: list[Trial]) -> None:
+def _add_trials_at_limits_of_solvable_key_values(
+    question: SizingQuestion, trials: list[TriedKeyValue]
+) -> None:
     """Find by bisection at which values of the key the answers end, and add these trials."""
     for before, after in list(pairwise(trials)):
         if bool(before.failure) == bool(after.failure):
             continue
         low, high = before.value, after.value
-        for _ in range(BORDER_TRIALS):
+        for _ in range(BISECTIONS_TO_LIMIT_OF_SOLVABLE_KEY_VALUES):
             middle = question.solve_trial_at_key_value(0.5 * (low + high))
             insort(trials, middle, key=lambda trial: trial.value)
             if bool(middle.failure) == bool(before.failure):
@@ -690,8 +726,8 @@ def _add_trials_where_answers_end(question: Question, trials: list[Trial]) -> No
                 high = middle.value
 
 
-def _add_trial_with_extreme_quantity(
-    question: Question, trials: list[Trial], name: str, wanted: float
+def _add_trial_with_largest_or_smallest_quantity(
+    question: SizingQuestion, trials: list[TriedKeyValue], name: str, wanted: float
 ) -> None:
     """Add the trial with the largest or smallest quantity near the best of the trials.
 
@@ -707,44 +743,47 @@ def _add_trial_with_extreme_quantity(
         return
     ends = trials[at - 1], trials[at + 1]
     if not any(end.failure for end in ends):
-        refined = _trial_with_extreme_quantity_between(
+        refined = _trial_with_largest_or_smallest_quantity_in_range(
             question, (ends[0].value, ends[1].value), name, sign
         )
         if not refined.failure:
             insort(trials, refined, key=lambda trial: trial.value)
 
 
-def _trial_with_extreme_quantity_between(
-    question: Question, ends: tuple[float, float], name: str, sign: int
-) -> Trial:
+def _trial_with_largest_or_smallest_quantity_in_range(
+    question: SizingQuestion, ends: tuple[float, float], name: str, sign: int
+) -> TriedKeyValue:
     """The trial between two values of the key with the largest (sign 1) or smallest quantity."""
-    seen: list[Trial] = []
+    seen: list[TriedKeyValue] = []
 
-    def quantity_times_negative_sign(value: float) -> float:
+    def signed_quantity_or_infinity_without_answer(value: float) -> float:
         """The quantity times -sign, whose minimum is sought; infinite if there is no answer."""
         seen.append(question.solve_trial_at_key_value(float(value)))
         return math.inf if seen[-1].failure else -sign * float(getattr(seen[-1], name))
 
-    resolution = EXTREME_RESOLUTION * (ends[1] - ends[0])
+    resolution = KEY_TOLERANCE_AT_EXTREME_QUANTITY * (ends[1] - ends[0])
     minimize_scalar(
-        quantity_times_negative_sign, bounds=ends, method="bounded", options={"xatol": resolution}
+        signed_quantity_or_infinity_without_answer,
+        bounds=ends,
+        method="bounded",
+        options={"xatol": resolution},
     )
     solved = [trial for trial in seen if not trial.failure]
     return max(solved or seen, key=lambda trial: sign * getattr(trial, name))
 
 
 def _trial_with_largest_torque_and_what_bounds_it(
-    question: Question, trials: list[Trial]
-) -> tuple[Trial, str]:
+    question: SizingQuestion, trials: list[TriedKeyValue]
+) -> tuple[TriedKeyValue, str]:
     """The trial with the largest torque at an allowed peak pressure, and a text on what bounds it.
 
     Raises NoAnswer if the peak pressure is above its limit in the whole range.
     """
-    _add_trials_where_answers_end(question, trials)
+    _add_trials_at_limits_of_solvable_key_values(question, trials)
     limit, bounded = question.peak_pressure, []
     if limit is not None:
         bounded = list(
-            _find_trials_that_cross_wanted_value(question, trials, "peak_pressure", limit)
+            _find_trials_at_crossings_of_wanted_value(question, trials, "peak_pressure", limit)
         )
     solved = [trial for trial in trials if not trial.failure]
     allowed = [trial for trial in solved if _is_peak_pressure_allowed(question, trial)] + bounded
@@ -759,7 +798,7 @@ def _trial_with_largest_torque_and_what_bounds_it(
     failure = trials[at - 1].failure or trials[at + 1].failure
     if failure:
         return best, f"the torque is largest before there is no answer: {failure}"
-    refined = _trial_with_extreme_quantity_between(
+    refined = _trial_with_largest_or_smallest_quantity_in_range(
         question, (trials[at - 1].value, trials[at + 1].value), "torque", 1
     )
     if refined.torque > best.torque and _is_peak_pressure_allowed(question, refined):
@@ -767,21 +806,23 @@ def _trial_with_largest_torque_and_what_bounds_it(
     return best, "the torque is largest inside the range"
 
 
-def _is_peak_pressure_allowed(question: Question, trial: Trial) -> bool:
+def _is_peak_pressure_allowed(question: SizingQuestion, trial: TriedKeyValue) -> bool:
     """Whether the peak pressure of a trial is within its limit; True if there is no limit."""
     limit = question.peak_pressure
     if limit is None or question.torque is None:
         return True
-    return trial.peak_pressure <= limit * (1 + SOLVED_SHARE * trial.errors["peak_pressure"])
+    return trial.peak_pressure <= limit * (
+        1 + SEARCH_TOLERANCE_OVER_STATED_ERROR * trial.errors["peak_pressure"]
+    )
 
 
 def _sizing_result_of_found_value(
-    question: Question,
-    found: Trial,
+    question: SizingQuestion,
+    found: TriedKeyValue,
     others: tuple[float, ...],
     answer: Callable[[Brake], Response],
     remark: str = "",
-) -> Sizing:
+) -> SizingResult:
     """The answer to a question: the value, the response of its brake, and the errors of the value.
 
     Parameters
@@ -798,7 +839,7 @@ def _sizing_result_of_found_value(
     slope = None
     if not remark or by_pressure:
         slope = _derivative_of_quantity_by_key_at_trial(question, found, name)
-    return Sizing(
+    return SizingResult(
         key=question.key,
         unit=question.unit,
         value=found.value,
@@ -807,7 +848,7 @@ def _sizing_result_of_found_value(
         peak_pressure=float(max(shoe.peak_pressure for shoe in response.shoes)),
         slope=slope,
         errors=_errors_of_found_key_value(response, name, getattr(found, name), slope),
-        range=question.ends,
+        range=question.ends_of_key_range,
         others=others,
         remark=remark,
         brake=brake,
@@ -816,7 +857,7 @@ def _sizing_result_of_found_value(
 
 
 def _derivative_of_quantity_by_key_at_trial(
-    question: Question, found: Trial, name: str
+    question: SizingQuestion, found: TriedKeyValue, name: str
 ) -> float | None:
     """The derivative of a quantity by the key: exact if it is known, else a difference quotient.
 
@@ -825,9 +866,12 @@ def _derivative_of_quantity_by_key_at_trial(
     exact = _exact_torque_slope_at_key_value(question, found.value, name)
     if exact is not None:
         return exact
-    low, high = question.ends
+    low, high = question.ends_of_key_range
     size = abs(found.value) if question.does_key_keep_one_sign else high - low
-    steps = (SLOPE_STEP * size, -SLOPE_STEP * size)
+    steps = (
+        RELATIVE_KEY_STEP_OF_DIFFERENCE_QUOTIENT * size,
+        -RELATIVE_KEY_STEP_OF_DIFFERENCE_QUOTIENT * size,
+    )
     near = [question.solve_trial_at_key_value(found.value + step) for step in steps]
     solved = [trial for trial in near if not trial.failure] + [found]
     first, last = solved[0], solved[1] if len(solved) > 1 else found
@@ -864,7 +908,7 @@ def _errors_of_found_key_value(
 # The functions below write the messages of NoAnswer.
 
 
-def _first_words_of_refusal_text(question: Question) -> str:
+def _first_words_of_refusal_text(question: SizingQuestion) -> str:
     """The first words of a refusal: what is wanted, and the range that was searched."""
     wanted = []
     if question.torque is not None:
@@ -875,12 +919,12 @@ def _first_words_of_refusal_text(question: Question) -> str:
         wanted.append(f"--torque = {shown}")
     if question.peak_pressure is not None:
         wanted.append(f"--peak-pressure = {quantity_with_usual_unit(question.peak_pressure, 'Pa')}")
-    low, high = map(question.text, question.ends)
+    low, high = map(question.key_value_as_text, question.ends_of_key_range)
     return f"{', '.join(wanted)}: not possible with {question.key} from {low} to {high}"
 
 
 def _text_on_value_out_of_reach(
-    question: Question, trials: Sequence[Trial], name: str, wanted: float
+    question: SizingQuestion, trials: Sequence[TriedKeyValue], name: str, wanted: float
 ) -> str:
     """The text that says why a quantity does not reach its wanted value in the range."""
     solved = [trial for trial in trials if not trial.failure]
@@ -888,12 +932,12 @@ def _text_on_value_out_of_reach(
     best = (max if below else min)(solved, key=lambda trial: getattr(trial, name))
     what, extreme = name.replace("_", " "), "largest" if below else "smallest"
     if name == "torque":
-        what = question.brake.surface.effect
-    unit = "Pa" if name == "peak_pressure" else question.brake.surface.effect_unit
+        what = question.brake.surface.word_for_torque_or_brake_force
+    unit = "Pa" if name == "peak_pressure" else question.brake.surface.unit_of_torque_or_brake_force
     reached = quantity_with_usual_unit(getattr(best, name), unit)
     text = (
         f"{_first_words_of_refusal_text(question)}, because the {extreme} {what} is {reached}, "
-        f"at {question.text(best.value)}"
+        f"at {question.key_value_as_text(best.value)}"
     )
     at = trials.index(best)
     if not 0 < at < len(trials) - 1:
@@ -904,7 +948,9 @@ def _text_on_value_out_of_reach(
     return f"{text}, inside the range: the {what} is not monotonic"
 
 
-def _text_on_peak_pressure_above_limit(question: Question, trials: list[Trial], root: Trial) -> str:
+def _text_on_peak_pressure_above_limit(
+    question: SizingQuestion, trials: list[TriedKeyValue], root: TriedKeyValue
+) -> str:
     """The refusal of a torque at which the peak pressure is above its limit.
 
     It names the largest torque with an allowed peak pressure, if there is one.
@@ -912,7 +958,7 @@ def _text_on_peak_pressure_above_limit(question: Question, trials: list[Trial], 
     peak = quantity_with_usual_unit(root.peak_pressure, "Pa")
     text = (
         f"{_first_words_of_refusal_text(question)}, because {question.key} = "
-        f"{question.text(root.value)}, "
+        f"{question.key_value_as_text(root.value)}, "
         f"which gives this torque, gives a peak pressure of {peak}"
     )
     try:
@@ -920,6 +966,8 @@ def _text_on_peak_pressure_above_limit(question: Question, trials: list[Trial], 
     except NoAnswer:
         return text
     return (
-        f"{text}; the largest {question.brake.surface.effect} within the limit is "
-        f"{question.torque_or_braking_force_as_text(best.torque)}, at {question.text(best.value)}"
+        f"{text}; the largest {question.brake.surface.word_for_torque_or_brake_force} within "
+        f"the limit is "
+        f"{question.torque_or_braking_force_as_text(best.torque)}, "
+        f"at {question.key_value_as_text(best.value)}"
     )

@@ -20,16 +20,20 @@ from types import ModuleType
 
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.base.files import write_new_text_file
-from drumlin.base.journal import Journal, checksum_of_source_and_libraries
+from drumlin.base.journal import JournalOfCaseResults, checksum_of_source_and_libraries
 from drumlin.base.texts import did_you_mean_hint
 
-CARRIED = Path(__file__).resolve().parent / "carried"
+FOLDER_OF_INSTALLED_STUDIES_AND_MESHES = Path(__file__).resolve().parent / "carried"
 """The folder with copies of studies/ and meshes/ in an installed drumlin."""
 
-REPOSITORY = CARRIED if CARRIED.is_dir() else Path(__file__).resolve().parents[2]
-"""The folder that has studies/ and meshes/: CARRIED if it exists, else the source's root."""
+FOLDER_OF_INSTALLED_OR_SOURCE_STUDIES_AND_MESHES = (
+    FOLDER_OF_INSTALLED_STUDIES_AND_MESHES
+    if FOLDER_OF_INSTALLED_STUDIES_AND_MESHES.is_dir()
+    else Path(__file__).resolve().parents[2]
+)
+"""The folder that has studies/ and meshes/: that of the installed package or the source's."""
 
-JUDGE = Path(__file__).resolve().parents[1] / "drumlin_studies"
+DRUMLIN_STUDIES_PACKAGE_FOLDER = Path(__file__).resolve().parents[1] / "drumlin_studies"
 """The folder of the package `drumlin_studies`, which studies import.
 
 The results of a study depend on the source of this package, so that the checksum in the journal of
@@ -37,7 +41,7 @@ a study covers it.
 """
 
 
-PACKAGES_OF_STUDIES = {"manual": "sphinx"}
+OPTIONAL_PACKAGE_BY_STUDY_NAME = {"manual": "sphinx"}
 """For studies that need optional packages: one of these packages, by the name of the study.
 
 If it is missing, the user is told to install the extra drumlin[NAME] with the study's name.
@@ -52,8 +56,10 @@ def paths_of_example_brakes() -> dict[str, Path]:
     """
     # Brakes of studies come first, so that a brake in meshes/ of the same name gets a longer name.
     found: dict[str, Path] = {}
-    in_studies = sorted((REPOSITORY / "studies").glob("*/*.toml"))
-    in_meshes = sorted((REPOSITORY / "meshes").glob("*.toml"))
+    in_studies = sorted(
+        (FOLDER_OF_INSTALLED_OR_SOURCE_STUDIES_AND_MESHES / "studies").glob("*/*.toml")
+    )
+    in_meshes = sorted((FOLDER_OF_INSTALLED_OR_SOURCE_STUDIES_AND_MESHES / "meshes").glob("*.toml"))
     for path in [*in_studies, *in_meshes]:
         if "[[shoe]]" in path.read_text(encoding="utf-8"):
             folder, name = path.parent.name, path.stem
@@ -69,7 +75,9 @@ def paths_of_example_sweeps() -> dict[str, Path]:
     The name of an example is ``sweep_`` and the name of its file without the suffix.
     """
     found = {}
-    for path in sorted((REPOSITORY / "studies").glob("*/*.toml")):
+    for path in sorted(
+        (FOLDER_OF_INSTALLED_OR_SOURCE_STUDIES_AND_MESHES / "studies").glob("*/*.toml")
+    ):
         if re.search(r"(?m)^\[vary\]", path.read_text(encoding="utf-8")):
             found[f"sweep_{path.stem}"] = path
     return found
@@ -80,7 +88,9 @@ def paths_of_example_notebooks() -> dict[str, Path]:
 
     The name of an example is ``notebook_`` and the name of its file without the suffix.
     """
-    files = sorted((REPOSITORY / "studies" / "notebooks").glob("*.ipynb"))
+    files = sorted(
+        (FOLDER_OF_INSTALLED_OR_SOURCE_STUDIES_AND_MESHES / "studies" / "notebooks").glob("*.ipynb")
+    )
     return {f"notebook_{path.stem}": path for path in files}
 
 
@@ -105,8 +115,8 @@ def titles_of_all_examples() -> dict[str, str]:
 
 # The first pattern matches the first line of an example, which names the JSON schema. The second
 # pattern matches a line with the path of a mesh file or of the brake of a sweep.
-_SCHEMA_LINE = re.compile(r"\A#:schema .*/(\w+\.schema\.json)\n")
-_PATH_LINE = re.compile(r'(?m)^(mesh|brake) = "([^"]+)"')
+_PATTERN_OF_FIRST_LINE_THAT_NAMES_JSON_SCHEMA = re.compile(r"\A#:schema .*/(\w+\.schema\.json)\n")
+_PATTERN_OF_LINE_WITH_MESH_OR_BRAKE_PATH = re.compile(r'(?m)^(mesh|brake) = "([^"]+)"')
 
 
 def path_of_example(name: str) -> Path:
@@ -128,12 +138,14 @@ def text_of_example(name: str) -> str:
     """
     path = path_of_example(name)
 
-    def line_with_absolute_path(line: re.Match[str]) -> str:
+    def mesh_or_brake_line_with_absolute_path(line: re.Match[str]) -> str:
         """The line `mesh = ...` or `brake = ...` with the absolute path of the file."""
         return f'{line[1]} = "{(path.parent / line[2]).resolve().as_posix()}"'
 
-    text = _PATH_LINE.sub(line_with_absolute_path, path.read_text(encoding="utf-8"))
-    return _SCHEMA_LINE.sub("", text)
+    text = _PATTERN_OF_LINE_WITH_MESH_OR_BRAKE_PATH.sub(
+        mesh_or_brake_line_with_absolute_path, path.read_text(encoding="utf-8")
+    )
+    return _PATTERN_OF_FIRST_LINE_THAT_NAMES_JSON_SCHEMA.sub("", text)
 
 
 def write_example_with_its_files(name: str, folder: Path) -> list[Path]:
@@ -143,8 +155,8 @@ def write_example_with_its_files(name: str, folder: Path) -> list[Path]:
     of the written files. Raises BadInput for an unknown name, and for a file that exists already.
     """
     path = path_of_example(name)
-    # The file of the example is named after the example, and the brake of a sweep after the example
-    # of this brake. Other files keep their names.
+    # The file of the example gets the name of the example. If a sweep names a brake file, this file
+    # gets the name of the example that it belongs to. Mesh files keep their names.
     texts = {name + path.suffix: path.read_text(encoding="utf-8")}
     for target, text in list(texts.items()):
         _add_files_of_example(texts, target, text, path.parent)
@@ -168,7 +180,7 @@ def _add_files_of_example(texts: dict[str, str], target: str, text: str, base: P
     """
     names = {path.resolve(): name for name, path in paths_of_example_brakes().items()}
 
-    def line_with_file_name_without_folder(line: re.Match[str]) -> str:
+    def mesh_or_brake_line_without_folder(line: re.Match[str]) -> str:
         """The line `mesh = ...` or `brake = ...` with the name of the file in the same folder."""
         source = (base / line[2]).resolve()
         name = f"{names[source]}.toml" if line[1] == "brake" else source.name
@@ -177,18 +189,22 @@ def _add_files_of_example(texts: dict[str, str], target: str, text: str, base: P
             _add_files_of_example(texts, name, texts[name], source.parent)
         return f'{line[1]} = "{name}"'
 
-    schema = _SCHEMA_LINE.match(text)
+    schema = _PATTERN_OF_FIRST_LINE_THAT_NAMES_JSON_SCHEMA.match(text)
     if schema is not None:
-        source = REPOSITORY / "studies" / schema[1]
+        source = FOLDER_OF_INSTALLED_OR_SOURCE_STUDIES_AND_MESHES / "studies" / schema[1]
         texts[schema[1]] = source.read_text(encoding="utf-8")
         text = f"#:schema {schema[1]}\n{text[schema.end() :]}"
     if target.endswith(".toml"):
-        texts[target] = _PATH_LINE.sub(line_with_file_name_without_folder, text)
+        texts[target] = _PATTERN_OF_LINE_WITH_MESH_OR_BRAKE_PATH.sub(
+            mesh_or_brake_line_without_folder, text
+        )
 
 
 def paths_of_drumlin_studies() -> dict[str, Path]:
     """The paths study.py of drumlin's own studies by their names."""
-    files = sorted((REPOSITORY / "studies").glob("*/study.py"))
+    files = sorted(
+        (FOLDER_OF_INSTALLED_OR_SOURCE_STUDIES_AND_MESHES / "studies").glob("*/study.py")
+    )
     return {file.parent.name: file for file in files}
 
 
@@ -204,7 +220,7 @@ def docstring_first_lines_of_drumlin_studies() -> dict[str, str]:
     return found
 
 
-def import_study_and_find_its_folder(name: str) -> tuple[ModuleType, Path]:
+def import_study_and_find_folder_above_studies(name: str) -> tuple[ModuleType, Path]:
     """Import a study; returns its module, and the folder in which the folder studies/ lies.
 
     `name` is the name of one of drumlin's own studies, or a path such as ./studies/NAME or
@@ -235,7 +251,7 @@ def import_study_and_find_its_folder(name: str) -> tuple[ModuleType, Path]:
 
 def _require_packages_of_study(name: str) -> None:
     """Raise NoAnswer, with the extra to install, if a package that a study needs is missing."""
-    package = PACKAGES_OF_STUDIES.get(name)
+    package = OPTIONAL_PACKAGE_BY_STUDY_NAME.get(name)
     if package is not None and importlib.util.find_spec(package) is None:
         raise NoAnswer(
             f"study {name}: needs the package {package!r}, which is not installed: "
@@ -256,7 +272,7 @@ def run_study_and_write_report(
     say : function that is called with each line about the progress
     """
     _require_packages_of_study(name)
-    module, root = import_study_and_find_its_folder(name)
+    module, root = import_study_and_find_folder_above_studies(name)
     # A study without a journal computes all cases in each run.
     folder = folder or Path("reports") / module.__name__.split(".")[1]
     if "journal" not in inspect.signature(module.study).parameters:
@@ -264,7 +280,9 @@ def run_study_and_write_report(
         return page
     # A study with a journal continues an earlier run that was stopped.
     path = folder / ("journal-short.jsonl" if short else "journal.jsonl")
-    with Journal(path, checksum_of_source_and_libraries(root / "studies", JUDGE)) as journal:
+    with JournalOfCaseResults(
+        path, checksum_of_source_and_libraries(root / "studies", DRUMLIN_STUDIES_PACKAGE_FOLDER)
+    ) as journal:
         for line in journal.notes:
             say(line)
         if len(journal):

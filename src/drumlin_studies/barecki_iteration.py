@@ -17,14 +17,14 @@ import numpy as np
 from drumlin.base.arrays import Floats
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake
-from drumlin.foundation.model import ring_displacement_per_normal_force
-from drumlin.foundation.post import SectionedShoe, divide_shoe_into_stations_and_sectors
+from drumlin.foundation.model import inward_ring_displacement_per_normal_force
+from drumlin.foundation.post import ShoeInStationsAndSectors, divide_shoe_into_stations_and_sectors
 
-MOST_REVISIONS = 100
+MOST_REVISIONS_OF_BARECKI_CONTACT = 100
 """Number of revisions of the contact after which the iteration counts as not converged."""
 
 
-class IterationAnswer(NamedTuple):
+class ResultOfBareckiIteration(NamedTuple):
     """Result of Barecki's iteration for a post with m stations and n sectors.
 
     Attributes
@@ -43,7 +43,9 @@ class IterationAnswer(NamedTuple):
     rounds: int
 
 
-def solve_post_brake_by_paper_iteration(brake: Brake, index: int, sections: int) -> IterationAnswer:
+def solve_post_brake_by_paper_iteration(
+    brake: Brake, index: int, sections: int
+) -> ResultOfBareckiIteration:
     """Solve a shoe of a post brake by Barecki's iteration, with all simplifications of his paper.
 
     Parameters
@@ -64,17 +66,17 @@ def solve_post_brake_by_paper_iteration(brake: Brake, index: int, sections: int)
     p = divide_shoe_into_stations_and_sectors(
         brake, brake.shoes[index], sections, tilt=False, wedge=False, plane_stress=False
     )
-    theta = p.axis.origin + p.axis.sense * p.theta
-    c = ring_displacement_per_normal_force(brake, theta, theta, frozenset())
+    theta = p.axis.polar_angle_of_perpendicular_foot + p.axis.sense * p.theta
+    c = inward_ring_displacement_per_normal_force(brake, theta, theta, frozenset())
     # The first guess of the contact is the whole lining.
     pressed = np.ones(len(p.theta), dtype=bool)
-    for rounds in range(1, MOST_REVISIONS + 1):
+    for rounds in range(1, MOST_REVISIONS_OF_BARECKI_CONTACT + 1):
         # The displacements follow from the last guess of the contact. A sector is then in contact
         # if these displacements compress it.
         w, z = _beam_and_rim_displacements(p, c, np.where(pressed, p.k, 0.0))
         t = w[p.under] * np.cos(p.theta) - z - p.gap
         if np.array_equal(t > 0, pressed):
-            return IterationAnswer(w, z, np.where(pressed, p.k * t, 0.0), rounds)
+            return ResultOfBareckiIteration(w, z, np.where(pressed, p.k * t, 0.0), rounds)
         pressed = t > 0
     raise NoAnswer(
         f"shoe {brake.shoes[index].name!r}: not converged: "
@@ -82,12 +84,14 @@ def solve_post_brake_by_paper_iteration(brake: Brake, index: int, sections: int)
     )
 
 
-def _beam_and_rim_displacements(p: SectionedShoe, c: Floats, k: Floats) -> tuple[Floats, Floats]:
+def _beam_and_rim_displacements(
+    p: ShoeInStationsAndSectors, c: Floats, k: Floats
+) -> tuple[Floats, Floats]:
     """Displacements of the beam, w (m,), and of the drum's rim, z (n,) [m], for a given contact.
 
     Parameters
     ----------
-    p : SectionedShoe
+    p : ShoeInStationsAndSectors
         The beam with its m stations and n sectors.
     c : array (n, n)
         Flexibility of the drum's ring at the sectors [m/N].
@@ -102,7 +106,7 @@ def _beam_and_rim_displacements(p: SectionedShoe, c: Floats, k: Floats) -> tuple
     # Equilibrium of bending at the stations inside the beam (eq. 12), with second differences of w.
     inner = np.arange(1, m - 1)
     before, after = np.diff(p.x)[:-1], np.diff(p.x)[1:]
-    stiff = p.EI[inner] / p.step[inner]
+    stiff = p.EI[inner] / p.station_weights[inner]
     matrix[inner, inner - 1] = stiff / before
     matrix[inner, inner] = -stiff * (1 / before + 1 / after)
     matrix[inner, inner + 1] = stiff / after

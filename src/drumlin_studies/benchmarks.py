@@ -1,8 +1,8 @@
 """Benchmarks of drumlin's speed and model sizes, kept over the commits in a file of JSON lines.
 
-`make benchmarks` measures the figures and adds a line to BENCHMARK_HISTORY. Every time is divided
-by the time of a fixed calculation or of fixed imports in the same run. This ratio hardly depends on
-the machine, so that lines from different machines can be compared.
+`make benchmarks` measures the figures and adds a line to PATH_OF_BENCHMARK_HISTORY. Every time is
+divided by the time of a fixed calculation or of fixed imports in the same run. This ratio hardly
+depends on the machine, so that lines from different machines can be compared.
 """
 
 import json
@@ -22,12 +22,21 @@ import drumlin
 from drumlin.base.resource_use import processor_time_of_ended_child_processes
 from drumlin.brake.brake import Brake
 from drumlin.fem.solve import prepared_model_with_finest_elements
-from drumlin.studies import REPOSITORY, paths_of_example_brakes
+from drumlin.studies import (
+    FOLDER_OF_INSTALLED_OR_SOURCE_STUDIES_AND_MESHES,
+    paths_of_example_brakes,
+)
 
-BENCHMARK_HISTORY = REPOSITORY / "reports" / "reference" / "benchmarks" / "history.jsonl"
+PATH_OF_BENCHMARK_HISTORY = (
+    FOLDER_OF_INSTALLED_OR_SOURCE_STUDIES_AND_MESHES
+    / "reports"
+    / "reference"
+    / "benchmarks"
+    / "history.jsonl"
+)
 """Path of the file with the history of benchmarks: one line for each measurement, oldest first."""
 
-TIMED_SOLVES = (
+EXAMPLES_WITH_TIMED_DEFAULT_SOLVE = (
     "double_shoe",
     "double_shoe_flexible",
     "post_brake",
@@ -41,42 +50,42 @@ They cover stiff and flexible shoes, an elastic ring, shoes with a strut between
 blocks, and shoes on a plane.
 """
 
-COUNTED_BRAKES = ("double_shoe", "post_brake")
+EXAMPLES_WITH_COUNTED_UNKNOWNS_AND_ITERATIONS = ("double_shoe", "post_brake")
 """Example brakes whose unknowns and iterations are counted: one with a rigid drum, and one with an
 elastic drum ring.
 """
 
-USUAL_REPEATS = 9
+DEFAULT_TIMINGS_OF_EACH_CALCULATION = 9
 """Number of times that each calculation is timed by default.
 
 The median of nine measurements varies by some 2 % on a busy machine.
 """
 
-WORKLOAD_SYSTEM_SIZE = 60
+EQUATIONS_PER_SYSTEM_OF_FIXED_CALCULATION = 60
 """Number of equations of each linear system in the fixed calculation.
 
 A shoe has about as many contact nodes."""
 
-WORKLOAD_SYSTEMS = 80
+LINEAR_SYSTEMS_IN_FIXED_CALCULATION = 80
 """Number of linear systems in the fixed calculation. The whole calculation takes some 5 ms."""
 
-WORKLOAD_ADDITIONS = 100_000
+NUMBER_OF_ADDITIONS_IN_FIXED_CALCULATION = 100_000
 """Number of additions in the fixed calculation.
 
 They stand for the work of the Python interpreter, which takes a large part of a solve's time.
 """
 
-IMPORT_PROGRAM = "import numpy, scipy.linalg, pydantic"
+PROGRAM_THAT_IMPORTS_REQUIRED_PACKAGES = "import numpy, scipy.linalg, pydantic"
 """Program that only imports the other packages that every command of drumlin needs.
 
 The times of drumlin's commands are divided by the time of this program.
 """
 
-COMMAND_LINE_PROGRAM = "from drumlin.cli import main; main()"
+PROGRAM_THAT_RUNS_COMMAND_LINE_OF_DRUMLIN = "from drumlin.cli import main; main()"
 """Program that runs drumlin's command line, whether or not the command is installed."""
 
 
-class Benchmark(NamedTuple):
+class BenchmarkFiguresOfCommit(NamedTuple):
     """A measurement: the commit, its date (YYYY-MM-DD), and the measured figures by name."""
 
     commit: str
@@ -91,14 +100,17 @@ def run_fixed_calculation() -> float:
     step, so that no step can be optimised away. If this function changes, earlier lines of the
     history cannot be compared with later ones.
     """
-    matrix = np.eye(WORKLOAD_SYSTEM_SIZE) + 1 / (
-        1 + np.arange(WORKLOAD_SYSTEM_SIZE**2).reshape(WORKLOAD_SYSTEM_SIZE, -1)
+    matrix = np.eye(EQUATIONS_PER_SYSTEM_OF_FIXED_CALCULATION) + 1 / (
+        1
+        + np.arange(EQUATIONS_PER_SYSTEM_OF_FIXED_CALCULATION**2).reshape(
+            EQUATIONS_PER_SYSTEM_OF_FIXED_CALCULATION, -1
+        )
     )
-    right = np.ones(WORKLOAD_SYSTEM_SIZE)
+    right = np.ones(EQUATIONS_PER_SYSTEM_OF_FIXED_CALCULATION)
     total = 0.0
-    for _ in range(WORKLOAD_SYSTEMS):
+    for _ in range(LINEAR_SYSTEMS_IN_FIXED_CALCULATION):
         total += float(np.linalg.solve(matrix, right).sum())
-    for number in range(WORKLOAD_ADDITIONS):
+    for number in range(NUMBER_OF_ADDITIONS_IN_FIXED_CALCULATION):
         total += number
     return total
 
@@ -118,7 +130,9 @@ def measure_python_process_time(*arguments: str) -> float:
 
 
 def median_ratio_of_times_returned_by_two_functions(
-    timed: Callable[[], float], compared: Callable[[], float], repeats: int = USUAL_REPEATS
+    timed: Callable[[], float],
+    compared: Callable[[], float],
+    repeats: int = DEFAULT_TIMINGS_OF_EACH_CALCULATION,
 ) -> float:
     """Median of the ratio of two times: the time of `timed` divided by the time of `compared`.
 
@@ -132,18 +146,20 @@ def median_ratio_of_times_returned_by_two_functions(
     return median(ratios)
 
 
-def solve_times_over_fixed_calculation(repeats: int = USUAL_REPEATS) -> dict[str, float]:
+def solve_times_over_fixed_calculation(
+    repeats: int = DEFAULT_TIMINGS_OF_EACH_CALCULATION,
+) -> dict[str, float]:
     """Times of drumlin's functions by name, each divided by the time of the fixed calculation.
 
-    The default solve is timed on all TIMED_SOLVES. The sine law, `sensitivity` and `hold` are timed
-    on the first of these brakes.
+    The default solve is timed on all EXAMPLES_WITH_TIMED_DEFAULT_SOLVE. The sine law, `sensitivity`
+    and `hold` are timed on the first of these brakes.
     """
     calls: dict[str, Callable[[], object]] = {}
-    for name in TIMED_SOLVES:
+    for name in EXAMPLES_WITH_TIMED_DEFAULT_SOLVE:
         calls[f"solve {name}"] = partial(
             drumlin.solve, drumlin.read_brake(paths_of_example_brakes()[name])
         )
-    first = drumlin.read_brake(paths_of_example_brakes()[TIMED_SOLVES[0]])
+    first = drumlin.read_brake(paths_of_example_brakes()[EXAMPLES_WITH_TIMED_DEFAULT_SOLVE[0]])
     # The sine law, `sensitivity` and `hold` are timed on the first brake.
     calls |= {
         "sine law": partial(drumlin.solve, first, "sine"),
@@ -176,25 +192,33 @@ def counts_of_unknowns_and_iterations_of_default_solves() -> dict[str, float]:
     These numbers do not depend on the machine.
     """
     found: dict[str, float] = {}
-    for name in COUNTED_BRAKES:
+    for name in EXAMPLES_WITH_COUNTED_UNKNOWNS_AND_ITERATIONS:
         brake = drumlin.read_brake(paths_of_example_brakes()[name])
         found[f"unknowns {name}"] = count_unknowns_of_default_solve(brake)
         found[f"iterations {name}"] = drumlin.solve(brake).iterations
     return found
 
 
-def command_times_over_import_time(repeats: int = USUAL_REPEATS) -> dict[str, float]:
+def command_times_over_import_time(
+    repeats: int = DEFAULT_TIMINGS_OF_EACH_CALCULATION,
+) -> dict[str, float]:
     """Times of `drumlin init`, `drumlin solve` and `import drumlin`, by name.
 
     Each time is divided by the time of a process that only imports numpy, scipy.linalg and
     pydantic.
     """
-    brake = str(paths_of_example_brakes()[TIMED_SOLVES[0]])
-    compared = partial(measure_python_process_time, "-c", IMPORT_PROGRAM)
+    brake = str(paths_of_example_brakes()[EXAMPLES_WITH_TIMED_DEFAULT_SOLVE[0]])
+    compared = partial(measure_python_process_time, "-c", PROGRAM_THAT_IMPORTS_REQUIRED_PACKAGES)
     commands = {
-        "command init": partial(measure_python_process_time, "-c", COMMAND_LINE_PROGRAM, "init"),
+        "command init": partial(
+            measure_python_process_time, "-c", PROGRAM_THAT_RUNS_COMMAND_LINE_OF_DRUMLIN, "init"
+        ),
         "command solve": partial(
-            measure_python_process_time, "-c", COMMAND_LINE_PROGRAM, "solve", brake
+            measure_python_process_time,
+            "-c",
+            PROGRAM_THAT_RUNS_COMMAND_LINE_OF_DRUMLIN,
+            "solve",
+            brake,
         ),
         "import drumlin": partial(measure_python_process_time, "-c", "import drumlin"),
     }
@@ -206,7 +230,7 @@ def command_times_over_import_time(repeats: int = USUAL_REPEATS) -> dict[str, fl
 
 def output_of_git_command(*arguments: str) -> str:
     """The output of a git command on drumlin's repository, without surrounding spaces."""
-    command = ["git", "-C", str(REPOSITORY), *arguments]
+    command = ["git", "-C", str(FOLDER_OF_INSTALLED_OR_SOURCE_STUDIES_AND_MESHES), *arguments]
     return subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip()
 
 
@@ -217,7 +241,9 @@ def short_commit_hash() -> str:
     return output_of_git_command("rev-parse", "--short=7", "HEAD") + ("+" if changed else "")
 
 
-def measure_all_benchmarks(repeats: int = USUAL_REPEATS) -> Benchmark:
+def measure_all_benchmarks(
+    repeats: int = DEFAULT_TIMINGS_OF_EACH_CALCULATION,
+) -> BenchmarkFiguresOfCommit:
     """Measure all figures of drumlin at the checked-out commit.
 
     Raises subprocess.CalledProcessError outside of a git repository.
@@ -229,23 +255,28 @@ def measure_all_benchmarks(repeats: int = USUAL_REPEATS) -> Benchmark:
     }
     # Times are rounded to four digits, because further digits would be random.
     rounded = {name: float(f"{value:.4g}") for name, value in figures.items()}
-    return Benchmark(short_commit_hash(), f"{datetime.now(UTC):%Y-%m-%d}", rounded)
+    return BenchmarkFiguresOfCommit(short_commit_hash(), f"{datetime.now(UTC):%Y-%m-%d}", rounded)
 
 
-def append_benchmark_to_history(path: Path, benchmark: Benchmark) -> None:
+def append_benchmark_to_history(path: Path, benchmark: BenchmarkFiguresOfCommit) -> None:
     """Append a measurement as a line to the history file `path`, which is created if missing."""
     path.parent.mkdir(parents=True, exist_ok=True)
     with path.open("a", encoding="utf-8") as file:
         file.write(json.dumps(benchmark._asdict()) + "\n")
 
 
-def read_benchmark_history(path: Path = BENCHMARK_HISTORY) -> list[Benchmark]:
+def read_benchmark_history(
+    path: Path = PATH_OF_BENCHMARK_HISTORY,
+) -> list[BenchmarkFiguresOfCommit]:
     """The measurements in a history file, from the oldest to the newest."""
     lines = path.read_text(encoding="utf-8").splitlines()
-    return [Benchmark(**json.loads(line)) for line in lines]
+    return [BenchmarkFiguresOfCommit(**json.loads(line)) for line in lines]
 
 
-def main(path: str = str(BENCHMARK_HISTORY), repeats: str = str(USUAL_REPEATS)) -> None:
+def main(
+    path: str = str(PATH_OF_BENCHMARK_HISTORY),
+    repeats: str = str(DEFAULT_TIMINGS_OF_EACH_CALCULATION),
+) -> None:
     """Measure all figures, append them to the history file `path`, and print the new line."""
     benchmark = measure_all_benchmarks(int(repeats))
     append_benchmark_to_history(Path(path), benchmark)

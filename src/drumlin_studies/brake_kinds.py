@@ -13,9 +13,9 @@ import numpy as np
 
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.brake.surface import DRUM, PLANE
+from drumlin.brake.surface import FRICTION_SURFACE_OF_DRUM, FRICTION_SURFACE_OF_PLANE
 from drumlin.comparison import (
-    Outcome,
+    ModelResultOrReasonOfFailure,
     length_of_uncompared_zone_at_lining_end,
     solve_and_time_model,
 )
@@ -30,11 +30,11 @@ from drumlin.response.norms import relative_distance_of_pressures, relative_erro
 from drumlin.response.response import Response
 from drumlin_studies.tables import values_of_key_in_rows
 
-TRUSTED_LAW_ERROR = 0.05
+LARGEST_ERROR_OF_TRUSTED_LAW = 0.05
 """Relative error up to which the study's report says that a rigid-shoe law can be trusted."""
-ROUGH_LAW_ERROR = 0.15
+LARGEST_ERROR_OF_ROUGH_LAW = 0.15
 """Relative error up to which the study's report calls a rigid-shoe law a rough estimate."""
-NO_EFFECT_ERROR = 1e-9
+LARGEST_LAW_ERROR_OF_TORQUE_SET_BY_EQUILIBRIUM = 1e-9
 """Relative error of the law's torque below which the report says that the torque follows from
 equilibrium alone, whatever the pressure.
 
@@ -42,7 +42,7 @@ The torques of law and finite elements then agree to round-off, even if their pr
 """
 
 
-class BrakeInMotion(NamedTuple):
+class BrakeSolvedByAllModels(NamedTuple):
     """A brake in one sense of motion, and its responses by several models.
 
     Attributes
@@ -64,7 +64,7 @@ class BrakeInMotion(NamedTuple):
     law: Response
     new: Response
     worn: Response
-    others: Mapping[str, Outcome]
+    others: Mapping[str, ModelResultOrReasonOfFailure]
 
 
 def brake_and_reversed_brake(brake: Brake) -> tuple[Brake, Brake]:
@@ -74,7 +74,7 @@ def brake_and_reversed_brake(brake: Brake) -> tuple[Brake, Brake]:
 
 def solve_brake_by_all_models(
     file: str, brake: Brake, elements: int, *, solid: bool = False
-) -> BrakeInMotion:
+) -> BrakeSolvedByAllModels:
     """Solve a brake by its rigid-shoe law, by finite elements and by every other suitable model.
 
     Parameters
@@ -97,14 +97,14 @@ def solve_brake_by_all_models(
     models = [*applicable_models(brake)]
     if solid and MODELS["solid"].why_not(brake) is None:
         models.append(MODELS["solid"])
-    others: dict[str, Outcome] = {}
+    others: dict[str, ModelResultOrReasonOfFailure] = {}
     for model in models:
         # The law and the default finite elements are left out, because the result holds them
         # elsewhere.
         if model.name not in {"fem", by_law.model}:
             others[model.name] = solve_and_time_model(model.name, partial(model.solve, brake))
     worn = worn_in.solve_worn_in_brake(brake, elements=elements)
-    return BrakeInMotion(file, brake, by_law, solve(brake), worn, others)
+    return BrakeSolvedByAllModels(file, brake, by_law, solve(brake), worn, others)
 
 
 def self_locking_friction_by_finite_elements(
@@ -125,7 +125,9 @@ def self_locking_friction_by_finite_elements(
     return min((end.friction for end in found.values()), default=math.inf)
 
 
-def row_of_errors_of_rigid_shoe_law(found: BrakeInMotion, limit: float | None) -> dict[str, Any]:
+def row_of_errors_of_rigid_shoe_law(
+    found: BrakeSolvedByAllModels, limit: float | None
+) -> dict[str, Any]:
     """A row of a table with the errors of a brake's law, for new and for worn-in linings.
 
     `new` and `worn` are relative errors of the law's torque (on a plane, of its braking force)
@@ -148,10 +150,10 @@ def row_of_errors_of_rigid_shoe_law(found: BrakeInMotion, limit: float | None) -
 
     return {
         "file": found.file,
-        "motion": brake.sense,
+        "motion": brake.direction_as_text_in_tables,
         "law": found.law.model,
         "effect": size,
-        "unit": brake.surface.effect_unit,
+        "unit": brake.surface.unit_of_torque_or_brake_force,
         "factor": brake_factor(brake, new),
         "factor_worn": brake_factor(brake, found.worn),
         "peak": max(shoe.peak_pressure for shoe in new.shoes),
@@ -166,12 +168,12 @@ def row_of_errors_of_rigid_shoe_law(found: BrakeInMotion, limit: float | None) -
     }
 
 
-def torque_error_rows_of_models_besides_law(found: BrakeInMotion) -> list[dict[str, Any]]:
+def torque_error_rows_of_models_besides_law(found: BrakeSolvedByAllModels) -> list[dict[str, Any]]:
     """Rows of a table, one for each other model, with the relative errors of its torque.
 
     The errors are relative to finite elements with new and with worn-in linings.
     """
-    base: dict[str, Any] = {"file": found.file, "motion": found.brake.sense}
+    base: dict[str, Any] = {"file": found.file, "motion": found.brake.direction_as_text_in_tables}
     rows: list[dict[str, Any]] = []
     for name, outcome in found.others.items():
         if outcome.response is None:
@@ -209,27 +211,41 @@ def sentence_on_whether_law_can_be_trusted(rows: list[dict[str, Any]]) -> str:
 
     `rows` are the results of `row_of_errors_of_rigid_shoe_law` for both senses of motion.
     """
-    surface, name = PLANE if rows[0]["unit"] == PLANE.effect_unit else DRUM, rows[0]["law"]
-    effect_ = surface.effect
+    surface, name = (
+        FRICTION_SURFACE_OF_PLANE
+        if rows[0]["unit"] == FRICTION_SURFACE_OF_PLANE.unit_of_torque_or_brake_force
+        else FRICTION_SURFACE_OF_DRUM,
+        rows[0]["law"],
+    )
+    effect_ = surface.word_for_torque_or_brake_force
 
-    def verdict_on_error_of_law(key: str) -> str:
+    def text_that_judges_error_of_law(key: str) -> str:
         """A verdict such as "can be trusted (off by up to 3 %)".
 
         `key` names an error of the law in the rows, such as "worn". The larger error of the two
         senses of motion decides.
         """
         error = np.abs(values_of_key_in_rows(rows, key)).max()
-        word = "is an estimate" if error <= ROUGH_LAW_ERROR else "cannot be trusted"
-        word = "can be trusted" if error <= TRUSTED_LAW_ERROR else word
+        word = "is an estimate" if error <= LARGEST_ERROR_OF_ROUGH_LAW else "cannot be trusted"
+        word = "can be trusted" if error <= LARGEST_ERROR_OF_TRUSTED_LAW else word
         size = f"up to {100 * error:.2g}" if error > 1e-4 else "less than 0.01"
         return f"{word} (off by {size} %)"
 
-    if np.abs(values_of_key_in_rows(rows, "new")).max() < NO_EFFECT_ERROR:
+    if (
+        np.abs(values_of_key_in_rows(rows, "new")).max()
+        < LARGEST_LAW_ERROR_OF_TORQUE_SET_BY_EQUILIBRIUM
+    ):
         return (
             f"The {effect_} follows from equilibrium alone, whatever the pressure. "
             f"The pressure of the law {name!r} "
-            f"{verdict_on_error_of_law('p')} new, and {verdict_on_error_of_law('p_worn')} worn in."
+            f"{text_that_judges_error_of_law('p')} new, and "
+            f"{text_that_judges_error_of_law('p_worn')} worn in."
         )
-    new = f"{verdict_on_error_of_law('new')}, its pressure {verdict_on_error_of_law('p')}"
-    worn = f"{verdict_on_error_of_law('worn')}, its pressure {verdict_on_error_of_law('p_worn')}"
+    new = (
+        f"{text_that_judges_error_of_law('new')}, its pressure {text_that_judges_error_of_law('p')}"
+    )
+    worn = (
+        f"{text_that_judges_error_of_law('worn')}, its pressure "
+        f"{text_that_judges_error_of_law('p_worn')}"
+    )
     return f"New, the {effect_} of the law {name!r} {new}; worn in, the {effect_} {worn}."

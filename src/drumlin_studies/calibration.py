@@ -5,8 +5,8 @@ error by the change from one level to the next, multiplied by a safety factor.
 `true_and_estimated_errors_of_random_brake` records this change for a random brake, and the true
 error, which is the difference from a far finer solution. `fit_safety_factors` finds the smallest
 factors with which the stated errors are at least as large as the true errors, except for the small
-share 1 - STATED_QUANTILE. `estimate_factors_as_json_text` writes the factors together with the
-brakes of the fit. The command
+share 1 - FRACTION_COVERED_BY_STATED_ERROR. `error_estimate_factors_as_json_text` writes the factors
+together with the brakes of the fit. The command
 
     make calibrate
 
@@ -28,26 +28,32 @@ from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake
 from drumlin.fem.error_control.adapt import errors_with_singular_points_and_text_on_short_contacts
 from drumlin.fem.error_control.estimate import (
-    QUANTITIES,
-    Errors,
-    Factors,
+    QUANTITIES_WITH_STATED_ERROR,
+    EstimatedErrors,
+    SafetyFactorsOfErrorEstimate,
     relative_differences_of_responses_on_two_levels,
     sum_of_penalty_and_round_off_errors,
 )
 from drumlin.fem.error_control.levels import SolvedLevel, solve_brake_on_finer_and_finer_mesh_levels
 from drumlin.fem.hp.corner import response_with_power_laws_at_corners
 from drumlin.fem.model import solve_prepared_model
-from drumlin_studies.random_brake import SHAPE_KINDS as KINDS
+from drumlin_studies.random_brake import FUNCTIONS_THAT_DRAW_BRAKE_DATA_BY_SHAPE_KIND as KINDS
 from drumlin_studies.random_brake import draw_random_brake
 from drumlin_studies.random_corners import (
-    CORNER_KINDS,
+    WAYS_TO_DRAW_BRAKES_BY_CORNER_KIND,
     draw_random_brake_pressing_with_corner_or_kink,
 )
-from drumlin_studies.random_kinds import HOLDING_KINDS as KINDS_OF_HOLDING
+from drumlin_studies.random_kinds import (
+    FUNCTIONS_THAT_DRAW_BRAKE_DATA_BY_SUPPORT_KIND as KINDS_OF_HOLDING,
+)
 from drumlin_studies.random_kinds import draw_random_brake_of_support_kind
-from drumlin_studies.stated_true import RELEVANT, Truth, true_errors_of_response
+from drumlin_studies.stated_true import (
+    SMALLEST_RELEVANT_TRUE_ERROR,
+    FarFinerSolutionOfBrake,
+    true_errors_of_response,
+)
 from drumlin_studies.stored_truth import (
-    CERTAIN,
+    LEAST_USABLE_TRUE_ERROR_OVER_ITS_UNCERTAINTY,
     solve_brake_by_finer_hp_meshes,
     solve_brake_on_corner_or_kink_by_fine_triangles,
 )
@@ -62,22 +68,22 @@ FIRST_CORNER, CORNER_BRAKES = 310_000, 60
 
 A corner is an end of the lining's surface; a tip is a kink of this surface that points to the drum.
 The second number is the number of these brakes: six of each kind. The factors are tested on brakes
-of other seeds, see `corner_rows.FIRST_JUDGED`.
+of other seeds, see `corner_rows.SEED_OF_FIRST_CORNER_BRAKE`.
 """
 
-STATED_QUANTILE = 0.995
+FRACTION_COVERED_BY_STATED_ERROR = 0.995
 """Fraction of the true errors that must not exceed the stated errors in the fit.
 
 README promises that at most 1 % of the stated errors are too small: twice the share that this fit
 allows.
 """
 
-FITTED_LEVELS = 5
+NUMBER_OF_FITTED_HP_MESHES_PER_BRAKE = 5
 """Number of hp meshes (levels) of each brake whose errors are fitted.
 
 A further level would be as fine as the solution from which true errors are taken."""
 
-CHANCE_WEIGHTS = tuple(2.0**-k for k in range(4, 14))
+CANDIDATE_WEIGHTS_IN_FORCE_ERROR_ESTIMATE = tuple(2.0**-k for k in range(4, 14))
 """Candidates for a weight in the error estimate of forces.
 
 The contributions of hp elements to the change of a force may cancel by accident. Therefore the
@@ -86,20 +92,20 @@ change. `fit_safety_factors` takes the candidate with the smallest median ratio 
 error.
 """
 
-HALF_STATED_QUANTILE = 0.999
+FRACTION_COVERED_BY_TWICE_STATED_ERROR = 0.999
 """Fraction of the true errors that must not exceed twice the stated errors in the fit.
 
-STATED_QUANTILE limits how many stated errors are too small. HALF_STATED_QUANTILE limits by how much
-they are too small.
+FRACTION_COVERED_BY_STATED_ERROR limits how many stated errors are too small.
+FRACTION_COVERED_BY_TWICE_STATED_ERROR limits by how much they are too small.
 """
 
-SIGNIFICANT_DIGITS = 2
+SIGNIFICANT_DIGITS_OF_SAFETY_FACTOR = 2
 """Number of significant digits of a safety factor. Further digits would depend on which random
 brakes were drawn.
 """
 
 
-class LevelRecord(NamedTuple):
+class TrueErrorsAndEstimateTermsOnLevel(NamedTuple):
     """True errors on one hp mesh (level), and the terms of their estimate, by quantity.
 
     Attributes
@@ -125,7 +131,7 @@ def draw_random_calibration_brake_and_name_of_kind(seed: int) -> tuple[str, Brak
     drum only by a corner of the lining or by a kink of its surface that points to the drum.
     """
     if seed >= FIRST_CORNER:
-        names = list(CORNER_KINDS)
+        names = list(WAYS_TO_DRAW_BRAKES_BY_CORNER_KIND)
         return names[seed % len(names)], draw_random_brake_pressing_with_corner_or_kink(seed)
     kinds = [*KINDS, *KINDS_OF_HOLDING]
     kind = kinds[seed % len(kinds)]
@@ -152,7 +158,7 @@ def true_and_estimated_errors_of_random_brake(seed: int) -> dict[str, Any]:
             truth,
             islice(
                 solve_brake_on_finer_and_finer_mesh_levels(brake, solve_prepared_model),
-                FITTED_LEVELS,
+                NUMBER_OF_FITTED_HP_MESHES_PER_BRAKE,
             ),
         )
     except (NoAnswer, AssertionError) as error:
@@ -168,8 +174,8 @@ def true_and_estimated_errors_of_random_brake(seed: int) -> dict[str, Any]:
 
 
 def true_errors_and_estimates_on_each_mesh(
-    brake: Brake, truth: Truth, found: Iterable[SolvedLevel]
-) -> list[LevelRecord]:
+    brake: Brake, truth: FarFinerSolutionOfBrake, found: Iterable[SolvedLevel]
+) -> list[TrueErrorsAndEstimateTermsOnLevel]:
     """True errors of a brake and the terms of their estimate, on each mesh from the second one on.
 
     The true error of a quantity is nan if drumlin itself says that the quantity is not known, such
@@ -177,10 +183,10 @@ def true_errors_and_estimates_on_each_mesh(
     """
     # drumlin gets stated errors of zero for all quantities. An error that it returns larger than 0
     # then marks a quantity that it calls unknown, such as a peak without bound.
-    nothing = Errors.brake_errors_from_torque_and_shoe_errors(
-        0.0, [dict.fromkeys(QUANTITIES, 0.0)] * len(brake.shoes)
+    nothing = EstimatedErrors.brake_errors_from_torque_and_shoe_errors(
+        0.0, [dict.fromkeys(QUANTITIES_WITH_STATED_ERROR, 0.0)] * len(brake.shoes)
     )
-    levels: list[LevelRecord] = []
+    levels: list[TrueErrorsAndEstimateTermsOnLevel] = []
     before = None
     for _, raw in found:
         response = response_with_power_laws_at_corners(brake, raw)
@@ -196,9 +202,11 @@ def true_errors_and_estimates_on_each_mesh(
             }
             moved = relative_differences_of_responses_on_two_levels(brake, before, response)
             levels.append(
-                LevelRecord(
-                    step=_largest_value_of_each_quantity_over_shoes(moved.steps),
-                    chance=_largest_value_of_each_quantity_over_shoes(moved.chance),
+                TrueErrorsAndEstimateTermsOnLevel(
+                    step=_largest_value_of_each_quantity_over_shoes(moved.differences),
+                    chance=_largest_value_of_each_quantity_over_shoes(
+                        moved.changes_with_random_signs
+                    ),
                     beside=_largest_value_of_each_quantity_over_shoes(
                         sum_of_penalty_and_round_off_errors(response.shoes)
                     ),
@@ -213,15 +221,15 @@ def true_errors_and_estimates_on_each_mesh(
 def _largest_value_of_each_quantity_over_shoes(values: Floats) -> dict[str, float]:
     """For each quantity its largest value over all shoes; for the torque, the value of the brake.
 
-    `values` (1 + 4 shoes,) are errors or changes in the order of `LevelDifferences`: the torque of
-    the brake comes first, then four quantities of each shoe.
+    `values` (1 + 4 shoes,) are errors or changes in the order of `ResponseDifferencesOfTwoLevels`:
+    the torque of the brake comes first, then four quantities of each shoe.
     """
-    most = values[1:].reshape(-1, len(QUANTITIES)).max(axis=0).tolist()
-    return dict(zip(QUANTITIES, most, strict=True)) | {"torque": float(values[0])}
+    most = values[1:].reshape(-1, len(QUANTITIES_WITH_STATED_ERROR)).max(axis=0).tolist()
+    return dict(zip(QUANTITIES_WITH_STATED_ERROR, most, strict=True)) | {"torque": float(values[0])}
 
 
-class Samples(NamedTuple):
-    """The attributes of `LevelRecord` for one quantity, as arrays (m,).
+class TrueErrorsAndEstimateTermsOfQuantity(NamedTuple):
+    """The attributes of `TrueErrorsAndEstimateTermsOnLevel` for one quantity, as arrays (m,).
 
     Each of the m entries belongs to one brake on one of its meshes (levels).
     """
@@ -233,46 +241,53 @@ class Samples(NamedTuple):
     unsure: Floats
 
     @property
-    def which_true_errors_are_usable(self) -> Bools:
+    def mask_of_true_errors_usable_in_fit(self) -> Bools:
         """Whether each true error (m,) is large enough and certain enough to be used in the fit.
 
         A smaller or less certain value may be an error of the far finer solution instead.
         """
-        return np.asarray((self.true >= RELEVANT) & (self.true > CERTAIN * self.unsure))
+        return np.asarray(
+            (self.true >= SMALLEST_RELEVANT_TRUE_ERROR)
+            & (self.true > LEAST_USABLE_TRUE_ERROR_OVER_ITS_UNCERTAINTY * self.unsure)
+        )
 
     def smallest_safety_factor(self, weight: float) -> float:
         """The smallest safety factor for which nearly all stated errors cover the true errors.
 
-        STATED_QUANTILE and HALF_STATED_QUANTILE say how many stated errors may be too small. The
-        stated error is factor * (step + weight * chance) + beside, with the attributes of
-        `LevelRecord`. Any factor counts as large enough for a true error that is not usable.
+        FRACTION_COVERED_BY_STATED_ERROR and FRACTION_COVERED_BY_TWICE_STATED_ERROR say how many
+        stated errors may be too small. The stated error is factor * (step + weight * chance) +
+        beside, with the attributes of `TrueErrorsAndEstimateTermsOnLevel`. Any factor counts as
+        large enough for a true error that is not usable.
         """
         # The part of each true error that factor * (step + weight * chance) must cover.
         most = np.where(
-            self.which_true_errors_are_usable, self.true - self.unsure - self.beside, 0.0
+            self.mask_of_true_errors_usable_in_fit, self.true - self.unsure - self.beside, 0.0
         )
         needed = np.maximum(most, 0.0) / np.maximum(
             self.step + weight * self.chance, np.finfo(float).tiny
         )
         return round_up_to_significant_digits(
             max(
-                float(np.quantile(needed, STATED_QUANTILE)),
-                0.5 * float(np.quantile(needed, HALF_STATED_QUANTILE)),
+                float(np.quantile(needed, FRACTION_COVERED_BY_STATED_ERROR)),
+                0.5 * float(np.quantile(needed, FRACTION_COVERED_BY_TWICE_STATED_ERROR)),
             )
         )
 
     def stated_over_true_errors(self, factor: float, weight: float) -> Floats:
         """Ratios (k,) of the stated to the true error, for the k entries with a usable true error.
 
-        See `which_true_errors_are_usable`.
+        See `mask_of_true_errors_usable_in_fit`.
         """
         stated = factor * (self.step + weight * self.chance) + self.beside
         return (
-            stated[self.which_true_errors_are_usable] / self.true[self.which_true_errors_are_usable]
+            stated[self.mask_of_true_errors_usable_in_fit]
+            / self.true[self.mask_of_true_errors_usable_in_fit]
         )
 
 
-def true_and_estimated_errors_of_quantity(levels: Sequence[LevelRecord], quantity: str) -> Samples:
+def true_and_estimated_errors_of_quantity(
+    levels: Sequence[TrueErrorsAndEstimateTermsOnLevel], quantity: str
+) -> TrueErrorsAndEstimateTermsOfQuantity:
     """True errors of one quantity and the terms of their estimate, on all meshes of all brakes.
 
     Meshes on which the true error is nan are left out.
@@ -281,30 +296,38 @@ def true_and_estimated_errors_of_quantity(levels: Sequence[LevelRecord], quantit
     for level in levels:
         if not math.isnan(level.true[quantity]):
             rows.append([errors[quantity] for errors in level])
-    return Samples(*np.array(rows).reshape(-1, len(LevelRecord._fields)).T)
+    return TrueErrorsAndEstimateTermsOfQuantity(
+        *np.array(rows).reshape(-1, len(TrueErrorsAndEstimateTermsOnLevel._fields)).T
+    )
 
 
-def fit_safety_factors(levels: Sequence[LevelRecord]) -> Factors:
+def fit_safety_factors(
+    levels: Sequence[TrueErrorsAndEstimateTermsOnLevel],
+) -> SafetyFactorsOfErrorEstimate:
     """The smallest safety factors for which nearly all stated errors cover the true errors.
 
-    The fractions of stated errors that may be too small are set by STATED_QUANTILE and
-    HALF_STATED_QUANTILE. Torque and reaction have the same factor, the larger of their two factors.
-    The estimated error of a force has a term for the change that the force would have if the
-    elements contributed with random signs. Of the weights CHANCE_WEIGHTS of this term, the one with
-    the smallest median ratio of stated to true error is taken.
+    The fractions of stated errors that may be too small are set by FRACTION_COVERED_BY_STATED_ERROR
+    and FRACTION_COVERED_BY_TWICE_STATED_ERROR. Torque and reaction have the same factor, the larger
+    of their two factors. The estimated error of a force has a term for the change that the force
+    would have if the elements contributed with random signs. Of the weights
+    CANDIDATE_WEIGHTS_IN_FORCE_ERROR_ESTIMATE of this term, the one with the smallest median ratio
+    of stated to true error is taken.
     """
     # The weight of the change with random signs is chosen first, because the safety factor of
     # forces depends on it.
     forces = [
         true_and_estimated_errors_of_quantity(levels, name) for name in ("torque", "reaction")
     ]
-    weight = min(CHANCE_WEIGHTS, key=partial(_median_stated_over_true_error, forces))
+    weight = min(
+        CANDIDATE_WEIGHTS_IN_FORCE_ERROR_ESTIMATE,
+        key=partial(_median_stated_over_true_error, forces),
+    )
     of_forces = _largest_safety_factor_of_quantities(forces, weight)
     pressure, peak = (
         true_and_estimated_errors_of_quantity(levels, name).smallest_safety_factor(0.0)
         for name in ("pressure", "peak")
     )
-    return Factors(
+    return SafetyFactorsOfErrorEstimate(
         pressure,
         of_forces,
         round_up_to_significant_digits(of_forces * weight),
@@ -312,7 +335,9 @@ def fit_safety_factors(levels: Sequence[LevelRecord]) -> Factors:
     )
 
 
-def _largest_safety_factor_of_quantities(quantities: Sequence[Samples], weight: float) -> float:
+def _largest_safety_factor_of_quantities(
+    quantities: Sequence[TrueErrorsAndEstimateTermsOfQuantity], weight: float
+) -> float:
     """The largest safety factor that any of the quantities needs.
 
     `weight` multiplies the change that a force would have if elements contributed with random
@@ -321,7 +346,9 @@ def _largest_safety_factor_of_quantities(quantities: Sequence[Samples], weight: 
     return max(of.smallest_safety_factor(weight) for of in quantities)
 
 
-def _median_stated_over_true_error(quantities: Sequence[Samples], weight: float) -> float:
+def _median_stated_over_true_error(
+    quantities: Sequence[TrueErrorsAndEstimateTermsOfQuantity], weight: float
+) -> float:
     """The median ratio of stated to true error over several quantities with a common safety factor.
 
     `weight` multiplies the change that a force would have if elements contributed with random
@@ -333,14 +360,16 @@ def _median_stated_over_true_error(quantities: Sequence[Samples], weight: float)
 
 
 def round_up_to_significant_digits(value: float) -> float:
-    """The value rounded up to SIGNIFICANT_DIGITS significant digits."""
+    """The value rounded up to SIGNIFICANT_DIGITS_OF_SAFETY_FACTOR significant digits."""
     # The subtraction of 1e-9 protects a value that already has the right digits: round-off above it
     # would otherwise raise its last digit.
-    scale = 10.0 ** (math.floor(math.log10(value)) - SIGNIFICANT_DIGITS + 1)
-    return float(f"{math.ceil(value / scale - 1e-9) * scale:.{SIGNIFICANT_DIGITS}g}")
+    scale = 10.0 ** (math.floor(math.log10(value)) - SIGNIFICANT_DIGITS_OF_SAFETY_FACTOR + 1)
+    return float(
+        f"{math.ceil(value / scale - 1e-9) * scale:.{SIGNIFICANT_DIGITS_OF_SAFETY_FACTOR}g}"
+    )
 
 
-FACTOR_MEANINGS = {
+MEANINGS_OF_SAFETY_FACTORS = {
     "pressure": "Error of p in the L2 norm over the distance between the last two levels. "
     "If the factor is too small, stated errors of p are too small. "
     "If it is too large, solves go on to a finer level that nobody needs.",
@@ -359,7 +388,7 @@ FACTOR_MEANINGS = {
 """The meaning of each safety factor, as the file of the factors states it."""
 
 
-class Provenance(NamedTuple):
+class OriginOfSafetyFactors(NamedTuple):
     """The brakes and the code with which safety factors were fitted.
 
     Attributes
@@ -400,11 +429,13 @@ def safety_factors_as_json_text(
     return json.dumps(data, indent=1) + "\n"
 
 
-def estimate_factors_as_json_text(factors: Factors, provenance: Provenance) -> str:
+def error_estimate_factors_as_json_text(
+    factors: SafetyFactorsOfErrorEstimate, provenance: OriginOfSafetyFactors
+) -> str:
     """The JSON text of the file with the safety factors of the error estimate."""
     return safety_factors_as_json_text(
         factors._asdict(),
-        FACTOR_MEANINGS,
-        provenance._asdict() | {"quantile": STATED_QUANTILE},
+        MEANINGS_OF_SAFETY_FACTORS,
+        provenance._asdict() | {"quantile": FRACTION_COVERED_BY_STATED_ERROR},
         "drumlin.fem.error_control.estimate",
     )

@@ -34,7 +34,7 @@ def hertz_half_width_and_peak_pressure(
     return half, 2 * load / (math.pi * half)
 
 
-def persson_clearance_of_disc_in_hole(b: float) -> float:
+def dimensionless_persson_clearance_of_disc_in_hole(b: float) -> float:
     """Dimensionless clearance E dR/Q of a disc pressed into a hole of the same material.
 
     dR is the difference of the radii and Q the force per width. b = tan(eps/2), with eps the
@@ -43,7 +43,7 @@ def persson_clearance_of_disc_in_hole(b: float) -> float:
     return (2 - 2 * b**4 - math.log(1 + b**2)) / (math.pi * b**2 * (1 + b**2))
 
 
-def persson_pressure_of_disc_in_hole(b: float, theta: Floats) -> Floats:
+def dimensionless_persson_pressure_of_disc_in_hole(b: float, theta: Floats) -> Floats:
     """Dimensionless pressure p R/Q (n,) of a loaded disc in a hole, at the angles theta (n,) [rad].
 
     R is the radius, Q the force per width, and theta counts from the line of force. b = tan(eps/2),
@@ -180,7 +180,7 @@ def _michell_displacements_and_stresses(n: int, r: float, nu: float) -> Floats:
     return np.array([first, second, third, fourth]).T
 
 
-def pressure_exponent_at_sliding_corner(mu: float, nu: float) -> float:
+def displacement_exponent_at_sliding_corner(mu: float, nu: float) -> float:
     """The exponent lambda of p ~ r^(lambda - 1) at a right-angled corner on a rigid sliding plane.
 
     r is the distance from the corner. The plane slides from the corner into the contact, so that
@@ -258,7 +258,7 @@ def locking_friction_of_hinged_shoe_with_sine_pressure(
     return normal / friction
 
 
-def bonded_layer_stiffness(E: float, nu: float, thickness: float) -> float:
+def pressure_per_compression_of_thin_bonded_layer(E: float, nu: float, thickness: float) -> float:
     """Stiffness E/((1 - nu^2) t) [Pa/m] through a thin layer that is bonded to a rigid back.
 
     The layer cannot extend along its back.
@@ -283,7 +283,7 @@ def flat_punch_pressure(load: float, half: float, x: Floats) -> Floats:
     return np.asarray(load / (math.pi * np.sqrt(half**2 - x**2)))
 
 
-def equivalent_friction_ratio_of_block(half: float) -> float:
+def equivalent_over_actual_friction_of_block(half: float) -> float:
     """Equivalent divided by actual coefficient of friction of a block with p = p_0 cos phi.
 
         mu'/mu = 4 sin half/(2 half + sin 2 half)

@@ -10,7 +10,7 @@ from collections import Counter
 from collections.abc import Sequence
 from typing import NamedTuple
 
-CHECK_OUTCOMES = ("agrees", "said", "differs", "refused")
+OUTCOMES_OF_TWO_PATH_COMPARISON = ("agrees", "said", "differs", "refused")
 """The possible outcomes of comparing one quantity by two paths.
 
 "said" means that the values differ and that drumlin itself prints the reason. "refused" means that
@@ -18,7 +18,7 @@ neither path gives a value. "differs" is a fault of drumlin.
 """
 
 
-class Check(NamedTuple):
+class TwoPathComparison(NamedTuple):
     """The comparison of one quantity of a random brake, computed by two paths.
 
     Attributes
@@ -50,7 +50,7 @@ class Check(NamedTuple):
 
     @property
     def outcome(self) -> str:
-        """The outcome of the comparison, one of CHECK_OUTCOMES."""
+        """The outcome of the comparison, one of OUTCOMES_OF_TWO_PATH_COMPARISON."""
         if self.refused:
             return "refused"
         if self.difference <= self.allowed:
@@ -58,7 +58,7 @@ class Check(NamedTuple):
         return "said" if self.said else "differs"
 
 
-class Count(NamedTuple):
+class ComparisonOutcomeCounts(NamedTuple):
     """The numbers of comparisons of one check that ended with each outcome.
 
     Attributes
@@ -82,9 +82,11 @@ class Count(NamedTuple):
     largest: float
 
 
-def counts_of_comparison_outcomes_by_check(rows: Sequence[Check]) -> list[Count]:
+def counts_of_comparison_outcomes_by_check(
+    rows: Sequence[TwoPathComparison],
+) -> list[ComparisonOutcomeCounts]:
     """Count the outcomes of comparisons; returns counts for each check, in order of appearance."""
-    rows_of: dict[str, list[Check]] = {}
+    rows_of: dict[str, list[TwoPathComparison]] = {}
     for row in rows:
         rows_of.setdefault(row.check, []).append(row)
     counts = []
@@ -92,7 +94,7 @@ def counts_of_comparison_outcomes_by_check(rows: Sequence[Check]) -> list[Count]
         outcomes = Counter(row.outcome for row in own)
         used = [row.difference / row.allowed for row in own if row.outcome == "agrees"]
         counts.append(
-            Count(
+            ComparisonOutcomeCounts(
                 check=check,
                 # A comparison without a value on either path is not counted as compared.
                 compared=len(own) - outcomes["refused"],

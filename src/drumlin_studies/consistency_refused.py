@@ -8,23 +8,23 @@ brake whose clearance is far larger than the lining's compression, the other hal
 
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake
-from drumlin.fem.model import TOO_FAR_REASON
+from drumlin.fem.model import ROUND_OFF_TOO_LARGE_REASON
 from drumlin.fem.solve import solve
 from drumlin.response.response import Response
 from drumlin_studies import random_brake, random_kinds
-from drumlin_studies.consistency import Check
+from drumlin_studies.consistency import TwoPathComparison
 from drumlin_studies.random_kinds import draw_random_brake_of_kind
 from drumlin_studies.standing_off import draw_random_brake_with_clearances
 
-MESH_SIZES = 20, 40, 80
+ELEMENTS_PER_LINING_OF_THREE_UNIFORM_MESHES = 20, 40, 80
 """Number of elements along a lining of the three uniform meshes."""
-SAME_FORCE = 0.05
+LARGEST_SPREAD_OF_AGREEING_NORMAL_FORCES = 0.05
 """Relative spread of the sums of normal forces up to which the three meshes agree.
 
 With a larger spread the meshes are too coarse for the contact, and do not tell whether the brake
 has an equilibrium.
 """
-BRAKES_PER_MESH_CHECK = 10
+SOLVED_BRAKES_PER_ONE_CHECKED_ON_UNIFORM_MESHES = 10
 """Of this many brakes that the default solve can solve, one is also solved on the uniform meshes.
 
 The uniform meshes take about one second for a brake. A brake that the default solve refuses is
@@ -32,7 +32,7 @@ always solved on them.
 """
 
 
-def rows_comparing_default_solve_with_meshes(seed: int) -> list[Check]:
+def rows_comparing_default_solve_with_meshes(seed: int) -> list[TwoPathComparison]:
     """Compare the default solve with three uniform meshes for the random brake of a seed.
 
     Returns one row. It returns none if the default solve succeeds and the meshes are left out or
@@ -41,19 +41,25 @@ def rows_comparing_default_solve_with_meshes(seed: int) -> list[Check]:
     brake = draw_random_brake_for_refusal_check(seed)
     found = _solve_brake_or_return_refusal_message(brake, None)
     refused = isinstance(found, str)
-    if not refused and seed // 2 % BRAKES_PER_MESH_CHECK:
+    if not refused and seed // 2 % SOLVED_BRAKES_PER_ONE_CHECKED_ON_UNIFORM_MESHES:
         return []
     # If the three meshes give nearly the same contact force, the brake has an equilibrium.
-    on_meshes = [_solve_brake_or_return_refusal_message(brake, elements) for elements in MESH_SIZES]
+    on_meshes = [
+        _solve_brake_or_return_refusal_message(brake, elements)
+        for elements in ELEMENTS_PER_LINING_OF_THREE_UNIFORM_MESHES
+    ]
     forces = [
         sum_of_normal_forces_of_shoes(mesh) for mesh in on_meshes if not isinstance(mesh, str)
     ]
-    one_answer = len(forces) == len(MESH_SIZES) and relative_spread_of_values(forces) <= SAME_FORCE
+    one_answer = (
+        len(forces) == len(ELEMENTS_PER_LINING_OF_THREE_UNIFORM_MESHES)
+        and range_of_values_over_last_value(forces) <= LARGEST_SPREAD_OF_AGREEING_NORMAL_FORCES
+    )
     if isinstance(found, str):
         if one_answer:
             # Elements of high degree have more round-off than a uniform mesh of low degree. This is
             # a valid reason for a refusal.
-            said = found if TOO_FAR_REASON in found else ""
+            said = found if ROUND_OFF_TOO_LARGE_REASON in found else ""
             return [
                 _row_comparing_default_solve_with_meshes(
                     brake, f"an answer, refused: {found}", 1.0, 0.0, said=said
@@ -71,7 +77,10 @@ def rows_comparing_default_solve_with_meshes(seed: int) -> list[Check]:
     # which is about the spread of the forces. The factor 2 allows for slow convergence.
     return [
         _row_comparing_default_solve_with_meshes(
-            brake, "contact force", difference, max(2 * relative_spread_of_values(forces), 1e-3)
+            brake,
+            "contact force",
+            difference,
+            max(2 * range_of_values_over_last_value(forces), 1e-3),
         )
     ]
 
@@ -81,7 +90,10 @@ def draw_random_brake_for_refusal_check(seed: int) -> Brake:
     half, odd = divmod(seed, 2)
     if not odd:
         return draw_random_brake_with_clearances(half)
-    kinds = [*random_brake.SHAPE_KINDS, *random_kinds.HOLDING_KINDS]
+    kinds = [
+        *random_brake.FUNCTIONS_THAT_DRAW_BRAKE_DATA_BY_SHAPE_KIND,
+        *random_kinds.FUNCTIONS_THAT_DRAW_BRAKE_DATA_BY_SUPPORT_KIND,
+    ]
     return draw_random_brake_of_kind(half, kinds[half % len(kinds)])
 
 
@@ -90,7 +102,7 @@ def sum_of_normal_forces_of_shoes(response: Response) -> float:
     return sum(shoe.normal_force for shoe in response.shoes)
 
 
-def relative_spread_of_values(values: list[float]) -> float:
+def range_of_values_over_last_value(values: list[float]) -> float:
     """The largest value minus the smallest one, divided by the last value."""
     return (max(values) - min(values)) / values[-1]
 
@@ -114,8 +126,8 @@ def _row_comparing_default_solve_with_meshes(
     *,
     said: str = "",
     refused: bool = False,
-) -> Check:
+) -> TwoPathComparison:
     """A table row of this check: one brake, one quantity, and the difference of its two values."""
-    return Check(
+    return TwoPathComparison(
         "default solve = three meshes", brake.title, quantity, difference, allowed, said, refused
     )

@@ -17,62 +17,63 @@ import numpy as np
 from drumlin.base.arrays import Floats
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.brake.components import Bar
-from drumlin.brake.fields import AnyMaterial
+from drumlin.brake.components import ShoeBodyOfConstantSection
+from drumlin.brake.fields import IsotropicOrOrthotropicMaterial
 from drumlin.brake.file import vary
 from drumlin.fem.analysis.sensitivity import (
-    Sensitivity,
     ShoeSensitivity,
+    TorqueSensitivities,
     compute_torque_sensitivity,
 )
-from drumlin.fem.error_control.levels import LEVELS
+from drumlin.fem.error_control.levels import REFINEMENT_LEVELS_FROM_COARSE_TO_FINE
 from drumlin.fem.model import solve_prepared_model
-from drumlin.fem.preparation.cache import Cache
+from drumlin.fem.preparation.cache import CacheOfCondensedBodies
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin_studies import random_brake, random_kinds
-from drumlin_studies.consistency import Check
+from drumlin_studies.consistency import TwoPathComparison
 from drumlin_studies.random_kinds import draw_random_brake_of_kind
 
-SLOPE_MESH_ELEMENTS = 10
+ELEMENTS_PER_LINING_OF_SLOPE_CHECK = 10
 """Number of elements along a lining of the low-order meshes.
 
 Slopes are exact for the discretised brake, so that few elements are enough.
 """
-SLOPE_LEVEL = LEVELS[0]
+HP_MESH_LEVEL_OF_SLOPE_CHECK = REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[0]
 """Level of the hp meshes: the coarsest one, since slopes are exact for the discretised brake."""
-DIFFERENCE_STEPS = (1e-3, 3e-4, 1e-4)
+RELATIVE_STEPS_OF_CENTRAL_DIFFERENCES = (1e-3, 3e-4, 1e-4)
 """Steps of the central differences, relative to the size of the varied quantity.
 
 A larger step may change the contact set, and has a larger truncation error. A smaller step has a
 larger error by round-off, which is some 1e-11 of the torque in a solve.
 """
-STEP_FACTORS = (1.0, 0.1, 0.01)
-"""Factors that shrink all DIFFERENCE_STEPS. They are tried in turn until no step changes the
-contact set.
+FACTORS_THAT_SHRINK_DIFFERENCE_STEPS = (1.0, 0.1, 0.01)
+"""Factors that shrink all RELATIVE_STEPS_OF_CENTRAL_DIFFERENCES. They are tried in turn until no
+step changes the contact set.
 """
 ALLOWED_SLOPE_DIFFERENCE = 0.01
 """Largest relative difference between a slope and a central difference that counts as agreement.
 
 It is the accuracy that drumlin aims at for printed slopes.
 """
-SMALLEST_SLOPE = 1e-3
-"""Slope below which differences are relative to SMALLEST_SLOPE and not to the slope itself.
+SLOPE_BELOW_WHICH_DIFFERENCES_ARE_ABSOLUTE = 1e-3
+"""Slope below which differences are relative to SLOPE_BELOW_WHICH_DIFFERENCES_ARE_ABSOLUTE and not
+to the slope itself.
 
 It is relative to the torque divided by the size of the varied quantity. Central differences cannot
 resolve smaller slopes: ALLOWED_SLOPE_DIFFERENCE of this slope is 1e-5 of the torque.
 """
-SLOPES_PER_BRAKE = 3
+COMPARED_SLOPES_PER_BRAKE = 3
 """Number of slopes of a brake that are compared; the seed decides which slopes.
 
 All slopes of a large brake would take some ten seconds.
 """
 
-Changes = Callable[[float], dict[str, Any]]
+FunctionFromStepToKeyValues = Callable[[float], dict[str, Any]]
 """A function of a step that returns new values of a brake file's keys, by the keys' paths."""
 
 
-class Slope(NamedTuple):
+class PrintedTorqueSlope(NamedTuple):
     """A derivative of the torque that drumlin prints, and the brake file's keys to vary for it.
 
     Attributes
@@ -89,11 +90,11 @@ class Slope(NamedTuple):
 
     what: str
     exact: float
-    changes: Changes
+    changes: FunctionFromStepToKeyValues
     size: float = 1.0
 
 
-class TorqueOnDivision(NamedTuple):
+class TorqueWithMeshAndContactSet(NamedTuple):
     """A torque, with data by which two solves are seen to share the mesh and the contact set.
 
     Attributes
@@ -110,33 +111,34 @@ class TorqueOnDivision(NamedTuple):
     bodies: tuple[int, ...]
     touching: tuple[bytes, ...]
 
-    def has_same_mesh_and_contact(self, other: "TorqueOnDivision") -> bool:
+    def has_same_mesh_and_contact(self, other: "TorqueWithMeshAndContactSet") -> bool:
         """Whether both torques were computed with the same mesh size and the same contact set."""
         return self.bodies == other.bodies and self.touching == other.touching
 
 
 @dataclass(frozen=True)
-class DivisionForSlopes:
+class MeshKindForSlopes:
     """The kind of mesh with which a brake is solved and its slopes are computed.
 
     Attributes
     ----------
     elements : int or None
-        Number of elements along a lining of a low-order mesh; None for hp elements of SLOPE_LEVEL.
-    cache : Cache
+        Number of elements along a lining of a low-order mesh; None for hp elements of
+        HP_MESH_LEVEL_OF_SLOPE_CHECK.
+    cache : CacheOfCondensedBodies
         Condensed shoes, which solves of shoes of equal shape share.
     """
 
     elements: int | None
-    cache: Cache
+    cache: CacheOfCondensedBodies
 
     def meshed_and_condensed_model_of_brake(self, own: Brake) -> PreparedModel:
         """The model of a brake that is meshed and condensed, ready to be solved."""
         if self.elements is None:
-            return make_prepared_model(own, SLOPE_LEVEL, cache=self.cache)
+            return make_prepared_model(own, HP_MESH_LEVEL_OF_SLOPE_CHECK, cache=self.cache)
         return make_prepared_model(own, elements=self.elements, cache=self.cache)
 
-    def solve_brake_for_torque(self, brake: Brake) -> "TorqueOnDivision":
+    def solve_brake_for_torque(self, brake: Brake) -> "TorqueWithMeshAndContactSet":
         """Solve a brake and return its torque, mesh size and contact set. Raises like `solve`."""
         scene = self.meshed_and_condensed_model_of_brake(brake)
         response = solve_prepared_model(scene, brake)
@@ -145,19 +147,21 @@ class DivisionForSlopes:
         if scene.ring:
             bodies.append(scene.ring.basis.N)
         touching = tuple((shoe.pressure > 0).tobytes() for shoe in response.shoes)
-        return TorqueOnDivision(response.torque, tuple(bodies), touching)
+        return TorqueWithMeshAndContactSet(response.torque, tuple(bodies), touching)
 
-    def compute_derivatives_of_brake_torque(self, brake: Brake) -> Sensitivity:
+    def compute_derivatives_of_brake_torque(self, brake: Brake) -> TorqueSensitivities:
         """The derivatives of a brake's torque. Raises like `compute_torque_sensitivity`."""
         return compute_torque_sensitivity(self.meshed_and_condensed_model_of_brake(brake), brake)
 
 
-def make_function_that_scales_value_of_key(key: str, value: float) -> Changes:
+def make_function_that_scales_value_of_key(key: str, value: float) -> FunctionFromStepToKeyValues:
     """A function of a step s that returns the value of a key multiplied by 1 + s."""
     return lambda s: {key: value * (1 + s)}
 
 
-def make_function_that_scales_material_moduli(key: str, material: AnyMaterial) -> Changes:
+def make_function_that_scales_material_moduli(
+    key: str, material: IsotropicOrOrthotropicMaterial
+) -> FunctionFromStepToKeyValues:
     """A function of a step s that returns all moduli of a material multiplied by 1 + s, by key.
 
     `key` is the path of the part in the brake file, with a dot at its end.
@@ -167,40 +171,46 @@ def make_function_that_scales_material_moduli(key: str, material: AnyMaterial) -
     }
 
 
-def make_function_that_shifts_value_of_key(key: str, value: float) -> Changes:
+def make_function_that_shifts_value_of_key(key: str, value: float) -> FunctionFromStepToKeyValues:
     """A function of a step s that returns the value of a key plus s."""
     return lambda s: {key: value + s}
 
 
-def make_function_that_shifts_point(key: str, x: float, y: float, way: int) -> Changes:
+def make_function_that_shifts_point(
+    key: str, x: float, y: float, way: int
+) -> FunctionFromStepToKeyValues:
     """A function of a step s that returns a point shifted by s along x (way 0) or y (way 1)."""
     return lambda s: {key: {"x": x + s * (way == 0), "y": y + s * (way == 1)}}
 
 
-def all_torque_sensitivities_printed_for_brake(brake: Brake, found: Sensitivity) -> list[Slope]:
+def all_torque_sensitivities_printed_for_brake(
+    brake: Brake, found: TorqueSensitivities
+) -> list[PrintedTorqueSlope]:
     """All derivatives of the torque that `drumlin sensitivity` prints for a brake."""
     table = [
-        Slope(
+        PrintedTorqueSlope(
             "friction",
             found.friction,
             make_function_that_shifts_value_of_key("friction", brake.friction),
             brake.friction,
         )
     ]
-    table += _torque_slopes_by_common_drive(brake, found)
+    table += _torque_slope_by_actuation_of_all_shoes(brake, found)
     table += _torque_slopes_by_ring_stiffness(brake, found)
     for i in range(len(brake.shoes)):
         table += _torque_slopes_by_shoe_quantities(brake, found, i)
     return table
 
 
-def _torque_slopes_by_ring_stiffness(brake: Brake, found: Sensitivity) -> Iterator[Slope]:
+def _torque_slopes_by_ring_stiffness(
+    brake: Brake, found: TorqueSensitivities
+) -> Iterator[PrintedTorqueSlope]:
     """Yield the torque's derivatives by the moduli and bending stiffness of the drum's ring."""
     ring = brake.ring
     if ring is None:
         return
     if found.ring is not None and ring.material is not None:
-        yield Slope(
+        yield PrintedTorqueSlope(
             "E of the ring",
             found.ring,
             make_function_that_scales_material_moduli("drum.ring.", ring.material),
@@ -211,10 +221,12 @@ def _torque_slopes_by_ring_stiffness(brake: Brake, found: Sensitivity) -> Iterat
         EI = make_function_that_scales_value_of_key(
             "drum.ring.bending_stiffness", ring.bending_stiffness
         )
-        yield Slope("bending_stiffness of the ring", found.ring_bending_stiffness, EI)
+        yield PrintedTorqueSlope("bending_stiffness of the ring", found.ring_bending_stiffness, EI)
 
 
-def _torque_slopes_by_common_drive(brake: Brake, found: Sensitivity) -> Iterator[Slope]:
+def _torque_slope_by_actuation_of_all_shoes(
+    brake: Brake, found: TorqueSensitivities
+) -> Iterator[PrintedTorqueSlope]:
     """Yield the torque's derivative by the common force, pressure or torque of all shoes."""
     drive = brake.actuation
     if drive is None or found.drive is None:
@@ -222,21 +234,23 @@ def _torque_slopes_by_common_drive(brake: Brake, found: Sensitivity) -> Iterator
     for key in ("force", "pressure", "torque"):
         value = getattr(drive, key)
         if value is not None:
-            yield Slope(
+            yield PrintedTorqueSlope(
                 "actuation",
                 found.drive,
                 make_function_that_scales_value_of_key(f"actuation.{key}", value),
             )
 
 
-def _torque_slopes_by_shoe_quantities(brake: Brake, found: Sensitivity, i: int) -> Iterator[Slope]:
+def _torque_slopes_by_shoe_quantities(
+    brake: Brake, found: TorqueSensitivities, i: int
+) -> Iterator[PrintedTorqueSlope]:
     """Yield the torque's derivatives by the force, stiffness, clearance and support of shoe i."""
     shoe, own, key = brake.shoes[i], found.shoes[i], f"shoe[{i}]."
     # The force on a shoe behind a strut is the reaction of another shoe, and is no key of a file.
     behind_strut = any(link.to == shoe.name for link in brake.links)
     if own.force is not None and own.torque and brake.actuation is None and not behind_strut:
         force = shoe.actuation.force
-        yield Slope(
+        yield PrintedTorqueSlope(
             "force",
             own.force * force,
             make_function_that_scales_value_of_key(f"{key}actuation.force", force),
@@ -245,34 +259,36 @@ def _torque_slopes_by_shoe_quantities(brake: Brake, found: Sensitivity, i: int) 
     clearance = shoe.lining.clearance
     if isinstance(clearance, float):
         changes = make_function_that_shifts_value_of_key(f"{key}lining.clearance", clearance)
-        yield Slope(
+        yield PrintedTorqueSlope(
             "clearance", own.clearance, changes, _lining_compression_under_actuation(brake, shoe)
         )
     for what, value in own.held.items():
         yield from _sensitivities_of_torque_to_shoe_support(brake, i, what, value)
 
 
-def _torque_slopes_by_shoe_stiffness(shoe: Shoe, own: ShoeSensitivity, key: str) -> Iterator[Slope]:
+def _torque_slopes_by_shoe_stiffness(
+    shoe: Shoe, own: ShoeSensitivity, key: str
+) -> Iterator[PrintedTorqueSlope]:
     """Yield the torque's derivatives by the moduli and the bending stiffness of a shoe.
 
     `key` is the path of the shoe in the brake file, with a dot at its end.
     """
     moduli, body = own.moduli, shoe.body
     lining = make_function_that_scales_material_moduli(f"{key}lining.", shoe.lining.material)
-    yield Slope("E of the lining", moduli["lining"], lining)
+    yield PrintedTorqueSlope("E of the lining", moduli["lining"], lining)
     if "backing" in moduli and shoe.backing is not None:
         backing = make_function_that_scales_material_moduli(f"{key}backing.", shoe.backing.material)
-        yield Slope("E of the backing", moduli["backing"], backing)
+        yield PrintedTorqueSlope("E of the backing", moduli["backing"], backing)
     if body is None:
         return
     if "shoe" in moduli and body.material is not None:
         changes = make_function_that_scales_material_moduli(f"{key}body.", body.material)
-        yield Slope("E of the body", moduli["shoe"], changes)
+        yield PrintedTorqueSlope("E of the body", moduli["shoe"], changes)
     if own.bending_stiffness is not None and isinstance(body.bending_stiffness, float):
         EI = make_function_that_scales_value_of_key(
             f"{key}body.bending_stiffness", body.bending_stiffness
         )
-        yield Slope("bending_stiffness of the body", own.bending_stiffness, EI)
+        yield PrintedTorqueSlope("bending_stiffness of the body", own.bending_stiffness, EI)
 
 
 def _lining_compression_under_actuation(brake: Brake, shoe: Shoe) -> float:
@@ -282,13 +298,13 @@ def _lining_compression_under_actuation(brake: Brake, shoe: Shoe) -> float:
     """
     lining = shoe.lining
     force = abs(shoe.actuation.force) or max(abs(each.actuation.force) for each in brake.shoes)
-    area = brake.scale_factor * (lining.end - lining.start) * lining.width
+    area = brake.length_per_surface_coordinate * (lining.end - lining.start) * lining.width
     return force / area * lining.thickness / lining.material.E_through
 
 
 def _sensitivities_of_torque_to_shoe_support(
     brake: Brake, i: int, what: str, value: Floats
-) -> Iterator[Slope]:
+) -> Iterator[PrintedTorqueSlope]:
     """Yield the torque's derivatives by a number or a point that defines the support of shoe i.
 
     `what` is the key path of this number or point, relative to the shoe in the brake file. `value`
@@ -301,15 +317,20 @@ def _sensitivities_of_torque_to_shoe_support(
     # A number of a support has one derivative; a point has one for each coordinate.
     if len(value) == 1:
         size = at if what.endswith("friction") else 1.0
-        yield Slope(what, float(value[0]), make_function_that_shifts_value_of_key(key, at), size)
+        yield PrintedTorqueSlope(
+            what, float(value[0]), make_function_that_shifts_value_of_key(key, at), size
+        )
         return
     for way, axis in enumerate("xy"):
         changes = make_function_that_shifts_point(key, at.x, at.y, way)
-        yield Slope(f"{what} along {axis}", float(value[way]), changes, brake.size)
+        yield PrintedTorqueSlope(f"{what} along {axis}", float(value[way]), changes, brake.size)
 
 
 def largest_relative_difference_from_central_differences(
-    brake: Brake, slope: Slope, divided: DivisionForSlopes, base: TorqueOnDivision
+    brake: Brake,
+    slope: PrintedTorqueSlope,
+    divided: MeshKindForSlopes,
+    base: TorqueWithMeshAndContactSet,
 ) -> float | None:
     """The largest relative difference between a printed derivative and three central differences.
 
@@ -320,17 +341,17 @@ def largest_relative_difference_from_central_differences(
     ----------
     brake : Brake
         The brake.
-    slope : Slope
+    slope : PrintedTorqueSlope
         The printed slope.
-    divided : DivisionForSlopes
+    divided : MeshKindForSlopes
         The kind of mesh.
-    base : TorqueOnDivision
+    base : TorqueWithMeshAndContactSet
         The torque of the unchanged brake.
     """
     # The loop ends at the first factor at which all three steps keep the contact set.
-    for factor in STEP_FACTORS:
+    for factor in FACTORS_THAT_SHRINK_DIFFERENCE_STEPS:
         largest = 0.0
-        for step in DIFFERENCE_STEPS:
+        for step in RELATIVE_STEPS_OF_CENTRAL_DIFFERENCES:
             apart = _torque_slope_error_by_central_difference(
                 brake, slope, divided, base, factor * step * slope.size
             )
@@ -343,7 +364,11 @@ def largest_relative_difference_from_central_differences(
 
 
 def _torque_slope_error_by_central_difference(
-    brake: Brake, slope: Slope, divided: DivisionForSlopes, base: TorqueOnDivision, step: float
+    brake: Brake,
+    slope: PrintedTorqueSlope,
+    divided: MeshKindForSlopes,
+    base: TorqueWithMeshAndContactSet,
+    step: float,
 ) -> float | None:
     """The relative difference between a printed derivative and a central difference.
 
@@ -358,11 +383,14 @@ def _torque_slope_error_by_central_difference(
     if not (up.has_same_mesh_and_contact(base) and down.has_same_mesh_and_contact(base)):
         return None
     central = (up.torque - down.torque) / (2 * step)
-    smallest = SMALLEST_SLOPE * base.torque / slope.size
+    smallest = SLOPE_BELOW_WHICH_DIFFERENCES_ARE_ABSOLUTE * base.torque / slope.size
     return abs(slope.exact - central) / max(abs(central), smallest)
 
 
-SLOPE_KINDS = (*random_brake.SHAPE_KINDS, *random_kinds.HOLDING_KINDS)
+KINDS_OF_RANDOM_BRAKES_FOR_SLOPE_CHECK = (
+    *random_brake.FUNCTIONS_THAT_DRAW_BRAKE_DATA_BY_SHAPE_KIND,
+    *random_kinds.FUNCTIONS_THAT_DRAW_BRAKE_DATA_BY_SUPPORT_KIND,
+)
 """The kinds of random brakes, in the order in which consecutive seeds draw them."""
 
 
@@ -371,13 +399,15 @@ def draw_random_brake_with_friction_and_name_of_kind(seed: int) -> tuple[str, Br
 
     In half of the brakes the shoe's body and the ring have a bending stiffness given by number.
     """
-    kind = SLOPE_KINDS[seed % len(SLOPE_KINDS)]
+    kind = KINDS_OF_RANDOM_BRAKES_FOR_SLOPE_CHECK[
+        seed % len(KINDS_OF_RANDOM_BRAKES_FOR_SLOPE_CHECK)
+    ]
     brake = draw_random_brake_of_kind(seed, kind)
     # Without friction a drum brake has no torque to which slopes could be relative.
     while brake.friction == 0:
         seed += 10**6
         brake = draw_random_brake_of_kind(seed, kind)
-    if seed // len(SLOPE_KINDS) % 2:
+    if seed // len(KINDS_OF_RANDOM_BRAKES_FOR_SLOPE_CHECK) % 2:
         return kind, brake
     return kind, _brake_with_random_bending_stiffness(brake, np.random.default_rng(seed))
 
@@ -389,7 +419,9 @@ def _brake_with_random_bending_stiffness(brake: Brake, rng: np.random.Generator)
     """
     changes: dict[str, Any] = {}
     body = brake.shoes[0].body
-    if body is not None and not (isinstance(body, Bar) and body.table is not None):
+    if body is not None and not (
+        isinstance(body, ShoeBodyOfConstantSection) and body.table is not None
+    ):
         EI = body.plates["shoe"].bending_stiffness
         changes["shoe[0].body.bending_stiffness"] = EI * math.exp(rng.uniform(-0.2, 0.2))
     if brake.ring is not None:
@@ -398,18 +430,20 @@ def _brake_with_random_bending_stiffness(brake: Brake, rng: np.random.Generator)
 
 
 def rows_comparing_torque_slopes_of_random_brake(
-    seed: int, most: int | None = SLOPES_PER_BRAKE
-) -> list[Check]:
+    seed: int, most: int | None = COMPARED_SLOPES_PER_BRAKE
+) -> list[TwoPathComparison]:
     """Compare the torque's printed derivatives with central differences, for a random brake.
 
     The seed gives the brake. Returns a row for each derivative. At most `most` derivatives are
     compared, or all if it is None.
     """
     kind, brake = draw_random_brake_with_friction_and_name_of_kind(seed)
-    on_hp_elements = bool(seed // len(SLOPE_KINDS) // 2 % 2)
-    divided = DivisionForSlopes(None if on_hp_elements else SLOPE_MESH_ELEMENTS, Cache())
+    on_hp_elements = bool(seed // len(KINDS_OF_RANDOM_BRAKES_FOR_SLOPE_CHECK) // 2 % 2)
+    divided = MeshKindForSlopes(
+        None if on_hp_elements else ELEMENTS_PER_LINING_OF_SLOPE_CHECK, CacheOfCondensedBodies()
+    )
     name = f"{kind} {seed}, {'columns' if on_hp_elements else 'mesh'}"
-    no_slopes = Check("slopes", name, "all", math.inf, ALLOWED_SLOPE_DIFFERENCE)
+    no_slopes = TwoPathComparison("slopes", name, "all", math.inf, ALLOWED_SLOPE_DIFFERENCE)
     # If one of `solve` and `sensitivity` refuses the brake, the other one must refuse it, too.
     try:
         base = divided.solve_brake_for_torque(brake)
@@ -428,5 +462,7 @@ def rows_comparing_torque_slopes_of_random_brake(
     for slope in table:
         apart = largest_relative_difference_from_central_differences(brake, slope, divided, base)
         if apart is not None:
-            rows.append(Check("slopes", name, slope.what, apart, ALLOWED_SLOPE_DIFFERENCE))
+            rows.append(
+                TwoPathComparison("slopes", name, slope.what, apart, ALLOWED_SLOPE_DIFFERENCE)
+            )
     return rows

@@ -21,23 +21,23 @@ from drumlin_studies.stated_true import row_of_stated_and_true_errors, stated_ov
 from drumlin_studies.stored_truth import solve_brake_on_corner_or_kink_by_fine_triangles
 from drumlin_studies.tables import rows_with_given_values, values_of_key_in_rows
 
-CORNER_TOLERANCES = (5e-3, 1e-3, 1e-4)
+TOLERANCES_OF_CORNER_BRAKE_SOLVES = (5e-3, 1e-3, 1e-4)
 """Relative tolerances to which each brake is solved."""
-FIRST_JUDGED = 420_000
+SEED_OF_FIRST_CORNER_BRAKE = 420_000
 """Seed of the first brake with a corner on which stated errors are tested.
 
 Other brakes were used for development: the seeds 400000 to 400099 for the rules at corners, and
 those from `calibration.FIRST_CORNER` on for the safety factors."""
-STEEPEST_JUDGED = -0.3
+SMALLEST_JUDGED_PRESSURE_EXPONENT = -0.3
 """Exponent a of the pressure p ~ x^a at a corner. Below this value no solution reaches an error of
 0.1 % of p.
 
 The limit exists because angles are floating-point numbers. The smallest element has 1e-12 rad
-(`corner.SMALLEST_PIECE`), which is 1e-10 of a contact of half a degree. In this element p has an
-error of about (1e-10)^(a + 1/2) (`polynomial_error_of_power_function`): with degree 7 the error is
-0.13 % for a = -0.3, 0.8 % for -0.38 and 5 % for -0.45. For -0.5 p is not square-integrable. On a
-rigid drum these three exponents (-0.3, -0.38, -0.45) belong to friction coefficients of 0.31, 0.42
-and 0.52, with friction that drags the lining away from the corner.
+(`corner.LENGTH_OF_PRESSURE_PIECE_AT_CORNER`), which is 1e-10 of a contact of half a degree. In this
+element p has an error of about (1e-10)^(a + 1/2) (`polynomial_error_of_power_function`): with
+degree 7 the error is 0.13 % for a = -0.3, 0.8 % for -0.38 and 5 % for -0.45. For -0.5 p is not
+square-integrable. On a rigid drum these three exponents (-0.3, -0.38, -0.45) belong to friction
+coefficients of 0.31, 0.42 and 0.52, with friction that drags the lining away from the corner.
 """
 
 
@@ -63,7 +63,7 @@ def rows_of_stated_and_true_errors_of_corner_brake(seed: int) -> list[dict[str, 
     base |= {"kind": kind, "power": smallest_pressure_exponent_at_corners(brake)}
     return [
         base | row_of_stated_and_true_errors(brake, tolerance, solve, true, failure)
-        for tolerance in CORNER_TOLERANCES
+        for tolerance in TOLERANCES_OF_CORNER_BRAKE_SOLVES
     ]
 
 
@@ -84,15 +84,15 @@ def error_summary_rows_by_kind(rows: Sequence[Mapping[str, Any]]) -> list[dict[s
 
     A row has the number of brakes, the fraction that reaches the tolerance, and the smallest and
     the median ratio of stated to true error of p. Below the kinds follow rows for all brakes, and
-    for the brakes whose exponent is at least STEEPEST_JUDGED.
+    for the brakes whose exponent is at least SMALLEST_JUDGED_PRESSURE_EXPONENT.
     """
     kinds: dict[str, list[Mapping[str, Any]]] = {}
     for kind in sorted(set(values_of_key_in_rows(rows, "kind"))):
         kinds[kind] = rows_with_given_values(rows, kind=kind)
-    gentle = [one for one in rows if one["power"] >= STEEPEST_JUDGED]
+    gentle = [one for one in rows if one["power"] >= SMALLEST_JUDGED_PRESSURE_EXPONENT]
     table = []
     for kind, mine in {**kinds, "all": list(rows), "all but the steepest corners": gentle}.items():
-        for tolerance in CORNER_TOLERANCES:
+        for tolerance in TOLERANCES_OF_CORNER_BRAKE_SOLVES:
             own = rows_with_given_values(mine, tolerance=tolerance)
             # A brake without a solution, or without a true error, has no finite ratio.
             ratios = np.array([stated_over_true_error_of_row(one, "pressure") for one in own])

@@ -21,18 +21,18 @@ from drumlin.brake.file import make_drum_brake_from_data
 from drumlin.fem.mesh.arc import parametric_mesh_of_shoe
 from drumlin.fem.mesh.grading import LiningDivision, divide_lining_into_elements
 
-HYPERCUBE_SEED = 7
+SEED_OF_LATIN_HYPERCUBE_SAMPLE = 7
 """Seed of the random numbers of the Latin hypercube sample."""
-SHORT_ELEMENTS = 12
+MOST_ELEMENTS_PER_LINING_IN_SHORT_CASE_SET = 12
 """Largest number of elements along a lining in the short set of cases, which runs in little time.
 """
 CASE_RADIUS, CASE_WIDTH = 0.15, 0.04  # m
 """Radius of the drum, and width of shoe and lining [m], of the case that all others change."""
-CASE_PIN = (0.125, math.radians(-75.0))  # radius [m], angle [rad]
+HINGE_POLAR_COORDINATES_OF_DEFAULT_CASE = (0.125, math.radians(-75.0))  # radius [m], angle [rad]
 """Polar coordinates (radius [m], angle [rad]) of the hinge of the case that all others change."""
-CASE_MODULUS = 3e8  # Pa
+LINING_MODULUS_OF_DEFAULT_CASE = 3e8  # Pa
 """Young's modulus [Pa] of the lining of the case that all others change."""
-CLEARANCE_TABLES: dict[str, tuple[tuple[float, float], ...]] = {
+LINING_CLEARANCE_TABLES_BY_NAME: dict[str, tuple[tuple[float, float], ...]] = {
     "toe": ((0, 3.0), (0.7, 1.0), (1, 0.0)),
     "heel": ((0, 0.0), (0.3, 1.0), (1, 6.0)),
     "split": ((0, 0.0), (0.4, 1.0), (0.6, 1.0), (1, 0.0)),
@@ -47,7 +47,7 @@ the clearance there [mm].
 
 
 @dataclass(frozen=True)
-class KnobCase:
+class ExtremeCase:
     """A case of the set: the parameters of a brake and of its solve, in SI units (arc in degrees).
 
     Attributes
@@ -72,7 +72,7 @@ class KnobCase:
     arc : float
         Arc of the lining [deg].
     clearance : float or str
-        Clearance [m], or a name of CLEARANCE_TABLES.
+        Clearance [m], or a name of LINING_CLEARANCE_TABLES_BY_NAME.
     force : float
         Actuating force [N].
     lever : float
@@ -111,7 +111,7 @@ class KnobCase:
     @property
     def parameters_changed_from_default_case(self) -> dict[str, Any]:
         """The parameters of the case that differ from the default values, by name."""
-        base, own = dataclasses.asdict(KnobCase()), dataclasses.asdict(self)
+        base, own = dataclasses.asdict(ExtremeCase()), dataclasses.asdict(self)
         del own["knob"]
         return {key: value for key, value in own.items() if value != base[key]}
 
@@ -132,7 +132,10 @@ class KnobCase:
             data["drum"]["ring"] = {
                 "thickness": 0.015 * self.size,
                 "width": CASE_WIDTH * self.size,
-                "material": {"E": CASE_MODULUS * self.ring * self.pressure, "nu": 0.25},
+                "material": {
+                    "E": LINING_MODULUS_OF_DEFAULT_CASE * self.ring * self.pressure,
+                    "nu": 0.25,
+                },
                 "support": self.support,
             }
         return make_drum_brake_from_data(data)
@@ -140,8 +143,17 @@ class KnobCase:
     def _data_of_left_or_right_shoe(self, side: int) -> dict[str, Any]:
         """The data, as in a brake file, of the right shoe (side 1) or of its mirror image (-1)."""
         size = self.size
-        start = CASE_PIN[1] + math.radians(5.0)
-        pin = CASE_PIN[0] * size * np.array([math.cos(CASE_PIN[1]), math.sin(CASE_PIN[1])])
+        start = HINGE_POLAR_COORDINATES_OF_DEFAULT_CASE[1] + math.radians(5.0)
+        pin = (
+            HINGE_POLAR_COORDINATES_OF_DEFAULT_CASE[0]
+            * size
+            * np.array(
+                [
+                    math.cos(HINGE_POLAR_COORDINATES_OF_DEFAULT_CASE[1]),
+                    math.sin(HINGE_POLAR_COORDINATES_OF_DEFAULT_CASE[1]),
+                ]
+            )
+        )
 
         def arc_ends_mirrored_for_left_shoe(a: float, b: float) -> dict[str, float]:
             """The start and the end of an arc from a to b [rad], mirrored for the left shoe."""
@@ -158,7 +170,7 @@ class KnobCase:
                 **arc_ends_mirrored_for_left_shoe(start, start + arc),
                 "thickness": self.thickness * CASE_RADIUS * size,
                 "width": CASE_WIDTH * size,
-                "material": {"E": CASE_MODULUS * self.pressure, "nu": self.nu},
+                "material": {"E": LINING_MODULUS_OF_DEFAULT_CASE * self.pressure, "nu": self.nu},
                 "clearance": self._lining_clearance_of_left_or_right_shoe(side, start),
             },
             "actuation": {
@@ -169,10 +181,15 @@ class KnobCase:
         }
         if self.shoe is not None:
             shoe["body"] = {
-                **arc_ends_mirrored_for_left_shoe(CASE_PIN[1], start + arc + math.radians(5.0)),
+                **arc_ends_mirrored_for_left_shoe(
+                    HINGE_POLAR_COORDINATES_OF_DEFAULT_CASE[1], start + arc + math.radians(5.0)
+                ),
                 "thickness": 0.024 * size,
                 "width": CASE_WIDTH * size,
-                "material": {"E": CASE_MODULUS * self.shoe * self.pressure, "nu": 0.3},
+                "material": {
+                    "E": LINING_MODULUS_OF_DEFAULT_CASE * self.shoe * self.pressure,
+                    "nu": 0.3,
+                },
             }
         return shoe
 
@@ -189,7 +206,7 @@ class KnobCase:
         arc = math.radians(self.arc)
         rows = [
             (start + part * arc, gap * 1e-3 * self.size)
-            for part, gap in CLEARANCE_TABLES[self.clearance]
+            for part, gap in LINING_CLEARANCE_TABLES_BY_NAME[self.clearance]
         ]
         return rows if side > 0 else [(math.pi - a, gap) for a, gap in reversed(rows)]
 
@@ -198,7 +215,7 @@ class KnobCase:
         return None if self.aspect is None else partial(_shoe_mesh_of_aspect_ratio, self)
 
 
-def _shoe_mesh_of_aspect_ratio(case: KnobCase, shoe: Shoe, radius: float) -> Any:
+def _shoe_mesh_of_aspect_ratio(case: ExtremeCase, shoe: Shoe, radius: float) -> Any:
     """The mesh of a shoe whose elements at the heel have the case's aspect ratio at the surface.
 
     Each further element is ten times as large as the element before. For ratios from 1 on the
@@ -233,7 +250,7 @@ def _points_with_tenfold_growing_distance(first: float, whole: float) -> Floats:
     return np.array([0.0, *(first * 10.0**k for k in range(steps)), whole])
 
 
-def all_extreme_cases(*, short: bool = False) -> list[KnobCase]:
+def all_extreme_cases(*, short: bool = False) -> list[ExtremeCase]:
     """The set of all cases, or a short set of some of them with coarser meshes.
 
     The short set has the two ends and the middle of each sweep, and some tenth of the other cases.
@@ -249,7 +266,7 @@ def all_extreme_cases(*, short: bool = False) -> list[KnobCase]:
             *_cases_on_grids_of_two_parameters(),
             *_cases_of_latin_hypercube(100),
         ]
-    ends: list[KnobCase] = []
+    ends: list[ExtremeCase] = []
     for sweep in sweeps:
         ends += [sweep[i] for i in sorted({0, len(sweep) // 2, len(sweep) - 1})]
     chosen = (
@@ -259,7 +276,10 @@ def all_extreme_cases(*, short: bool = False) -> list[KnobCase]:
         + _cases_of_latin_hypercube(8)
     )
     coarse = (
-        dataclasses.replace(case, elements=min(case.elements, SHORT_ELEMENTS)) for case in chosen
+        dataclasses.replace(
+            case, elements=min(case.elements, MOST_ELEMENTS_PER_LINING_IN_SHORT_CASE_SET)
+        )
+        for case in chosen
     )
     return list(dict.fromkeys(coarse))
 
@@ -272,7 +292,7 @@ def _powers_of_ten(first: int, last: int, step: int = 1) -> list[float]:
 def _parameter_changes_for_values_of_one_parameter(
     name: str, values: list[Any], **rest: Any
 ) -> list[dict[str, Any]]:
-    """Dictionaries of changed parameters of KnobCase, one for each value of the parameter `name`.
+    """Dictionaries of changed parameters of a case, one for each value of the parameter `name`.
 
     `rest` are values of other parameters, the same in each dictionary.
     """
@@ -316,7 +336,7 @@ def _parameter_changes_of_stiffness_sweeps() -> dict[str, list[dict[str, Any]]]:
 
 def _parameter_changes_of_contact_sweeps() -> dict[str, list[dict[str, Any]]]:
     """Changed parameters of each case of the sweeps over friction, lining, gap and force."""
-    # Values of the parameters in the units of KnobCase.
+    # Values of the parameters in the units of ExtremeCase.
     arcs = [0.1, 0.3, 1.0, 5.0, 20.0, 60.0, 180.0, 240.0, 300.0, 340.0]
     gaps = [-1e-2, -1e-3, -1e-4, -1e-6, -1e-9, 1e-9, 1e-6, 1e-5, 1e-4, 1e-3, 3e-3, 1e-2, 3e-2]
     mu = [0.0, 1e-9, 0.05, 0.2, 0.5, 0.8, 1.0, 1.1, 1.15, 1.17, 1.18, 1.19, 1.2, 1.3, 1.5, 2.0]
@@ -337,13 +357,13 @@ def _parameter_changes_of_contact_sweeps() -> dict[str, list[dict[str, Any]]]:
             "force", [*_powers_of_ten(-9, 12), 0.0, -2000.0], clearance=1e-4
         ),
         "contact": _parameter_changes_for_values_of_one_parameter(
-            "clearance", list(CLEARANCE_TABLES)
+            "clearance", list(LINING_CLEARANCE_TABLES_BY_NAME)
         )
         + _parameter_changes_for_values_of_one_parameter(
-            "clearance", list(CLEARANCE_TABLES), assisted=False, penalty=math.inf
+            "clearance", list(LINING_CLEARANCE_TABLES_BY_NAME), assisted=False, penalty=math.inf
         )
         + _parameter_changes_for_values_of_one_parameter(
-            "clearance", list(CLEARANCE_TABLES), elements=2
+            "clearance", list(LINING_CLEARANCE_TABLES_BY_NAME), elements=2
         ),
     }
 
@@ -388,12 +408,12 @@ def _parameter_changes_of_mesh_and_size_sweeps() -> dict[str, list[dict[str, Any
 
 def _sweep_cases_from_changed_parameters(
     knob: str, settings: list[dict[str, Any]]
-) -> list[KnobCase]:
+) -> list[ExtremeCase]:
     """The cases of the sweep named `knob`; `settings` are the changed parameters of each case."""
-    return [KnobCase(knob=knob, **setting) for setting in settings]
+    return [ExtremeCase(knob=knob, **setting) for setting in settings]
 
 
-def _cases_with_combined_parameter_extremes() -> list[KnobCase]:
+def _cases_with_combined_parameter_extremes() -> list[ExtremeCase]:
     """The 32 cases in which each of five parameters has a small or a large value."""
     ends: dict[str, tuple[Any, Any]] = {
         "shoe": (1e-4, 1e6),
@@ -407,7 +427,7 @@ def _cases_with_combined_parameter_extremes() -> list[KnobCase]:
     return _sweep_cases_from_changed_parameters("corners", settings)
 
 
-def _cases_on_grids_of_two_parameters() -> list[KnobCase]:
+def _cases_on_grids_of_two_parameters() -> list[ExtremeCase]:
     """The cases of two grids; each grid covers the whole ranges of two parameters."""
     moduli, mu = _powers_of_ten(-8, 8, 2), [0.0, 0.1, 0.3, 0.5, 0.7, 0.9, 1.1, 1.5, 2.5, 5.0]
     thicknesses, penalties = (
@@ -416,22 +436,22 @@ def _cases_on_grids_of_two_parameters() -> list[KnobCase]:
     )
     result = []
     for E, friction in itertools.product(moduli, mu):
-        result.append(KnobCase(knob="shoe × friction", shoe=E, friction=friction))
+        result.append(ExtremeCase(knob="shoe × friction", shoe=E, friction=friction))
     for t, penalty in itertools.product(thicknesses, penalties):
-        result.append(KnobCase(knob="thickness × penalty", thickness=t, penalty=penalty))
+        result.append(ExtremeCase(knob="thickness × penalty", thickness=t, penalty=penalty))
     return result
 
 
-def _cases_of_latin_hypercube(count: int) -> list[KnobCase]:
+def _cases_of_latin_hypercube(count: int) -> list[ExtremeCase]:
     """A Latin hypercube sample of `count` cases: 13 parameters, most on logarithmic scales."""
-    rng = np.random.default_rng(HYPERCUBE_SEED)
+    rng = np.random.default_rng(SEED_OF_LATIN_HYPERCUBE_SAMPLE)
     # Each of the 13 columns has one number in each of `count` equal intervals of [0, 1].
     strata = np.array([rng.permutation(count) for _ in range(13)]).T
     samples = (strata + rng.random(strata.shape)) / count
     return [_case_from_hypercube_sample(row.tolist()) for row in samples]
 
 
-def _case_from_hypercube_sample(sample: list[float]) -> KnobCase:
+def _case_from_hypercube_sample(sample: list[float]) -> ExtremeCase:
     """A case of the Latin hypercube, from a sample of 13 numbers between 0 and 1."""
     u = iter(sample)
 
@@ -449,7 +469,7 @@ def _case_from_hypercube_sample(sample: list[float]) -> KnobCase:
     elements = round(next_log_uniform_number(math.log10(2), 2))
     gap = next_log_uniform_number(-8, -2)
     friction = round(5 * next(u) ** 2.5, 3)
-    return KnobCase(
+    return ExtremeCase(
         knob="hypercube",
         shoe=shoe,
         penalty=penalty,

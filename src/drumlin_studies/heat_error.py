@@ -2,10 +2,11 @@
 
     python -m drumlin_studies.heat_error FIRST LAST FILE
 
-draws the hot brakes with the seeds FIRST to LAST - 1, solves each to the tolerances HOT_TOLERANCES,
-and prints the ratios of stated to true errors. True errors are differences from a solution on much
-finer meshes. FILE keeps the errors of each brake, so that a later run only solves the brakes that
-the file lacks, and prints the table of all brakes in the file.
+draws the hot brakes with the seeds FIRST to LAST - 1, solves each to the tolerances
+TOLERANCES_OF_HOT_BRAKE_SOLVES, and prints the ratios of stated to true errors. True errors are
+differences from a solution on much finer meshes. FILE keeps the errors of each brake, so that a
+later run only solves the brakes that the file lacks, and prints the table of all brakes in the
+file.
 """
 
 import json
@@ -25,8 +26,8 @@ from drumlin.fem.solve import solve
 from drumlin_studies.random_brake import draw_random_brake
 from drumlin_studies.random_kinds import draw_random_brake_of_support_kind
 from drumlin_studies.stated_true import (
-    JUDGED_QUANTITIES,
-    Truth,
+    QUANTITIES_WHOSE_STATED_ERRORS_ARE_JUDGED,
+    FarFinerSolutionOfBrake,
     row_of_stated_and_true_errors,
     solve_fine_reference_by_hp_elements,
     stated_over_true_error_of_row,
@@ -40,9 +41,9 @@ drums.
 Steel has a strain of 1e-4 if it is 10 K warmer, and of 1e-3 if it is 80 K warmer. An organic lining
 has a strain of 1e-2 if it is 300 K warmer.
 """
-HOT_TOLERANCES = (1e-2, 1e-3)
+TOLERANCES_OF_HOT_BRAKE_SOLVES = (1e-2, 1e-3)
 """Relative tolerances to which each hot brake is solved."""
-HOT_SHARE = 0.7
+PROBABILITY_OF_HEATED_PART = 0.7
 """Probability with which a drum, lining, backing or body is heated."""
 
 
@@ -57,7 +58,7 @@ def draw_random_brake_with_heated_parts(seed: int) -> Brake:
     if brake.actuation is not None and brake.actuation.is_cam_or_wedge:
         raise BadInput("a cam on heated shoes is not modelled")
     changes: dict[str, Any] = {}
-    if hasattr(brake, "drum") and rng.random() < HOT_SHARE:
+    if hasattr(brake, "drum") and rng.random() < PROBABILITY_OF_HEATED_PART:
         changes |= {"drum.expansion": 1e-5}
         changes |= _draw_random_temperature_rises_of_part(
             rng, "drum", BODY_STRAINS, gradient=brake.ring is not None
@@ -69,7 +70,7 @@ def draw_random_brake_with_heated_parts(seed: int) -> Brake:
             ("body", BODY_STRAINS),
         ):
             part = getattr(shoe, key)
-            if part is None or part.material is None or rng.random() > HOT_SHARE:
+            if part is None or part.material is None or rng.random() > PROBABILITY_OF_HEATED_PART:
                 continue
             name = f"shoe[{i}].{key}"
             coefficient = "expansion" if hasattr(part.material, "E") else "expansion_along"
@@ -110,7 +111,7 @@ def _draw_random_temperature_rises_of_part(
 def rows_of_stated_and_true_errors_of_drawn_brake(
     draw: Callable[[int], Brake], seed: int
 ) -> list[dict[str, Any]]:
-    """The rows of stated and true errors of one brake, one for each of HOT_TOLERANCES.
+    """The rows of stated and true errors of one brake, one for each tolerance.
 
     `draw` is a function that draws the brake of a seed, and may raise BadInput. A brake that is not
     drawn has no rows.
@@ -120,14 +121,14 @@ def rows_of_stated_and_true_errors_of_drawn_brake(
     except BadInput as error:
         sys.stdout.write(f"{seed}: not drawn: {error}\n")
         return []
-    truth: Truth | None = None
+    truth: FarFinerSolutionOfBrake | None = None
     failure = ""
     try:
-        truth = solve_fine_reference_by_hp_elements(brake, min(HOT_TOLERANCES))
+        truth = solve_fine_reference_by_hp_elements(brake, min(TOLERANCES_OF_HOT_BRAKE_SOLVES))
     except (NoAnswer, BadInput) as error:
         failure = str(error)
     one = partial(row_of_stated_and_true_errors, brake, solve=solve, true=truth, failure=failure)
-    rows = [one(tolerance) for tolerance in HOT_TOLERANCES]
+    rows = [one(tolerance) for tolerance in TOLERANCES_OF_HOT_BRAKE_SOLVES]
     # The fine solution has no braking force, which brakes on a plane have in place of a torque.
     # Errors of the torque are therefore left out on a plane.
     left_out = {"true_torque", "stated_torque"} if brake.surface.is_plane_and_not_drum else set()
@@ -136,7 +137,10 @@ def rows_of_stated_and_true_errors_of_drawn_brake(
 
 def _text_on_outcome_and_smallest_ratio(row: Mapping[str, Any]) -> str:
     """Text on a solve: its outcome, and its smallest ratio of a stated to a true error."""
-    ratios = {name: stated_over_true_error_of_row(row, name) for name in JUDGED_QUANTITIES}
+    ratios = {
+        name: stated_over_true_error_of_row(row, name)
+        for name in QUANTITIES_WHOSE_STATED_ERRORS_ARE_JUDGED
+    }
     known = {name: ratio for name, ratio in ratios.items() if not math.isnan(ratio)}
     if not known:
         return f"{row['outcome']} ({row['reason']})"
@@ -144,7 +148,7 @@ def _text_on_outcome_and_smallest_ratio(row: Mapping[str, Any]) -> str:
     return f"{row['outcome']} ({name} {known[name]:.2g})"
 
 
-def read_judged_rows(path: Path) -> dict[int, list[dict[str, Any]]]:
+def read_rows_of_errors_by_seed(path: Path) -> dict[int, list[dict[str, Any]]]:
     """The rows of errors that a file keeps, by the seed of the brake; none if there is no file.
 
     Each line of the file is the seed and the rows of one brake, in JSON.
@@ -170,7 +174,7 @@ def judge_brakes_of_seeds_and_print_summary(
     path : Path
         The file that keeps the rows.
     """
-    judged = read_judged_rows(path)
+    judged = read_rows_of_errors_by_seed(path)
     for seed in sorted({*range(first, last)} - judged.keys()):
         own = judged[seed] = rows_of_stated_and_true_errors_of_drawn_brake(draw, seed)
         with path.open("a", encoding="utf-8") as file:

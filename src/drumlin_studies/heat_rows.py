@@ -11,7 +11,7 @@ from drumlin.response.norms import relative_error_of_number
 from drumlin.response.response import Response
 from drumlin.verification.triangles.levels import solve_brake_on_sequence_of_triangle_meshes
 
-HEATED_PARTS: Mapping[str, tuple[str, ...]] = {
+HEATED_PARTS_BY_STATE_NAME: Mapping[str, tuple[str, ...]] = {
     "cold": (),
     "drum": ("drum",),
     "linings": ("lining",),
@@ -24,7 +24,7 @@ HEATED_PARTS: Mapping[str, tuple[str, ...]] = {
 def responses_with_heat_only_in_some_parts(
     brake: Brake, solve: Callable[[Brake], Response]
 ) -> dict[str, Response]:
-    """The responses of a hot brake of which only some parts are hot, by the keys of HEATED_PARTS.
+    """The responses of a hot brake of which only some parts are hot, by the names of states.
 
     Parameters
     ----------
@@ -35,12 +35,12 @@ def responses_with_heat_only_in_some_parts(
     """
     return {
         name: solve(brake_with_heat_only_in_given_parts(brake, parts))
-        for name, parts in HEATED_PARTS.items()
+        for name, parts in HEATED_PARTS_BY_STATE_NAME.items()
     }
 
 
 def rows_of_changes_due_to_heat(responses: Mapping[str, Response]) -> list[dict[str, Any]]:
-    """A row for each state of HEATED_PARTS: torque, peak pressure, contact, changes by the heat."""
+    """A row for each hot state: torque, peak pressure, contact, and their changes by the heat."""
     cold = responses["cold"]
     rows = []
     for name, response in responses.items():
@@ -65,7 +65,9 @@ def _sum_of_contact_arc_lengths(arcs: Iterable[tuple[float, float]]) -> float:
     return float(sum(end - start for start, end in arcs))
 
 
-def relative_distances_from_triangle_solution(brake: Brake, response: Response) -> dict[str, float]:
+def torque_and_reaction_distances_from_triangles(
+    brake: Brake, response: Response
+) -> dict[str, float]:
     """Relative distances of a response from the solution by triangles: "torque" and "reaction".
 
     "reaction" is the distance of the hinge reaction, the largest of all shoes. The triangles share

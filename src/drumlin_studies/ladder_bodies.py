@@ -21,36 +21,36 @@ from drumlin.fem.substructure.body import (
     sparse_stiffness_of_body,
 )
 from drumlin.fem.substructure.interface import (
+    coupling_matrices_of_contact_line,
     function_that_returns_drum_normals_and_tangents,
     make_contact_line_of_lining,
-    weak_coupling_of_contact_line,
 )
 from drumlin.foundation.ring import deflection_series_of_two_opposite_forces
 from drumlin_studies import closed_forms
 from drumlin_studies.ladder_case import (
-    DISCRETISATION_TIER,
-    PRINTED_DIGITS_TIER,
-    ROUND_OFF_TIER,
-    KnownAnswer,
+    TOLERANCE_REASON_DISCRETISATION,
+    TOLERANCE_REASON_PRINTED_DIGITS,
+    TOLERANCE_REASON_ROUND_OFF,
+    KnownAnswerCase,
 )
 from drumlin_studies.two_bodies import (
-    LADDER_STEEL,
+    STEEL_OF_KNOWN_ANSWER_CASES,
     plane_mesh_of_closed_ring,
     scikit_fem_basis_of_mesh,
 )
-from drumlin_studies.uncertainty import Index, grid_convergence_index_of_three_values
+from drumlin_studies.uncertainty import GridConvergenceIndex, grid_convergence_index_of_three_values
 
-ROACHE_VALUES = (0.96178, 0.96854, 0.97050)
+ROACHE_EXAMPLE_VALUES_ON_THREE_MESHES = (0.96178, 0.96854, 0.97050)
 """Values of one quantity on three meshes, from an example of Roache. The second mesh is twice as
 fine as the first, and the third twice as fine as the second.
 """
-ON_AXIS = 1e-9
+SYMMETRY_AXIS_TOLERANCE = 1e-9
 """Distance [m] from an axis of symmetry within which a node counts as lying on it."""
 
 
-def _roache_convergence_index() -> Index:
+def _roache_convergence_index() -> GridConvergenceIndex:
     """The grid convergence index of Roache's example values."""
-    coarse, medium, fine = ROACHE_VALUES
+    coarse, medium, fine = ROACHE_EXAMPLE_VALUES_ON_THREE_MESHES
     return grid_convergence_index_of_three_values(fine, medium, coarse)
 
 
@@ -69,7 +69,9 @@ def _basis_and_stiffness_of_rectangle(
     x = np.linspace(0, length, along + 1)
     y = np.linspace(-height / 2, height / 2, through + 1)
     grid = skfem.MeshQuad.init_tensor(x, y)
-    return _basis_and_stiffness_of_mesh(skfem.MeshQuad2.from_mesh(grid), LADDER_STEEL)
+    return _basis_and_stiffness_of_mesh(
+        skfem.MeshQuad2.from_mesh(grid), STEEL_OF_KNOWN_ANSWER_CASES
+    )
 
 
 def _basis_and_stiffness_of_mesh(mesh: Any, material: Material) -> tuple[Any, Any]:
@@ -109,7 +111,7 @@ def _end_force_of_stretched_bar() -> float:
     """
     basis, K = _basis_and_stiffness_of_rectangle(2, 1, 4, 3)
     x, y = basis.doflocs
-    u = np.column_stack([1e-3 * x, -LADDER_STEEL.nu * 1e-3 * y]).ravel()
+    u = np.column_stack([1e-3 * x, -STEEL_OF_KNOWN_ANSWER_CASES.nu * 1e-3 * y]).ravel()
     return float((K @ u)[0::2][x > 2 - 1e-12].sum())
 
 
@@ -120,7 +122,10 @@ def _end_moment_of_bent_bar() -> float:
     """
     basis, K = _basis_and_stiffness_of_rectangle(2, 1, 4, 3)
     x, y = basis.doflocs
-    u = 1e-3 * np.column_stack([-x * y, 0.5 * (x**2 + LADDER_STEEL.nu * y**2)]).ravel()
+    u = (
+        1e-3
+        * np.column_stack([-x * y, 0.5 * (x**2 + STEEL_OF_KNOWN_ANSWER_CASES.nu * y**2)]).ravel()
+    )
     end = x > 2 - 1e-12
     return float(-((K @ u)[0::2] * y)[end].sum())
 
@@ -132,7 +137,7 @@ def _cantilever_end_force_over_closed_form() -> float:
     art. 21). They are cubic, so that quadratic elements have an error.
     """
     L, c, P = 4.0, 0.5, 1.0
-    E, nu, I = LADDER_STEEL.E, LADDER_STEEL.nu, 2 * 0.5**3 / 3  # noqa: E741
+    E, nu, I = STEEL_OF_KNOWN_ANSWER_CASES.E, STEEL_OF_KNOWN_ANSWER_CASES.nu, 2 * 0.5**3 / 3  # noqa: E741
     G = E / (2 * (1 + nu))
     basis, K = _basis_and_stiffness_of_rectangle(L, 2 * c, 16, 4)
     x, y = basis.doflocs
@@ -166,7 +171,7 @@ def _work_of_end_force_on_curved_bar() -> float:
     return float(u @ (K @ u))
 
 
-class EdgeDisplacements(NamedTuple):
+class MeanRadialDisplacementsOfRingEdges(NamedTuple):
     """The mean radial displacements [m] of the inner and of the outer edge of a ring."""
 
     inner: float
@@ -174,7 +179,7 @@ class EdgeDisplacements(NamedTuple):
 
 
 @cache
-def _edge_displacements_of_lame_ring() -> EdgeDisplacements:
+def _edge_displacements_of_lame_ring() -> MeanRadialDisplacementsOfRingEdges:
     """Displacements of a steel ring between the radii 0.1 m and 0.2 m under 60 MPa inside."""
     mesh = plane_mesh_of_closed_ring(
         np.linspace(-math.pi, math.pi, 33)[:-1], np.linspace(0, 0.1, 7), 0.1, 1
@@ -182,21 +187,24 @@ def _edge_displacements_of_lame_ring() -> EdgeDisplacements:
     basis, K = _basis_and_stiffness_of_mesh(mesh, Material(E=200e9, nu=0.3))
     line = make_contact_line_of_lining(basis, mesh.boundaries["contact"], 0.0)
     # The nodal forces of the uniform pressure on the inner edge.
-    force = weak_coupling_of_contact_line(
+    force = coupling_matrices_of_contact_line(
         line, 1.0, function_that_returns_drum_normals_and_tangents(1)
     ).N.T @ np.full(len(line.nodes), 60e6)
     f = np.zeros((basis.N, 2))
     f[line.nodes] = force.reshape(-1, 2)
     x, y = basis.doflocs
-    on_x, on_y = np.flatnonzero(np.abs(y) < ON_AXIS), np.flatnonzero(np.abs(x) < ON_AXIS)
+    on_x, on_y = (
+        np.flatnonzero(np.abs(y) < SYMMETRY_AXIS_TOLERANCE),
+        np.flatnonzero(np.abs(x) < SYMMETRY_AXIS_TOLERANCE),
+    )
     u = solve_nodal_displacements(K, f.ravel(), np.concatenate([2 * on_x + 1, 2 * on_y]))
     r = np.hypot(x, y)
     radial_u = (u[0::2] * x + u[1::2] * y) / r
     inner, outer = radial_u[r < 0.1 + 1e-9], radial_u[r > 0.2 - 1e-9]
-    return EdgeDisplacements(float(inner.mean()), float(outer.mean()))
+    return MeanRadialDisplacementsOfRingEdges(float(inner.mean()), float(outer.mean()))
 
 
-class DiameterChanges(NamedTuple):
+class DimensionlessRingDiameterChanges(NamedTuple):
     """Changes of the ring's diameters along and across two opposite forces F, times EI/(F R^3)."""
 
     closing: float
@@ -204,7 +212,7 @@ class DiameterChanges(NamedTuple):
 
 
 @cache
-def _diameter_changes_of_thin_ring() -> DiameterChanges:
+def _diameter_changes_of_thin_ring() -> DimensionlessRingDiameterChanges:
     """Diameter changes of a thin ring, t/R = 0.02, under two opposite forces along a diameter."""
     R, t, E = 1.0, 0.02, 1e9
     mesh = plane_mesh_of_closed_ring(
@@ -215,15 +223,18 @@ def _diameter_changes_of_thin_ring() -> DiameterChanges:
     f = np.zeros((basis.N, 2))
     # The forces act on the middle line of the ring, at its top and its bottom.
     middle = np.abs(np.hypot(x, y) - R) < 1e-9
-    top = np.flatnonzero(middle & (np.abs(x) < ON_AXIS) & (y > 0))
-    bottom = np.flatnonzero(middle & (np.abs(x) < ON_AXIS) & (y < 0))
-    right = np.flatnonzero(middle & (np.abs(y) < ON_AXIS) & (x > 0))
+    top = np.flatnonzero(middle & (np.abs(x) < SYMMETRY_AXIS_TOLERANCE) & (y > 0))
+    bottom = np.flatnonzero(middle & (np.abs(x) < SYMMETRY_AXIS_TOLERANCE) & (y < 0))
+    right = np.flatnonzero(middle & (np.abs(y) < SYMMETRY_AXIS_TOLERANCE) & (x > 0))
     f[top, 1], f[bottom, 1] = -1.0, 1.0
-    on_x, on_y = np.flatnonzero(np.abs(y) < ON_AXIS), np.flatnonzero(np.abs(x) < ON_AXIS)
+    on_x, on_y = (
+        np.flatnonzero(np.abs(y) < SYMMETRY_AXIS_TOLERANCE),
+        np.flatnonzero(np.abs(x) < SYMMETRY_AXIS_TOLERANCE),
+    )
     u = solve_nodal_displacements(K, f.ravel(), np.concatenate([2 * on_x + 1, 2 * on_y]))
     size = E * t**3 / 12 / R**3
     closing, widening = -2 * u[2 * top[0] + 1] * size, 2 * u[2 * right[0]] * size
-    return DiameterChanges(float(closing), float(widening))
+    return DimensionlessRingDiameterChanges(float(closing), float(widening))
 
 
 def _observed_order_of_convergence(kind: str) -> float:
@@ -299,199 +310,199 @@ def _outer_spring_force_of_lever() -> float:
     return float(active_set.solve_contact_problem(problem).p[1])
 
 
-LAME_EDGES = closed_forms.lame_displacements_of_ring_edges(0.1, 0.2, 60e6, 200e9, 0.3)
+LAME_EDGE_DISPLACEMENTS = closed_forms.lame_displacements_of_ring_edges(0.1, 0.2, 60e6, 200e9, 0.3)
 """Radial displacements [m] of the inner and the outer edge of a ring under inner pressure (Lame).
 """
-STEEL_MODULUS, STEEL_POISSON = LADDER_STEEL.E, LADDER_STEEL.nu
+STEEL_MODULUS, STEEL_POISSON = STEEL_OF_KNOWN_ANSWER_CASES.E, STEEL_OF_KNOWN_ANSWER_CASES.nu
 """Young's modulus [Pa] and Poisson's ratio of the steel of the ladder."""
-ROACHE_SOURCE = (
+ROACHE_CITATION = (
     "Roache, Verification and Validation (1998): f = .97050, .96854, .96178, r = 2; "
     "in single precision"
 )
 """Citation of the example of the grid convergence index, for the ladder's table."""
-TIMOSHENKO = "Timoshenko & Goodier, Theory of Elasticity"
+TIMOSHENKO_CITATION = "Timoshenko & Goodier, Theory of Elasticity"
 """Citation of closed forms of beams and rings, for the ladder's table."""
-BODY_CASES = (
-    KnownAnswer(
+KNOWN_ANSWER_CASES_ON_ELASTIC_BODIES = (
+    KnownAnswerCase(
         family="grid convergence index",
         shows="Richardson extrapolation",
-        source=ROACHE_SOURCE,
+        source=ROACHE_CITATION,
         quantity="order",
         expected=1.78618479,
         tolerance=1e-5,
-        tier=PRINTED_DIGITS_TIER,
+        tier=TOLERANCE_REASON_PRINTED_DIGITS,
         found=lambda: _roache_convergence_index().order,
     ),
-    KnownAnswer(
+    KnownAnswerCase(
         family="grid convergence index",
         shows="Richardson extrapolation",
-        source=ROACHE_SOURCE,
+        source=ROACHE_CITATION,
         quantity="extrapolated",
         expected=0.971300304,
         tolerance=1e-7,
-        tier=PRINTED_DIGITS_TIER,
+        tier=TOLERANCE_REASON_PRINTED_DIGITS,
         found=lambda: _roache_convergence_index().extrapolated,
     ),
-    KnownAnswer(
+    KnownAnswerCase(
         family="grid convergence index",
         shows="uncertainty of an extrapolation",
-        source=ROACHE_SOURCE,
+        source=ROACHE_CITATION,
         quantity="GCI, fine [%]",
         expected=0.103080,
         tolerance=5e-5,
-        tier=PRINTED_DIGITS_TIER,
+        tier=TOLERANCE_REASON_PRINTED_DIGITS,
         found=lambda: 100 * _roache_convergence_index().fine,
     ),
-    KnownAnswer(
+    KnownAnswerCase(
         family="grid convergence index",
         shows="uncertainty of an extrapolation",
-        source=ROACHE_SOURCE,
+        source=ROACHE_CITATION,
         quantity="GCI, coarse [%]",
         expected=0.356244,
         tolerance=5e-5,
-        tier=PRINTED_DIGITS_TIER,
+        tier=TOLERANCE_REASON_PRINTED_DIGITS,
         found=lambda: 100 * _roache_convergence_index().coarse,
     ),
-    KnownAnswer(
+    KnownAnswerCase(
         family="uniaxial stress",
         shows="plane-stress stiffness",
         source="s = E e",
         quantity="end force [N]",
         expected=STEEL_MODULUS * 1e-3,
         tolerance=1e-11,
-        tier=ROUND_OFF_TIER,
+        tier=TOLERANCE_REASON_ROUND_OFF,
         found=_end_force_of_stretched_bar,
     ),
-    KnownAnswer(
+    KnownAnswerCase(
         family="pure bending",
         shows="quadratic elements",
-        source=f"{TIMOSHENKO}: M = E I k",
+        source=f"{TIMOSHENKO_CITATION}: M = E I k",
         quantity="end moment [N m]",
         expected=STEEL_MODULUS * 1e-3 / 12,
         tolerance=1e-11,
-        tier=ROUND_OFF_TIER,
+        tier=TOLERANCE_REASON_ROUND_OFF,
         found=_end_moment_of_bent_bar,
     ),
-    KnownAnswer(
+    KnownAnswerCase(
         family="cantilever under end shear",
         shows="quadratic elements",
-        source=f"{TIMOSHENKO}, art. 21",
+        source=f"{TIMOSHENKO_CITATION}, art. 21",
         quantity="end force [N]",
         expected=1.0,
         tolerance=1e-4,
-        tier=DISCRETISATION_TIER,
+        tier=TOLERANCE_REASON_DISCRETISATION,
         found=_cantilever_end_force_over_closed_form,
     ),
-    KnownAnswer(
+    KnownAnswerCase(
         family="curved bar under end shear",
         shows="curved quadratic elements",
-        source=f"{TIMOSHENKO}: (ln 2 - .6)/pi",
+        source=f"{TIMOSHENKO_CITATION}: (ln 2 - .6)/pi",
         quantity="P u_0",
         expected=(math.log(2) - 0.6) / math.pi,
         tolerance=2e-5,
-        tier=DISCRETISATION_TIER,
+        tier=TOLERANCE_REASON_DISCRETISATION,
         found=_work_of_end_force_on_curved_bar,
     ),
-    KnownAnswer(
+    KnownAnswerCase(
         family="ring under inner pressure",
         shows="pressure on a curved edge",
         source="Lame 1852",
         quantity="u at the inner edge [m]",
-        expected=LAME_EDGES[0],
+        expected=LAME_EDGE_DISPLACEMENTS[0],
         tolerance=2e-4,
-        tier=DISCRETISATION_TIER,
+        tier=TOLERANCE_REASON_DISCRETISATION,
         found=lambda: _edge_displacements_of_lame_ring().inner,
     ),
-    KnownAnswer(
+    KnownAnswerCase(
         family="ring under inner pressure",
         shows="pressure on a curved edge",
         source="Lame 1852",
         quantity="u at the outer edge [m]",
-        expected=LAME_EDGES[1],
+        expected=LAME_EDGE_DISPLACEMENTS[1],
         tolerance=2e-4,
-        tier=DISCRETISATION_TIER,
+        tier=TOLERANCE_REASON_DISCRETISATION,
         found=lambda: _edge_displacements_of_lame_ring().outer,
     ),
-    KnownAnswer(
+    KnownAnswerCase(
         family="thin ring under a diametral pair, by elements",
         shows="slender elements",
         source="Timoshenko, Strength of Materials II",
         quantity="closing E I/(F R^3)",
         expected=math.pi / 4 - 2 / math.pi,
         tolerance=3e-3,
-        tier=DISCRETISATION_TIER,
+        tier=TOLERANCE_REASON_DISCRETISATION,
         found=lambda: _diameter_changes_of_thin_ring().closing,
     ),
-    KnownAnswer(
+    KnownAnswerCase(
         family="thin ring under a diametral pair, by elements",
         shows="slender elements",
         source="Timoshenko, Strength of Materials II",
         quantity="widening E I/(F R^3)",
         expected=2 / math.pi - 0.5,
         tolerance=3e-3,
-        tier=DISCRETISATION_TIER,
+        tier=TOLERANCE_REASON_DISCRETISATION,
         found=lambda: _diameter_changes_of_thin_ring().widening,
     ),
-    KnownAnswer(
+    KnownAnswerCase(
         family="thin ring under a diametral pair, as a series",
         shows="ring of the foundation model",
         source="Timoshenko, Strength of Materials II",
         quantity="closing E I/(F R^3)",
         expected=math.pi / 4 - 2 / math.pi,
         tolerance=1e-12,
-        tier=ROUND_OFF_TIER,
+        tier=TOLERANCE_REASON_ROUND_OFF,
         found=lambda: 2 * float(deflection_series_of_two_opposite_forces(np.array(0.0))) / math.pi,
     ),
-    KnownAnswer(
+    KnownAnswerCase(
         family="thin ring under a diametral pair, as a series",
         shows="ring of the foundation model",
         source="Timoshenko, Strength of Materials II",
         quantity="widening E I/(F R^3)",
         expected=2 / math.pi - 0.5,
         tolerance=1e-12,
-        tier=ROUND_OFF_TIER,
+        tier=TOLERANCE_REASON_ROUND_OFF,
         found=lambda: (
             -2 * float(deflection_series_of_two_opposite_forces(np.array(math.pi / 2))) / math.pi
         ),
     ),
-    KnownAnswer(
+    KnownAnswerCase(
         family="manufactured solution",
         shows="quadratic quadrilaterals",
         source="Roache 2002; order of the element",
         quantity="order",
         expected=3.0,
         tolerance=0.03,
-        tier=DISCRETISATION_TIER,
+        tier=TOLERANCE_REASON_DISCRETISATION,
         found=partial(_observed_order_of_convergence, "quad2"),
     ),
-    KnownAnswer(
+    KnownAnswerCase(
         family="manufactured solution",
         shows="linear triangles",
         source="Roache 2002; order of the element",
         quantity="order, tri1",
         expected=2.0,
         tolerance=0.03,
-        tier=DISCRETISATION_TIER,
+        tier=TOLERANCE_REASON_DISCRETISATION,
         found=partial(_observed_order_of_convergence, "tri1"),
     ),
-    KnownAnswer(
+    KnownAnswerCase(
         family="Murty's cycle",
         shows="active set",
         source="Murty 1974: p = 1/3 at each node",
         quantity="p",
         expected=1 / 3,
         tolerance=1e-13,
-        tier=ROUND_OFF_TIER,
+        tier=TOLERANCE_REASON_ROUND_OFF,
         found=_largest_pressure_of_murty_problem,
     ),
-    KnownAnswer(
+    KnownAnswerCase(
         family="lever on two springs",
         shows="equilibrium of a free motion",
         source="statics: F_2 = 2 F_1, F_1 + 2 F_2 = 6 N",
         quantity="force of the outer spring [N]",
         expected=2.4,
         tolerance=1e-12,
-        tier=ROUND_OFF_TIER,
+        tier=TOLERANCE_REASON_ROUND_OFF,
         found=_outer_spring_force_of_lever,
     ),
 )

@@ -3,22 +3,22 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 
-ROUND_OFF_TIER = "round-off"
+TOLERANCE_REASON_ROUND_OFF = "round-off"
 """Reason of a case's tolerance: only round-off, since drumlin computes the same formula or
 equilibrium.
 """
-PRINTED_DIGITS_TIER = "digits given"
+TOLERANCE_REASON_PRINTED_DIGITS = "digits given"
 """Reason of a case's tolerance: half a unit of the last digit that the source prints."""
-DISCRETISATION_TIER = "discretisation"
+TOLERANCE_REASON_DISCRETISATION = "discretisation"
 """Reason of a case's tolerance: the discretisation error of drumlin's mesh."""
-MODEL_LIMIT_TIER = "limit of the model"
+TOLERANCE_REASON_MODEL_LIMIT = "limit of the model"
 """Reason of a case's tolerance: the closed form holds in a limit, such as zero lining thickness,
 that the case approaches but does not reach.
 """
 
 
 @dataclass(frozen=True)
-class KnownAnswer:
+class KnownAnswerCase:
     """A case of the benchmark ladder: a quantity with a known value, and drumlin's value of it.
 
     Attributes
@@ -36,8 +36,9 @@ class KnownAnswer:
     tolerance : float
         Largest relative difference that counts as agreement.
     tier : str
-        Reason of the tolerance, one of the four texts above: ROUND_OFF_TIER, PRINTED_DIGITS_TIER,
-        DISCRETISATION_TIER or MODEL_LIMIT_TIER.
+        Reason of the tolerance, one of the four texts above: TOLERANCE_REASON_ROUND_OFF,
+        TOLERANCE_REASON_PRINTED_DIGITS, TOLERANCE_REASON_DISCRETISATION or
+        TOLERANCE_REASON_MODEL_LIMIT.
     found : function
         Function that computes the quantity by drumlin.
     """

@@ -16,24 +16,29 @@ from drumlin.brake.elasticity import ElasticLayer
 from drumlin.brake.fields import Material
 from drumlin.brake.file import vary
 from drumlin.contact import active_set, equations, self_locking, stick_slip
-from drumlin.contact.stick_slip import OPEN, STICK, FrictionalProblem, SlipHistory
+from drumlin.contact.stick_slip import (
+    OPEN,
+    STICK,
+    StickSlipProblem,
+    TractionsAndSlipsOfLastIncrement,
+)
 from drumlin.fem.mesh.degree import nodal_basis_of_mesh
 from drumlin.fem.solve import solve
 from drumlin.fem.substructure.body import (
     sparse_stiffness_of_body,
 )
 from drumlin.fem.substructure.interface import (
+    ContactCouplingMatrices,
     ContactLine,
-    Coupling,
-    Directions,
+    NormalsAndTangentsFunction,
+    coupling_matrices_of_contact_line,
     function_that_returns_drum_normals_and_tangents,
     make_contact_line_of_lining,
-    weak_coupling_of_contact_line,
 )
 from drumlin.laws import solve_brake_by_sine_law
 from drumlin.laws.simscape import DoubleShoe
 from drumlin.lining_wear.archard import (
-    WearInterface,
+    WearContactProblem,
     WearLaw,
     WearState,
     wear_linings_over_sliding_distance,
@@ -41,17 +46,25 @@ from drumlin.lining_wear.archard import (
 from drumlin.response.response import Response
 from drumlin_studies import closed_forms
 from drumlin_studies.ladder_case import (
-    DISCRETISATION_TIER,
-    MODEL_LIMIT_TIER,
-    PRINTED_DIGITS_TIER,
-    ROUND_OFF_TIER,
-    KnownAnswer,
+    TOLERANCE_REASON_DISCRETISATION,
+    TOLERANCE_REASON_MODEL_LIMIT,
+    TOLERANCE_REASON_PRINTED_DIGITS,
+    TOLERANCE_REASON_ROUND_OFF,
+    KnownAnswerCase,
 )
-from drumlin_studies.ladder_contact import GAP_RADIUS, HALF_WIDTH, condensed_half_plane_body
-from drumlin_studies.two_bodies import LADDER_STEEL, BodyPair, first_contact_set_from_coarse_problem
+from drumlin_studies.ladder_contact import (
+    HALF_PLANE_CONTACT_HALF_WIDTH,
+    RELATIVE_CURVATURE_RADIUS_OF_HALF_PLANES,
+    condensed_half_plane_body,
+)
+from drumlin_studies.two_bodies import (
+    STEEL_OF_KNOWN_ANSWER_CASES,
+    InnerAndOuterBodyInContact,
+    first_contact_set_from_coarse_problem,
+)
 
 
-def _problem_of_node_on_springs(push: float, shift: float, k: float = 100.0) -> FrictionalProblem:
+def _problem_of_node_on_springs(push: float, shift: float, k: float = 100.0) -> StickSlipProblem:
     """The frictional contact problem of one node on springs that is pressed on a moving drum.
 
     Parameters
@@ -63,10 +76,10 @@ def _problem_of_node_on_springs(push: float, shift: float, k: float = 100.0) -> 
     k : float
         Stiffness of the normal and of the tangential spring [N/m].
     """
-    # The arguments are the blocks of the equations of `FrictionalProblem`, here of size 1 or 0.
+    # The arguments are the blocks of the equations of `StickSlipProblem`, here of size 1 or 0.
     one, none = np.ones((1, 1)), np.zeros((1, 1))
     across, along = np.zeros((1, 0)), np.zeros((0, 1))
-    return FrictionalProblem(
+    return StickSlipProblem(
         A_wp=one / k,
         A_wt=none,
         A_sp=none,
@@ -84,7 +97,7 @@ def _problem_of_node_on_springs(push: float, shift: float, k: float = 100.0) -> 
 
 def _friction_force_on_node(shift: float) -> float:
     """Friction force [N] on one node under 10 N at mu = 0.5, after the drum moves by `shift`."""
-    untouched = SlipHistory(np.zeros(1), np.zeros(1))
+    untouched = TractionsAndSlipsOfLastIncrement(np.zeros(1), np.zeros(1))
     answer = stick_slip.solve_stick_slip_load_increment(
         _problem_of_node_on_springs(10.0, shift), 0.5, untouched, np.array([STICK])
     )
@@ -100,7 +113,11 @@ def _energy_dissipated_in_slip_loop() -> float:
     path = np.concatenate(
         [np.linspace(0, 0.2, 21), np.linspace(0.2, -0.2, 41), np.linspace(-0.2, 0.2, 41)]
     )
-    history, state, dissipated = SlipHistory(np.zeros(1), np.zeros(1)), np.array([STICK]), 0.0
+    history, state, dissipated = (
+        TractionsAndSlipsOfLastIncrement(np.zeros(1), np.zeros(1)),
+        np.array([STICK]),
+        0.0,
+    )
     for i, shift in enumerate(path):
         answer = stick_slip.solve_stick_slip_load_increment(
             _problem_of_node_on_springs(10.0, shift), 0.5, history, state
@@ -113,7 +130,9 @@ def _energy_dissipated_in_slip_loop() -> float:
     return dissipated
 
 
-def _make_function_of_constant_normal_and_tangent(normal: Floats, tangent: Floats) -> Directions:
+def _make_function_of_constant_normal_and_tangent(
+    normal: Floats, tangent: Floats
+) -> NormalsAndTangentsFunction:
     """A function that returns the same normal and tangent at all points of a plane contact.
 
     `normal` and `tangent` are unit vectors (2,).
@@ -128,7 +147,7 @@ def _make_function_of_constant_normal_and_tangent(normal: Floats, tangent: Float
     return normal_and_tangent_at_points
 
 
-def _push_over_weight_on_wedge() -> float:
+def _push_over_weight_of_block_on_wedge() -> float:
     """Push on a block that slides up a wedge, divided by the weight of the block.
 
     The push is horizontal, the wedge has the slope 0.1, and mu is 0.3.
@@ -137,7 +156,7 @@ def _push_over_weight_on_wedge() -> float:
     up = np.array([math.cos(slope), math.sin(slope)])
     # A straight contact line of two quadratic edges.
     line = ContactLine(np.arange(5), up[:, None] * x, x, np.array([[0, 2], [1, 3], [2, 4]]))
-    coupling = weak_coupling_of_contact_line(
+    coupling = coupling_matrices_of_contact_line(
         line, 1.0, _make_function_of_constant_normal_and_tangent(np.array([up[1], -up[0]]), -up)
     )
     # Forces on the block under a uniform pressure of 7 Pa. The push and the weight balance these
@@ -155,13 +174,22 @@ def _sticking_over_contact_half_width(share: float) -> float:
     pressure p and the traction t in the middle, (1 - t/(mu p))^2 = c^2/a^2, because the computed
     ends of the zones depend on the nodes there.
     """
-    mu, load = 0.3, HALF_WIDTH**2 * math.pi * LADDER_STEEL.E / 2 / (4 * GAP_RADIUS)
-    pair = BodyPair.couple_two_bodies_at_contact_nodes(
+    mu, load = (
+        0.3,
+        HALF_PLANE_CONTACT_HALF_WIDTH**2
+        * math.pi
+        * STEEL_OF_KNOWN_ANSWER_CASES.E
+        / 2
+        / (4 * RELATIVE_CURVATURE_RADIUS_OF_HALF_PLANES),
+    )
+    pair = InnerAndOuterBodyInContact.couple_two_bodies_at_contact_nodes(
         condensed_half_plane_body(-1, 14), condensed_half_plane_body(1, 12), motions="xy"
     )
     s = pair.contact_node_angles
-    gap, n = s**2 / (2 * GAP_RADIUS), len(s)
-    along = BodyPair(pair.inner, pair.coupling, pair.pressed, pair.dragged, pair.motions[:, :1])
+    gap, n = s**2 / (2 * RELATIVE_CURVATURE_RADIUS_OF_HALF_PLANES), len(s)
+    along = InnerAndOuterBodyInContact(
+        pair.inner, pair.coupling, pair.pressed, pair.dragged, pair.motions[:, :1]
+    )
     pressing = along.frictionless_contact_problem(gap, [load])
     state = np.where(
         active_set.solve_contact_problem(
@@ -171,7 +199,7 @@ def _sticking_over_contact_half_width(share: float) -> float:
         OPEN,
     )
     # The normal load comes first, then the tangential load in two steps.
-    untouched = SlipHistory(np.zeros(n), np.zeros(n))
+    untouched = TractionsAndSlipsOfLastIncrement(np.zeros(n), np.zeros(n))
     found = stick_slip.solve_stick_slip_load_increment(
         pair.frictional_contact_problem(gap, [load, 0.0]), mu, untouched, state
     )
@@ -183,24 +211,24 @@ def _sticking_over_contact_half_width(share: float) -> float:
             found.tractions_and_slips_for_next_increment,
             found.state,
         )
-    middle = np.abs(s) < 0.2 * HALF_WIDTH
+    middle = np.abs(s) < 0.2 * HALF_PLANE_CONTACT_HALF_WIDTH
     ratio = np.abs(found.t[middle]).mean() / (mu * found.p[middle].mean())
     # At s = 0 the exact ratio t/(mu p) is 1 - c/a. Its mean over a small interval around 0 differs
     # by a term of second order. The closed form gives this difference, which is then subtracted.
-    exact_p = np.sqrt(1 - (s[middle] / HALF_WIDTH) ** 2)
+    exact_p = np.sqrt(1 - (s[middle] / HALF_PLANE_CONTACT_HALF_WIDTH) ** 2)
     c = math.sqrt(1 - share)
-    exact_t = exact_p - c * np.sqrt(1 - (s[middle] / (c * HALF_WIDTH)) ** 2)
+    exact_t = exact_p - c * np.sqrt(1 - (s[middle] / (c * HALF_PLANE_CONTACT_HALF_WIDTH)) ** 2)
     return float(1 - ratio + (exact_t.mean() / exact_p.mean() - (1 - c)))
 
 
-class FlexibleBody(NamedTuple):
+class ElasticBodyWithContactLine(NamedTuple):
     """An elastic body with some fixed displacements and a contact line.
 
     Attributes
     ----------
     basis, K : skfem basis, sparse matrix
         Finite-element basis and stiffness matrix of the body.
-    line, coupling : ContactLine, Coupling
+    line, coupling : ContactLine, ContactCouplingMatrices
         Contact line of the body, and its coupling matrices between displacements and gaps.
     free : array of int
         Numbers of the displacements that are not fixed.
@@ -209,13 +237,18 @@ class FlexibleBody(NamedTuple):
     basis: Any
     K: Any
     line: ContactLine
-    coupling: Coupling
+    coupling: ContactCouplingMatrices
     free: Ints
 
     @classmethod
     def elastic_body_of_mesh(
-        cls, mesh: Any, material: Material, held: Ints, directions: Directions, middle: float
-    ) -> "FlexibleBody":
+        cls,
+        mesh: Any,
+        material: Material,
+        held: Ints,
+        directions: NormalsAndTangentsFunction,
+        middle: float,
+    ) -> "ElasticBodyWithContactLine":
         """The elastic body of a mesh that has the boundary "contact".
 
         Parameters
@@ -237,7 +270,7 @@ class FlexibleBody(NamedTuple):
         ).tocsc()
         line = make_contact_line_of_lining(basis, mesh.boundaries["contact"], middle)
         free = np.setdiff1d(np.arange(2 * basis.N), held)
-        return cls(basis, K, line, weak_coupling_of_contact_line(line, 1.0, directions), free)
+        return cls(basis, K, line, coupling_matrices_of_contact_line(line, 1.0, directions), free)
 
     @property
     def indices_of_contact_node_displacements(self) -> Ints:
@@ -300,9 +333,9 @@ def _tension_ratio_of_belt_on_drum(mu: float, wrap: float) -> float:
         lambda d, phi: phi > wrap - 1e-9,
     )
     at = nodal_basis_of_mesh(mesh).get_dofs(mesh.boundaries["support"]).flatten()
-    belt = FlexibleBody.elastic_body_of_mesh(
+    belt = ElasticBodyWithContactLine.elastic_body_of_mesh(
         mesh,
-        LADDER_STEEL,
+        STEEL_OF_KNOWN_ANSWER_CASES,
         np.concatenate([2 * at, 2 * at + 1]),
         function_that_returns_drum_normals_and_tangents(-1),
         wrap / 2,
@@ -314,15 +347,10 @@ def _tension_ratio_of_belt_on_drum(mu: float, wrap: float) -> float:
     weights = np.where(np.abs(x[pulled] - 1 - t / 2) < 1e-9, 4.0, 1.0) / 6
     # The other end is pulled by 1 N, uniformly over the thickness.
     f[pulled, 1] = -weights
-    u = belt.displacements_under_forces(
-        np.column_stack(
-            [
-                f.ravel(),
-                belt.nodal_forces_of_unit_tractions(N)
-                + mu * belt.nodal_forces_of_unit_tractions(T),
-            ]
-        )
+    by_pressure = belt.nodal_forces_of_unit_tractions(N) + mu * belt.nodal_forces_of_unit_tractions(
+        T
     )
+    u = belt.displacements_under_forces(np.column_stack([f.ravel(), by_pressure]))
     on, n = belt.indices_of_contact_node_displacements, len(N)
     without_motions = np.zeros((n, 0)), np.zeros((0, n)), np.zeros(0)
     problem = equations.ContactProblem(N @ u[on, 1:], -N @ u[on, 0], *without_motions)
@@ -348,7 +376,9 @@ def _largest_pressure_in_patch_test(turned: float) -> float:
     top = nodal_basis_of_mesh(mesh).get_dofs(mesh.boundaries["support"]).flatten()
     directions = _make_function_of_constant_normal_and_tangent(np.array([s, -c]), np.array([c, s]))
     held = np.concatenate([2 * top, 2 * top + 1])
-    strip = FlexibleBody.elastic_body_of_mesh(mesh, Material(E=2e6, nu=0.0), held, directions, 0.3)
+    strip = ElasticBodyWithContactLine.elastic_body_of_mesh(
+        mesh, Material(E=2e6, nu=0.0), held, directions, 0.3
+    )
     N, M = strip.coupling.N, strip.coupling.M
     n = len(M)
     # Weighted opening of the gap by unit nodal pressures. At first the plane lies 0.05 m inside the
@@ -364,11 +394,11 @@ def _largest_pressure_in_patch_test(turned: float) -> float:
     return float(active_set.solve_contact_problem(problem).p.max())
 
 
-PLATE_EDGE = 40.0
+EDGE_LENGTH_OF_SQUARE_PLATE = 40.0
 """Length of the edges of the square plate of Raous, Chabrand & Lebon (1988)."""
 
 
-class Plate(NamedTuple):
+class PressedPlateResults(NamedTuple):
     """Results for an elastic plate that is pressed on a rigid plane and pushed from its side.
 
     Attributes
@@ -385,7 +415,7 @@ class Plate(NamedTuple):
 
 
 @cache
-def solve_pressed_and_pushed_plate() -> Plate:
+def solve_pressed_and_pushed_plate() -> PressedPlateResults:
     """Press an elastic plate on a rigid plane at mu = 1 and push it from its side.
 
     The plate comes from Raous, Chabrand & Lebon (1988): 40 by 40, nu = 0.2, 5 MPa on its upper edge
@@ -394,7 +424,7 @@ def solve_pressed_and_pushed_plate() -> Plate:
     vertical force that fixes the plate there.
     """
     body = _plate_with_plane_of_symmetry()
-    plate, f = body.body, _forces_on_upper_edge_and_side(body.body.basis)
+    plate, f = body.body, _nodal_forces_on_plate_edge_and_side(body.body.basis)
     N, T = plate.coupling.N, plate.coupling.T
     u = plate.displacements_under_forces(
         np.column_stack(
@@ -408,7 +438,7 @@ def solve_pressed_and_pushed_plate() -> Plate:
     problem = _stick_slip_problem_of_pushed_plate(plate, f, u)
     n = len(N)
     found = stick_slip.solve_stick_slip_load_increment(
-        problem, 1.0, SlipHistory(np.zeros(n), np.zeros(n)), np.full(n, STICK)
+        problem, 1.0, TractionsAndSlipsOfLastIncrement(np.zeros(n), np.zeros(n)), np.full(n, STICK)
     )
     whole = u @ np.concatenate([[1.0], -found.p, found.t])
     total = f.copy()
@@ -418,30 +448,30 @@ def solve_pressed_and_pushed_plate() -> Plate:
     x, y = plate.basis.doflocs
     others = float((x * total[:, 1] - y * total[:, 0]).sum())
     pressures = (-N.T @ found.p).reshape(-1, 2)
-    return Plate(
+    return PressedPlateResults(
         float((plate.line.xy[0] * pressures[:, 1]).sum() / -others),
         frozenset(int(s) for s in found.state),
     )
 
 
-class _SymmetricPlate(NamedTuple):
+class _PlateWithSymmetryPlane(NamedTuple):
     """A plate with its plane of symmetry.
 
     Attributes
     ----------
-    body : FlexibleBody
+    body : ElasticBodyWithContactLine
         The plate, whose lower edge is in contact.
     left : array of int
         Numbers of its nodes on the plane of symmetry.
     """
 
-    body: FlexibleBody
+    body: ElasticBodyWithContactLine
     left: Ints
 
 
-def _plate_with_plane_of_symmetry() -> _SymmetricPlate:
+def _plate_with_plane_of_symmetry() -> _PlateWithSymmetryPlane:
     """The plate of Raous, Chabrand & Lebon, fixed along x at x = 0, and along y at the origin."""
-    L = PLATE_EDGE
+    L = EDGE_LENGTH_OF_SQUARE_PLATE
     grid = skfem.MeshQuad.init_tensor(np.linspace(0, L, 13), np.linspace(0, L, 25))
     mesh = _quadratic_mesh_of_mapped_grid(
         grid, lambda depth, x: np.array([x, depth]), lambda depth, x: x < 1e-9
@@ -449,33 +479,37 @@ def _plate_with_plane_of_symmetry() -> _SymmetricPlate:
     basis = nodal_basis_of_mesh(mesh)
     left = basis.get_dofs(mesh.boundaries["support"]).flatten()
     corner = left[np.argmax(basis.doflocs[1][left])]
-    plate = FlexibleBody.elastic_body_of_mesh(
+    plate = ElasticBodyWithContactLine.elastic_body_of_mesh(
         mesh,
         Material(E=130e9, nu=0.2),
         np.concatenate([2 * left, [2 * corner + 1]]),
         _make_function_of_constant_normal_and_tangent(np.array([0.0, -1.0]), np.array([1.0, 0.0])),
         math.pi / 4,
     )
-    return _SymmetricPlate(plate, left)
+    return _PlateWithSymmetryPlane(plate, left)
 
 
-def _forces_on_upper_edge_and_side(basis: Any) -> Floats:
+def _nodal_forces_on_plate_edge_and_side(basis: Any) -> Floats:
     """The nodal forces (nodes, 2) of 5 MPa on the plate's upper edge and 10 MPa on its side."""
     x, y = basis.doflocs
     f = np.zeros((basis.N, 2))
-    f[:, 1] -= 5e6 * _nodal_forces_of_unit_traction(x, np.flatnonzero(y > PLATE_EDGE - 1e-9))
-    f[:, 0] -= 10e6 * _nodal_forces_of_unit_traction(y, np.flatnonzero(x > PLATE_EDGE - 1e-9))
+    f[:, 1] -= 5e6 * _nodal_forces_of_unit_traction(
+        x, np.flatnonzero(y > EDGE_LENGTH_OF_SQUARE_PLATE - 1e-9)
+    )
+    f[:, 0] -= 10e6 * _nodal_forces_of_unit_traction(
+        y, np.flatnonzero(x > EDGE_LENGTH_OF_SQUARE_PLATE - 1e-9)
+    )
     return f
 
 
 def _stick_slip_problem_of_pushed_plate(
-    plate: FlexibleBody, f: Floats, u: Floats
-) -> FrictionalProblem:
+    plate: ElasticBodyWithContactLine, f: Floats, u: Floats
+) -> StickSlipProblem:
     """The stick-slip problem of a plate that may also move up and down as a rigid body.
 
     Parameters
     ----------
-    plate : FlexibleBody
+    plate : ElasticBodyWithContactLine
         The plate with n contact nodes.
     f : array (nodes, 2)
         Nodal forces of the loads.
@@ -487,7 +521,7 @@ def _stick_slip_problem_of_pushed_plate(
     by_f, by_N, by_T = u[on, 0], u[on, 1 : 1 + n], u[on, 1 + n :]
     up = np.tile([0.0, 1.0], n)
     B_w, B_s = -(N @ up)[:, None], -(T @ up)[:, None]
-    return FrictionalProblem(
+    return StickSlipProblem(
         A_wp=N @ by_N,
         A_wt=-N @ by_T,
         A_sp=T @ by_N,
@@ -517,32 +551,34 @@ def _nodal_forces_of_unit_traction(along: Floats, nodes: Ints) -> Floats:
     return f
 
 
-SPRING_STIFFNESS = 4e10  # Pa/m
+WINKLER_LINING_STIFFNESS = 4e10  # Pa/m
 """Pressure per compression K [Pa/m] of a lining that consists of springs, on a rigid shoe."""
 SPRING_RADIUS, SPRING_WIDTH, SPRING_PIN = 0.15, 0.04, 0.125  # m
 """Radius of the drum, width of the lining, and distance of the hinge from the drum's centre [m]."""
-SPRING_MOMENT = 250.0  # N m
+WINKLER_SHOE_ACTUATION_MOMENT = 250.0  # N m
 """Moment [N m] of the actuation about the hinge of the shoe with a lining of springs."""
-SPRING_MU = 0.25
+WINKLER_LINING_FRICTION = 0.25
 """Coefficient of friction of the lining of springs."""
-SPRING_ARC = (0.3, 2.2)  # rad
+WINKLER_LINING_END_ANGLES = (0.3, 2.2)  # rad
 """Angles [rad] of the ends of the lining of springs, counted from the line from the drum's centre
 to the hinge.
 """
-SPRING_WEAR = WearLaw(1e-13)
+WINKLER_LINING_WEAR_LAW = WearLaw(1e-13)
 """Wear law of the lining of springs, with the wear coefficient k."""
-WEAR_UNIT = 1 / (SPRING_WEAR.coefficient * SPRING_STIFFNESS)
+SLIDING_DISTANCE_OF_WINKLER_DECAY = 1 / (
+    WINKLER_LINING_WEAR_LAW.coefficient * WINKLER_LINING_STIFFNESS
+)
 """Sliding distance 1/(k K) [m] over which wear reduces the deviation from the sine law to 1/e."""
 
 
-def _wear_problem_and_node_angles_of_winkler_shoe(mu: float) -> tuple[WearInterface, Floats]:
+def _wear_problem_and_node_angles_of_winkler_shoe(mu: float) -> tuple[WearContactProblem, Floats]:
     """A hinged rigid shoe with an unevenly worn lining of springs (Winkler foundation).
 
     Returns its wear problem, and the angles (n,) [rad] of the lining's nodes.
     """
-    phi = np.linspace(*SPRING_ARC, 49)
+    phi = np.linspace(*WINKLER_LINING_END_ANGLES, 49)
     xy = SPRING_RADIUS * np.array([np.cos(phi), np.sin(phi)])
-    coupling = weak_coupling_of_contact_line(
+    coupling = coupling_matrices_of_contact_line(
         ContactLine(np.arange(49), xy, phi, np.arange(0, 48, 2) + np.arange(3)[:, None]),
         SPRING_WIDTH,
         function_that_returns_drum_normals_and_tangents(1),
@@ -551,13 +587,13 @@ def _wear_problem_and_node_angles_of_winkler_shoe(mu: float) -> tuple[WearInterf
     turned = np.column_stack([-xy[1], xy[0] - SPRING_PIN]).ravel()
     closing = coupling.N @ turned
     problem = equations.ContactProblem(
-        coupling.M / SPRING_STIFFNESS,
+        coupling.M / WINKLER_LINING_STIFFNESS,
         coupling.M @ (2e-6 * np.cos(3 * phi)),
         -closing[:, None],
         (mu * (coupling.T @ turned) - closing)[None],
-        np.array([SPRING_MOMENT]),
+        np.array([WINKLER_SHOE_ACTUATION_MOMENT]),
     )
-    interface = WearInterface(
+    interface = WearContactProblem(
         problem,
         np.zeros(49),
         coupling.M,
@@ -590,9 +626,12 @@ def _wear_states_and_sine_pressure_of_winkler_shoe() -> tuple[list[WearState], F
     Returns the states of the wear run, and the pressure (n,) of the sine law under an actuating
     moment of 1 N m.
     """
-    interface, phi = _wear_problem_and_node_angles_of_winkler_shoe(SPRING_MU)
+    interface, phi = _wear_problem_and_node_angles_of_winkler_shoe(WINKLER_LINING_FRICTION)
     states = wear_linings_over_sliding_distance(
-        [interface], SPRING_WEAR, distance=2 * WEAR_UNIT, tolerance=1e-4
+        [interface],
+        WINKLER_LINING_WEAR_LAW,
+        distance=2 * SLIDING_DISTANCE_OF_WINKLER_DECAY,
+        tolerance=1e-4,
     )
     # The sine law gives the shape of the pressure; the balance of moments gives its size.
     return states, np.sin(phi) / float(interface.problem.C[0] @ np.sin(phi))
@@ -604,20 +643,20 @@ def _remaining_deviation_from_sine_law() -> float:
     The result is divided by the deviation of the new lining's pressure.
     """
     states, law = _wear_states_and_sine_pressure_of_winkler_shoe()
-    first = states[0].pressure - SPRING_MOMENT * law
-    last = states[-1].pressure - SPRING_MOMENT * law
+    first = states[0].pressure - WINKLER_SHOE_ACTUATION_MOMENT * law
+    last = states[-1].pressure - WINKLER_SHOE_ACTUATION_MOMENT * law
     return float(first @ last / (first @ first))
 
 
 def _worn_volume_over_archard_volume() -> float:
     """Worn volume, divided by k times the integral of the normal force over the distance."""
     states, _ = _wear_states_and_sine_pressure_of_winkler_shoe()
-    area = _wear_problem_and_node_angles_of_winkler_shoe(SPRING_MU)[0].area
+    area = _wear_problem_and_node_angles_of_winkler_shoe(WINKLER_LINING_FRICTION)[0].area
     worn_volume = area @ (states[-1].depth - states[0].depth)
-    return float(worn_volume / (SPRING_WEAR.coefficient * states[-1].pressed))
+    return float(worn_volume / (WINKLER_LINING_WEAR_LAW.coefficient * states[-1].pressed))
 
 
-class ThinLinings(NamedTuple):
+class BrakeWithThinLiningsAndItsResults(NamedTuple):
     """A brake with thin linings on rigid shoes, and its results.
 
     Attributes
@@ -636,10 +675,12 @@ class ThinLinings(NamedTuple):
 
 
 @cache
-def _solve_brake_with_thin_linings() -> ThinLinings:
+def _solve_brake_with_thin_linings() -> BrakeWithThinLiningsAndItsResults:
     """Solve the double-shoe brake with linings of 3 mm on rigid shoes by law and by elements."""
     rigid = vary(DoubleShoe().brake(2000.0), {"shoe.lining.thickness": 3e-3})
-    return ThinLinings(solve_brake_by_sine_law(rigid).torque, solve(rigid, elements=24), rigid)
+    return BrakeWithThinLiningsAndItsResults(
+        solve_brake_by_sine_law(rigid).torque, solve(rigid, elements=24), rigid
+    )
 
 
 def _external_moment_over_torque() -> float:
@@ -657,136 +698,136 @@ def _external_moment_over_torque() -> float:
     return abs(math.fsum(moments)) / response.torque
 
 
-FRICTION_CASES = (
+KNOWN_ANSWER_CASES_ON_FRICTION_AND_WEAR = (
     *(
-        KnownAnswer(
+        KnownAnswerCase(
             family="one node on springs",
             shows="friction states",
             source="spring force k s up to mu p",
             quantity=f"traction at s = {shift} m",
             expected=min(100 * shift, 5.0),
             tolerance=1e-12,
-            tier=ROUND_OFF_TIER,
+            tier=TOLERANCE_REASON_ROUND_OFF,
             found=partial(_friction_force_on_node, shift),
         )
         for shift in (0.02, 0.05, 0.2)
     ),
-    KnownAnswer(
+    KnownAnswerCase(
         family="closed loop of slip",
         shows="dissipation",
         source="area of the loop, 4 mu p (s - mu p/k)",
         quantity="energy [J]",
         expected=4 * 0.5 * 10 * (0.2 - 0.5 * 10 / 100),
         tolerance=1e-9,
-        tier=ROUND_OFF_TIER,
+        tier=TOLERANCE_REASON_ROUND_OFF,
         found=_energy_dissipated_in_slip_loop,
     ),
     *(
-        KnownAnswer(
+        KnownAnswerCase(
             family="flat patch test",
             shows="even pressure",
             source="El-Abbasi & Bathe 2001: E times the strain -.05",
             quantity=f"largest p [Pa], inclined by {turned} rad",
             expected=1e5,
             tolerance=1e-10,
-            tier=ROUND_OFF_TIER,
+            tier=TOLERANCE_REASON_ROUND_OFF,
             found=partial(_largest_pressure_in_patch_test, turned),
         )
         for turned in (0.0, 0.4)
     ),
-    KnownAnswer(
+    KnownAnswerCase(
         family="block on a wedge",
         shows="direction of friction",
         source="NAFEMS CGS-4: (tan a + mu)/(1 - mu tan a)",
         quantity="push over weight",
         expected=0.412371,
         tolerance=1e-6,
-        tier=PRINTED_DIGITS_TIER,
-        found=_push_over_weight_on_wedge,
+        tier=TOLERANCE_REASON_PRINTED_DIGITS,
+        found=_push_over_weight_of_block_on_wedge,
     ),
-    KnownAnswer(
+    KnownAnswerCase(
         family="tangentially loaded cylinders",
         shows="partial slip",
         source="Cattaneo 1938, Mindlin 1949: c/a = sqrt(1 - Q/(mu P))",
         quantity="c/a at Q = mu P/2",
         expected=math.sqrt(0.5),
         tolerance=1e-2,
-        tier=DISCRETISATION_TIER,
+        tier=TOLERANCE_REASON_DISCRETISATION,
         found=partial(_sticking_over_contact_half_width, 0.5),
     ),
-    KnownAnswer(
+    KnownAnswerCase(
         family="belt on a drum",
         shows="drag of a flexible body",
         source="capstan: e^(mu theta)",
         quantity="ratio of tensions, mu = .3, 120 deg",
         expected=closed_forms.capstan_tension_ratio(0.3, 2 * math.pi / 3),
         tolerance=1e-2,
-        tier=MODEL_LIMIT_TIER,
+        tier=TOLERANCE_REASON_MODEL_LIMIT,
         found=partial(_tension_ratio_of_belt_on_drum, 0.3, 2 * math.pi / 3),
     ),
-    KnownAnswer(
+    KnownAnswerCase(
         family="plate on a rigid plane",
         shows="stick, slip and open in one contact",
         source="balance of moments about a corner",
         quantity="moment of p over all others",
         expected=1.0,
         tolerance=1e-9,
-        tier=ROUND_OFF_TIER,
+        tier=TOLERANCE_REASON_ROUND_OFF,
         found=lambda: solve_pressed_and_pushed_plate().moment,
     ),
-    KnownAnswer(
+    KnownAnswerCase(
         family="shoe on springs, self-locking",
         shows="limit of friction",
         source="moments of p ~ sin about the hinge",
         quantity="mu_lock",
         expected=closed_forms.locking_friction_of_hinged_shoe_with_sine_pressure(
-            SPRING_RADIUS, SPRING_PIN, *SPRING_ARC
+            SPRING_RADIUS, SPRING_PIN, *WINKLER_LINING_END_ANGLES
         ),
         tolerance=1e-5,
-        tier=DISCRETISATION_TIER,
+        tier=TOLERANCE_REASON_DISCRETISATION,
         found=_locking_friction_of_winkler_shoe,
     ),
-    KnownAnswer(
+    KnownAnswerCase(
         family="shoe on springs, running in",
         shows="Archard wear in time",
         source="exp(-k K s), all in contact",
         quantity="deviation left at k K s = 2",
         expected=math.exp(-2),
         tolerance=1e-3,
-        tier=DISCRETISATION_TIER,
+        tier=TOLERANCE_REASON_DISCRETISATION,
         found=_remaining_deviation_from_sine_law,
     ),
-    KnownAnswer(
+    KnownAnswerCase(
         family="worn volume",
         shows="Archard wear",
         source="Archard 1953: V = k N s",
         quantity="V over k Int N ds",
         expected=1.0,
         tolerance=1e-9,
-        tier=ROUND_OFF_TIER,
+        tier=TOLERANCE_REASON_ROUND_OFF,
         found=_worn_volume_over_archard_volume,
     ),
-    KnownAnswer(
+    KnownAnswerCase(
         family="rigid shoe with a thin lining",
         shows="whole brake by elements",
         source="sine law in the limit",
         quantity="torque over the law's",
         expected=1.0,
         tolerance=2e-2,
-        tier=MODEL_LIMIT_TIER,
+        tier=TOLERANCE_REASON_MODEL_LIMIT,
         found=lambda: (
             _solve_brake_with_thin_linings().response.torque
             / _solve_brake_with_thin_linings().law_torque
         ),
     ),
-    KnownAnswer(
+    KnownAnswerCase(
         family="balance of a whole brake",
         shows="hinge reactions",
         source="moments about the drum's centre",
         quantity="moment over torque",
         expected=1.0,
         tolerance=1e-8,
-        tier=ROUND_OFF_TIER,
+        tier=TOLERANCE_REASON_ROUND_OFF,
         found=_external_moment_over_torque,
     ),
 )

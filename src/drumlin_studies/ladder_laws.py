@@ -11,9 +11,9 @@ from drumlin.brake.brake import Brake
 from drumlin.brake.file import vary
 from drumlin.laws import self_locking_friction_of_hinged_shoe
 from drumlin.laws.shapes import (
-    LAWS,
+    LAWS_OF_HINGED_SHOES_BY_NAME,
     pivot_radius_for_cosine_pressure,
-    ratio_of_equivalent_friction,
+    ratio_of_equivalent_to_lining_friction,
     short_shoe_pressure_and_friction_moments_over_torque,
 )
 from drumlin.laws.simscape import DoubleShoe
@@ -24,7 +24,11 @@ from drumlin.response.merit import (
 )
 from drumlin.response.response import Response
 from drumlin_studies import closed_forms
-from drumlin_studies.ladder_case import PRINTED_DIGITS_TIER, ROUND_OFF_TIER, KnownAnswer
+from drumlin_studies.ladder_case import (
+    TOLERANCE_REASON_PRINTED_DIGITS,
+    TOLERANCE_REASON_ROUND_OFF,
+    KnownAnswerCase,
+)
 from drumlin_studies.textbook_brakes import (
     brake_with_block_on_lever,
     brake_with_one_hinged_pad,
@@ -95,7 +99,7 @@ def _response_of_bhandari_example_12_7() -> Response:
     )
 
 
-class ForceAndTorque(NamedTuple):
+class ActuatingForceAndBrakeTorque(NamedTuple):
     """Actuating force [N] and torque [N m] of a brake."""
 
     force: float
@@ -103,7 +107,7 @@ class ForceAndTorque(NamedTuple):
 
 
 @cache
-def _force_and_torque_of_bhandari_12_8() -> ForceAndTorque:
+def _force_and_torque_of_bhandari_12_8() -> ActuatingForceAndBrakeTorque:
     """Force and torque of the two internal shoes of Bhandari's example 12.8.
 
     The force is such that the self-energising shoe has a peak pressure of 1 MPa.
@@ -127,7 +131,7 @@ def _force_and_torque_of_bhandari_12_8() -> ForceAndTorque:
         _solve_brake_by_law_of_given_name("sine", helped).torque
         + _solve_brake_by_law_of_given_name("sine", opposed).torque
     )
-    return ForceAndTorque(moment / arm, torque)
+    return ActuatingForceAndBrakeTorque(moment / arm, torque)
 
 
 def _brake_with_90_degree_block_on_lever(
@@ -148,7 +152,7 @@ def _torque_of_block_by_statics() -> float:
     Under the pressure p_0 cos phi the resultant of friction acts at a distance psi R from the
     drum's centre.
     """
-    psi = closed_forms.equivalent_friction_ratio_of_block(radians(45))
+    psi = closed_forms.equivalent_over_actual_friction_of_block(radians(45))
     # Moments about the pin of the lever give the normal force.
     normal = 700.0 * 0.45 / (0.2 - 0.35 * (0.125 + 0.05 - psi * 0.125))
     return 0.35 * psi * 0.125 * normal
@@ -159,7 +163,11 @@ def _locking_friction_of_block() -> float:
     brake = brake_with_block_on_lever(
         R=0.125, arm=0.45, x=0.03, a=0.15, P=700.0, mu=0.1, half=radians(20), spin=1
     )
-    return float(self_locking_friction_of_hinged_shoe(brake, brake.shoes[0], LAWS["block"]))
+    return float(
+        self_locking_friction_of_hinged_shoe(
+            brake, brake.shoes[0], LAWS_OF_HINGED_SHOES_BY_NAME["block"]
+        )
+    )
 
 
 def _two_block_torque_over_one_block() -> float:
@@ -211,13 +219,13 @@ def _torque_of_two_short_shoes() -> float:
     )
 
 
-PAD_MOMENT = 90.0  # N m
+ACTUATION_MOMENT_OF_FLAT_SHOES = 90.0  # N m
 """Moment [N m] of the actuation about the pin of the flat shoes."""
-PIN_HEIGHT = 0.06  # m
+PIN_HEIGHT_OF_FLAT_SHOES_ABOVE_PLANE = 0.06  # m
 """Height [m] of the pin of the flat shoes above the plane."""
 PAD_START, PAD_END = 0.05, 0.2  # m from the pin
 """Places x [m] along the plane at which the lining of the long flat shoe starts and ends."""
-PAD_MU = 0.4
+FRICTION_COEFFICIENT_OF_FLAT_SHOES = 0.4
 """Coefficient of friction of the flat shoes."""
 
 
@@ -225,7 +233,11 @@ def _peak_pressure_of_long_pad_by_law() -> float:
     """Peak pressure [Pa] of the long flat shoe by drumlin's linear law."""
     span = (PAD_START, PAD_END)
     brake = brake_with_one_hinged_pad(
-        h=PIN_HEIGHT, span=span, moment=PAD_MOMENT, mu=PAD_MU, width=0.03
+        h=PIN_HEIGHT_OF_FLAT_SHOES_ABOVE_PLANE,
+        span=span,
+        moment=ACTUATION_MOMENT_OF_FLAT_SHOES,
+        mu=FRICTION_COEFFICIENT_OF_FLAT_SHOES,
+        width=0.03,
     )
     return _solve_brake_by_law_of_given_name("linear", brake).shoes[0].peak_pressure
 
@@ -237,17 +249,27 @@ def _peak_pressure_of_long_pad_by_statics() -> float:
     about the pin balance the moment of the actuation.
     """
     normal = (PAD_END**3 - PAD_START**3) / 3
-    friction = PAD_MU * PIN_HEIGHT * (PAD_END**2 - PAD_START**2) / 2
-    return PAD_MOMENT * PAD_END / 0.03 / (normal + friction)
+    friction = (
+        FRICTION_COEFFICIENT_OF_FLAT_SHOES
+        * PIN_HEIGHT_OF_FLAT_SHOES_ABOVE_PLANE
+        * (PAD_END**2 - PAD_START**2)
+        / 2
+    )
+    return ACTUATION_MOMENT_OF_FLAT_SHOES * PAD_END / 0.03 / (normal + friction)
 
 
 def _normal_force_of_short_pad() -> float:
     """Normal force [N] of a short flat shoe by drumlin's short-shoe law."""
-    brake = brake_with_one_hinged_pad(h=PIN_HEIGHT, span=(0.1, 0.16), moment=PAD_MOMENT, mu=PAD_MU)
+    brake = brake_with_one_hinged_pad(
+        h=PIN_HEIGHT_OF_FLAT_SHOES_ABOVE_PLANE,
+        span=(0.1, 0.16),
+        moment=ACTUATION_MOMENT_OF_FLAT_SHOES,
+        mu=FRICTION_COEFFICIENT_OF_FLAT_SHOES,
+    )
     return _solve_brake_by_law_of_given_name("short", brake).shoes[0].normal_force
 
 
-NPTEL_SHOE: dict[str, Any] = {
+DIMENSIONS_OF_NPTEL_LONG_SHOE: dict[str, Any] = {
     "R": 0.2,
     "a": 0.23,
     "arc": (radians(20), radians(130)),
@@ -273,11 +295,11 @@ def _actuating_moment_of_nptel_shoe() -> float:
 def _torque_of_nptel_long_shoe() -> float:
     """Torque [N m] of the NPTEL long shoe at a peak pressure of 0.8 MPa, by the sine law."""
     moment = _actuating_moment_of_nptel_shoe()
-    brake = brake_with_one_hinged_shoe(**NPTEL_SHOE, moment=moment, spin=1)
+    brake = brake_with_one_hinged_shoe(**DIMENSIONS_OF_NPTEL_LONG_SHOE, moment=moment, spin=1)
     return _solve_brake_by_law_of_given_name("sine", brake).torque
 
 
-SHORT_SHOE: dict[str, Any] = {
+SHORT_EXTERNAL_SHOE_DIMENSIONS: dict[str, Any] = {
     "R": 0.2,
     "a": 0.25,
     "arc": (radians(75) - 0.05, radians(75) + 0.05),
@@ -290,7 +312,8 @@ SHORT_SHOE: dict[str, Any] = {
 def _friction_sensitivity_by_differences() -> float:
     """Relative change of a short shoe's torque per relative change of friction, from two solves."""
     return torque_sensitivity_to_friction_by_differences(
-        brake_with_one_hinged_shoe(**SHORT_SHOE, moment=50.0), MODELS["short"].solve
+        brake_with_one_hinged_shoe(**SHORT_EXTERNAL_SHOE_DIMENSIONS, moment=50.0),
+        MODELS["short"].solve,
     )
 
 
@@ -314,7 +337,11 @@ def _result_of_simscape_double_shoe(what: str) -> float:
     friction at which the brake locks itself.
     """
     block = DoubleShoe()
-    return float(sum(block.shoe_torques(1.0, 1.0))) if what == "T/F" else block.mu_lock
+    return (
+        float(sum(block.torques_of_leading_and_trailing_shoe(1.0, 1.0)))
+        if what == "T/F"
+        else block.mu_lock
+    )
 
 
 SHIGLEY, BHANDARI = "Shigley, Mechanical Engineering Design", "Bhandari, Design of Machine Elements"
@@ -324,89 +351,89 @@ LESSON, UWA = (
     "University of Western Australia, notes on brakes",
 )
 """Citations of lecture notes with worked examples, for the ladder's table."""
-LAW_CASES = (
-    KnownAnswer(
+KNOWN_ANSWER_CASES_ON_RIGID_SHOE_LAWS = (
+    KnownAnswerCase(
         family="internal shoes rated by pressure",
         shows="sine law",
         source=f"{SHIGLEY}, ex. 16-2, its formulas",
         quantity="torque [N m]",
         expected=527.761,
         tolerance=1e-6,
-        tier=PRINTED_DIGITS_TIER,
+        tier=TOLERANCE_REASON_PRINTED_DIGITS,
         found=_torque_of_shigley_example_16_2,
     ),
-    KnownAnswer(
+    KnownAnswerCase(
         family="internal shoes under a force",
         shows="sine law",
         source=f"{SHIGLEY}, problem 16-1",
         quantity="peak pressure [kPa]",
         expected=734.0,
         tolerance=7e-4,
-        tier=PRINTED_DIGITS_TIER,
+        tier=TOLERANCE_REASON_PRINTED_DIGITS,
         found=lambda: _response_of_shigley_problem_16_1().shoes[0].peak_pressure * 1e-3,
     ),
-    KnownAnswer(
+    KnownAnswerCase(
         family="internal shoes under a force",
         shows="sine law",
         source=f"{SHIGLEY}, problem 16-1, its formulas",
         quantity="torque [N m]",
         expected=422.004,
         tolerance=1.2e-6,
-        tier=PRINTED_DIGITS_TIER,
+        tier=TOLERANCE_REASON_PRINTED_DIGITS,
         found=lambda: _response_of_shigley_problem_16_1().torque,
     ),
-    KnownAnswer(
+    KnownAnswerCase(
         family="pivoted block",
         shows="law of a shoe on a pivot",
         source=f"{BHANDARI}, ex. 12.7",
         quantity="torque [N mm]",
         expected=957555.554,
         tolerance=1e-9,
-        tier=PRINTED_DIGITS_TIER,
+        tier=TOLERANCE_REASON_PRINTED_DIGITS,
         found=lambda: _response_of_bhandari_example_12_7().torque * 1e3,
     ),
-    KnownAnswer(
+    KnownAnswerCase(
         family="internal shoes of a car",
         shows="sine law",
         source=f"{BHANDARI}, ex. 12.8",
         quantity="force [N]",
         expected=2089.795894,
         tolerance=1e-9,
-        tier=PRINTED_DIGITS_TIER,
+        tier=TOLERANCE_REASON_PRINTED_DIGITS,
         found=lambda: _force_and_torque_of_bhandari_12_8().force,
     ),
-    KnownAnswer(
+    KnownAnswerCase(
         family="internal shoes of a car",
         shows="sine law",
         source=f"{BHANDARI}, ex. 12.8",
         quantity="torque [N mm]",
         expected=434831.0515,
         tolerance=1e-9,
-        tier=PRINTED_DIGITS_TIER,
+        tier=TOLERANCE_REASON_PRINTED_DIGITS,
         found=lambda: _force_and_torque_of_bhandari_12_8().torque * 1e3,
     ),
-    KnownAnswer(
+    KnownAnswerCase(
         family="block on a lever",
         shows="block law",
         source="problem collection; printed with mu' rounded to .385",
         quantity="torque [N m]",
         expected=83.87,
         tolerance=5e-4,
-        tier=PRINTED_DIGITS_TIER,
+        tier=TOLERANCE_REASON_PRINTED_DIGITS,
         found=lambda: (
             _solve_brake_by_law_of_given_name(
                 "block", _brake_with_90_degree_block_on_lever()
             ).torque
         ),
     ),
-    KnownAnswer(
+    KnownAnswerCase(
         family="block on a lever, exact statics",
         shows="cosine law",
         source="statics of p_0 cos, mu N at psi R",
         quantity="torque [N m]",
         expected=_torque_of_block_by_statics(),
         tolerance=1e-11,
-        tier=ROUND_OFF_TIER,
+        tier=TOLERANCE_REASON_ROUND_OFF,
         found=lambda: (
             _solve_brake_by_law_of_given_name(
                 "cosine", _brake_with_90_degree_block_on_lever()
@@ -414,126 +441,129 @@ LAW_CASES = (
         ),
     ),
     *(
-        KnownAnswer(
+        KnownAnswerCase(
             family="equivalent friction of a block",
             shows="block law",
             source=LESSON,
             quantity=f"mu'/mu, half-arc {angle} deg",
-            expected=closed_forms.equivalent_friction_ratio_of_block(radians(angle)),
+            expected=closed_forms.equivalent_over_actual_friction_of_block(radians(angle)),
             tolerance=1e-13,
-            tier=ROUND_OFF_TIER,
-            found=partial(lambda half: float(ratio_of_equivalent_friction(half)), radians(angle)),
+            tier=TOLERANCE_REASON_ROUND_OFF,
+            found=partial(
+                lambda half: float(ratio_of_equivalent_to_lining_friction(half)), radians(angle)
+            ),
         )
         for angle in (30, 90)
     ),
-    KnownAnswer(
+    KnownAnswerCase(
         family="back stop",
         shows="self-locking of a block",
         source=f"{LESSON}: mu' = x/a",
         quantity="mu_lock",
-        expected=0.03 / 0.15 / closed_forms.equivalent_friction_ratio_of_block(radians(20)),
+        expected=0.03 / 0.15 / closed_forms.equivalent_over_actual_friction_of_block(radians(20)),
         tolerance=1e-9,
-        tier=ROUND_OFF_TIER,
+        tier=TOLERANCE_REASON_ROUND_OFF,
         found=_locking_friction_of_block,
     ),
-    KnownAnswer(
+    KnownAnswerCase(
         family="double block",
         shows="several shoes",
         source=LESSON,
         quantity="torque over that of one block",
         expected=2.0,
         tolerance=1e-12,
-        tier=ROUND_OFF_TIER,
+        tier=TOLERANCE_REASON_ROUND_OFF,
         found=_two_block_torque_over_one_block,
     ),
-    KnownAnswer(
+    KnownAnswerCase(
         family="short shoe on a lever",
         shows="short-shoe law",
         source="GATE examination",
         quantity="normal force [N]",
         expected=232.558,
         tolerance=2e-6,
-        tier=PRINTED_DIGITS_TIER,
+        tier=TOLERANCE_REASON_PRINTED_DIGITS,
         found=lambda: _response_of_short_shoe_on_lever().shoes[0].normal_force,
     ),
-    KnownAnswer(
+    KnownAnswerCase(
         family="short shoe on a lever",
         shows="short-shoe law",
         source="GATE examination",
         quantity="torque [N m]",
         expected=20.35,
         tolerance=2.5e-4,
-        tier=PRINTED_DIGITS_TIER,
+        tier=TOLERANCE_REASON_PRINTED_DIGITS,
         found=lambda: _response_of_short_shoe_on_lever().torque,
     ),
-    KnownAnswer(
+    KnownAnswerCase(
         family="two short shoes",
         shows="short-shoe law",
         source="statics by hand: .25 x .2 x (400 + 160)",
         quantity="torque [N m]",
         expected=28.0,
         tolerance=1e-9,
-        tier=ROUND_OFF_TIER,
+        tier=TOLERANCE_REASON_ROUND_OFF,
         found=_torque_of_two_short_shoes,
     ),
-    KnownAnswer(
+    KnownAnswerCase(
         family="long shoe on a plane",
         shows="linear law",
         source=f"{UWA}, eq. iv",
         quantity="peak pressure [Pa]",
         expected=_peak_pressure_of_long_pad_by_statics(),
         tolerance=1e-12,
-        tier=ROUND_OFF_TIER,
+        tier=TOLERANCE_REASON_ROUND_OFF,
         found=_peak_pressure_of_long_pad_by_law,
     ),
-    KnownAnswer(
+    KnownAnswerCase(
         family="short shoe on a plane",
         shows="short-shoe law",
         source=f"{UWA}, eq. iii",
         quantity="normal force [N]",
-        expected=PAD_MOMENT / (0.13 + PAD_MU * PIN_HEIGHT),
+        expected=ACTUATION_MOMENT_OF_FLAT_SHOES
+        / (0.13 + FRICTION_COEFFICIENT_OF_FLAT_SHOES * PIN_HEIGHT_OF_FLAT_SHOES_ABOVE_PLANE),
         tolerance=1e-12,
-        tier=ROUND_OFF_TIER,
+        tier=TOLERANCE_REASON_ROUND_OFF,
         found=_normal_force_of_short_pad,
     ),
-    KnownAnswer(
+    KnownAnswerCase(
         family="external long shoe",
         shows="sine law",
         source=LESSON,
         quantity="torque [N m]",
         expected=0.3 * 0.8e6 * 0.05 * 0.2**2 * (cos(radians(20)) - cos(radians(130))),
         tolerance=1e-12,
-        tier=ROUND_OFF_TIER,
+        tier=TOLERANCE_REASON_ROUND_OFF,
         found=_torque_of_nptel_long_shoe,
     ),
-    KnownAnswer(
+    KnownAnswerCase(
         family="sensitivity to friction",
         shows="S by differences",
         source=f"{UWA}, S = m/(m - n)",
         quantity="S",
         expected=_friction_sensitivity_by_formula(),
         tolerance=1e-6,
-        tier=ROUND_OFF_TIER,
+        tier=TOLERANCE_REASON_ROUND_OFF,
         found=_friction_sensitivity_by_differences,
     ),
-    KnownAnswer(
+    KnownAnswerCase(
         family="double-shoe block of Simscape",
         shows="sine law",
         source="Simscape Driveline, its formulas at its defaults",
         quantity="T/F [m]",
         expected=0.2176081,
         tolerance=5e-7,
-        tier=PRINTED_DIGITS_TIER,
+        tier=TOLERANCE_REASON_PRINTED_DIGITS,
         found=partial(_result_of_simscape_double_shoe, "T/F"),
     ),
-    KnownAnswer(
+    KnownAnswerCase(
         family="double-shoe block of Simscape",
         shows="self-locking",
         source="Simscape Driveline, its formulas at its defaults",
         quantity="mu_lock",
         expected=0.823082,
         tolerance=1e-6,
-        tier=PRINTED_DIGITS_TIER,
+        tier=TOLERANCE_REASON_PRINTED_DIGITS,
         found=partial(_result_of_simscape_double_shoe, "mu_lock"),
     ),
 )

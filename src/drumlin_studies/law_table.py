@@ -8,25 +8,30 @@ import numpy as np
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import vary
-from drumlin.laws import LAWS
+from drumlin.laws import LAWS_OF_HINGED_SHOES_BY_NAME
 from drumlin.models import MODELS
 from drumlin.response.merit import barecki_shoe_factor
-from drumlin.response.response import FlatMerit, Merit, Response, ShoeResponse
+from drumlin.response.response import (
+    FiguresOfMeritOnDrum,
+    FiguresOfMeritOnPlane,
+    Response,
+    ShoeResponse,
+)
 
-LAW_NAMES = tuple(name for name in MODELS if name not in {"fem", "solid"})
+MODELS_BESIDES_FINITE_ELEMENTS = tuple(name for name in MODELS if name not in {"fem", "solid"})
 """Names of the models of drumlin that are not finite elements."""
-Row = dict[str, Any]
+ShoeResultRow = dict[str, Any]
 """A row of a table: values by the names of their columns."""
 
 
-def rows_of_shoe_results_by_every_law(brake: Brake, file: str) -> list[Row]:
+def rows_of_shoe_results_by_every_law(brake: Brake, file: str) -> list[ShoeResultRow]:
     """Solve a brake by every law; returns a row for each shoe and law.
 
     A law that cannot solve the brake has one row, with the reason. `file` is the name of the brake
     file in the rows.
     """
-    rows: list[Row] = []
-    for name in LAW_NAMES:
+    rows: list[ShoeResultRow] = []
+    for name in MODELS_BESIDES_FINITE_ELEMENTS:
         reason = MODELS[name].why_not(brake)
         base = {"file": file, "law": name}
         if reason is not None:
@@ -42,7 +47,7 @@ def rows_of_shoe_results_by_every_law(brake: Brake, file: str) -> list[Row]:
     return rows
 
 
-def row_of_shoe_results(response: Response, index: int) -> Row:
+def row_of_shoe_results(response: Response, index: int) -> ShoeResultRow:
     """The results of the shoe number `index` of a response, as a row of a table."""
     shoe, merit = response.shoes[index], response.merits[index]
     row = {
@@ -53,7 +58,7 @@ def row_of_shoe_results(response: Response, index: int) -> Row:
         "helps": "yes" if shoe.self_energising else "no",
         "status": "applies",
     }
-    if isinstance(merit, FlatMerit):
+    if isinstance(merit, FiguresOfMeritOnPlane):
         return row | {"braking": merit.braking_force, "S": merit.sensitivity_at_fixed_shape}
     return row | {
         "torque": shoe.torque,
@@ -65,12 +70,12 @@ def row_of_shoe_results(response: Response, index: int) -> Row:
     }
 
 
-def rows_of_laws_that_cannot_solve_brakes(rows: Sequence[Row]) -> list[Row]:
+def rows_of_laws_that_cannot_solve_brakes(rows: Sequence[ShoeResultRow]) -> list[ShoeResultRow]:
     """A row for each brake file and reason, with the laws that could not solve the brake.
 
     `rows` are rows of `rows_of_shoe_results_by_every_law`.
     """
-    laws: dict[tuple[str, str], Row] = {}
+    laws: dict[tuple[str, str], ShoeResultRow] = {}
     for row in rows:
         if row["status"] == "applies":
             continue
@@ -81,7 +86,7 @@ def rows_of_laws_that_cannot_solve_brakes(rows: Sequence[Row]) -> list[Row]:
     return list(laws.values())
 
 
-def rows_of_shoe_factors_of_post_brake(brake: Brake) -> list[Row]:
+def rows_of_shoe_factors_of_post_brake(brake: Brake) -> list[ShoeResultRow]:
     """Rows with the shoe factors of a post brake, by eq. 26 of Barecki & Scieszka and by laws.
 
     `word` says "leading" or "trailing" by the sign of a term of eq. 26. `helps` says whether the
@@ -92,14 +97,14 @@ def rows_of_shoe_factors_of_post_brake(brake: Brake) -> list[Row]:
         response = MODELS[law].solve(brake)
         for shoe, data, merit in zip(response.shoes, brake.shoes, response.merits, strict=True):
             assert (
-                isinstance(merit, Merit)
+                isinstance(merit, FiguresOfMeritOnDrum)
                 and merit.resultant_angle is not None
                 and merit.friction_radius is not None
             )
             R = brake.size
             # Eq. 26 needs lengths divided by the drum's radius, and angles counted from the hinge.
             arm = abs(data.actuation.moment_of_force_about_point(data.pin) / data.actuation.force)
-            angle = data.frame.phi(np.array(merit.resultant_angle))
+            angle = data.frame.phi_of_surface_coordinates(np.array(merit.resultant_angle))
             S = barecki_shoe_factor(
                 brake.friction,
                 angle,
@@ -122,14 +127,14 @@ def rows_of_shoe_factors_of_post_brake(brake: Brake) -> list[Row]:
     return rows
 
 
-def first_shoe_responses_by_law(block: Brake, pad: Brake) -> dict[str, ShoeResponse]:
+def responses_of_one_shoe_by_law(block: Brake, pad: Brake) -> dict[str, ShoeResponse]:
     """The response of one shoe by every law, by the names of the laws.
 
     Laws for drum brakes solve the first shoe of the brake `block`. For the law "pivoted" this shoe
     gets a pivot, which lies away from the point that would make the pressure symmetric. The law
     "linear" solves the first shoe of the brake `pad`, which presses on a plane.
     """
-    shoes = {name: MODELS[name].solve(block).shoes[0] for name in LAWS}
+    shoes = {name: MODELS[name].solve(block).shoes[0] for name in LAWS_OF_HINGED_SHOES_BY_NAME}
     pivoted = vary(block, {"shoe.pivot": {"radius": "140 mm", "angle": "84 deg"}})
     shoes["pivoted"] = MODELS["pivoted"].solve(pivoted).shoes[0]
     shoes["linear"] = MODELS["linear"].solve(pad).shoes[0]

@@ -4,9 +4,9 @@
     make levels ARGS="fall=6"          the rule as it is, then with this number changed
     make levels ARGS="fall=6 sizes=.7" the rule as it is, then with both numbers changed
 
-The rule, `levels.LEVEL_RULE`, gives degree and grading of each level; its eight numbers, which
-`levels.LevelRule` explains, were found by experiment. For each rule this command solves the random
-brakes of the error estimate's fit on four levels, and prints
+The rule, `levels.RULE_OF_DEGREE_AND_GRADING`, gives degree and grading of each level; its eight
+numbers, which `levels.RuleOfDegreeAndGradingByLevel` explains, were found by experiment. For each
+rule this command solves the random brakes of the error estimate's fit on four levels, and prints
 
 - the safety factors of the error estimate, fitted on these levels alone;
 - for each of three tolerances, the processor time of all brakes up to the level where a solve would
@@ -28,10 +28,13 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from drumlin.base.errors import NoAnswer
-from drumlin.fem.error_control.estimate import QUANTITIES, Factors
+from drumlin.fem.error_control.estimate import (
+    QUANTITIES_WITH_STATED_ERROR,
+    SafetyFactorsOfErrorEstimate,
+)
 from drumlin.fem.error_control.levels import (
-    LEVEL_RULE,
-    LevelRule,
+    RULE_OF_DEGREE_AND_GRADING,
+    RuleOfDegreeAndGradingByLevel,
     SolvedLevel,
     solve_brake_on_finer_and_finer_mesh_levels,
 )
@@ -39,23 +42,26 @@ from drumlin.fem.model import solve_prepared_model
 from drumlin_studies.calibration import (
     FIRST_SEED,
     FITTED_BRAKES,
-    LevelRecord,
+    TrueErrorsAndEstimateTermsOnLevel,
     draw_random_calibration_brake_and_name_of_kind,
     fit_safety_factors,
     true_errors_and_estimates_on_each_mesh,
 )
-from drumlin_studies.sharpness import ASKED
-from drumlin_studies.side_by_side import PROCESSES
-from drumlin_studies.stated_true import Truth
-from drumlin_studies.stored_truth import CERTAIN, solve_brake_by_finer_hp_meshes
+from drumlin_studies.sharpness import TOLERANCES_OF_SOLVES_BY_NAME
+from drumlin_studies.side_by_side import NUMBER_OF_PROCESSES_OF_STUDY
+from drumlin_studies.stated_true import FarFinerSolutionOfBrake
+from drumlin_studies.stored_truth import (
+    LEAST_USABLE_TRUE_ERROR_OVER_ITS_UNCERTAINTY,
+    solve_brake_by_finer_hp_meshes,
+)
 
-LEVELS_TRIED = 4
+NUMBER_OF_LEVELS_TRIED_PER_RULE = 4
 """Number of levels on which the brakes are solved for each rule.
 
 A fifth level would take more time than the first four together, and few brakes need it."""
 
 
-class LevelsOfRule(NamedTuple):
+class LevelErrorsAndTimesByRule(NamedTuple):
     """Errors and times of one brake that is solved on hp meshes (levels) by a refinement rule.
 
     Attributes
@@ -64,11 +70,11 @@ class LevelsOfRule(NamedTuple):
     seconds : processor time [s], for each level from the first one on
     """
 
-    levels: list[LevelRecord]
+    levels: list[TrueErrorsAndEstimateTermsOnLevel]
     seconds: list[float]
 
 
-def far_finer_solution_of_random_brake_or_none(seed: int) -> Truth | None:
+def far_finer_solution_of_random_brake_or_none(seed: int) -> FarFinerSolutionOfBrake | None:
     """The far finer solution of the random brake of a seed, or None without an equilibrium."""
     try:
         return solve_brake_by_finer_hp_meshes(
@@ -79,8 +85,8 @@ def far_finer_solution_of_random_brake_or_none(seed: int) -> Truth | None:
 
 
 def solve_random_brake_with_level_rule(
-    seed: int, truth: Truth | None, rule: LevelRule
-) -> LevelsOfRule | None:
+    seed: int, truth: FarFinerSolutionOfBrake | None, rule: RuleOfDegreeAndGradingByLevel
+) -> LevelErrorsAndTimesByRule | None:
     """Solve the random brake of a seed on meshes by a refinement rule; returns errors and times.
 
     Returns None if the brake has no equilibrium, or if `truth`, the far finer solution, is None.
@@ -96,14 +102,19 @@ def solve_random_brake_with_level_rule(
         for step in solve_brake_on_finer_and_finer_mesh_levels(
             brake,
             solve_prepared_model,
-            levels=[rule.refinement_level_with_number(k + 1) for k in range(LEVELS_TRIED)],
+            levels=[
+                rule.refinement_level_with_number(k + 1)
+                for k in range(NUMBER_OF_LEVELS_TRIED_PER_RULE)
+            ],
         ):
             seconds.append(time.process_time() - begin)
             found.append(step)
             begin = time.process_time()
     except NoAnswer:
         return None
-    return LevelsOfRule(true_errors_and_estimates_on_each_mesh(brake, truth, found), seconds)
+    return LevelErrorsAndTimesByRule(
+        true_errors_and_estimates_on_each_mesh(brake, truth, found), seconds
+    )
 
 
 class StoppingLevel(NamedTuple):
@@ -120,11 +131,14 @@ class StoppingLevel(NamedTuple):
     seconds: float
     reached: bool
     stated: Mapping[str, float]
-    level: LevelRecord
+    level: TrueErrorsAndEstimateTermsOnLevel
 
 
 def find_mesh_at_which_refinement_stops(
-    brake: LevelsOfRule, factors: Factors, pressure: float, torque: float
+    brake: LevelErrorsAndTimesByRule,
+    factors: SafetyFactorsOfErrorEstimate,
+    pressure: float,
+    torque: float,
 ) -> StoppingLevel:
     """The mesh (level) at which a solve stops, for relative tolerances of p and of the torque."""
     for k, level in enumerate(brake.levels, 2):
@@ -136,48 +150,52 @@ def find_mesh_at_which_refinement_stops(
 
 
 def _errors_stated_on_mesh_by_safety_factors(
-    level: LevelRecord, factors: Factors
+    level: TrueErrorsAndEstimateTermsOnLevel, factors: SafetyFactorsOfErrorEstimate
 ) -> dict[str, float]:
     """Errors, by quantity, that drumlin would state on a mesh (level) by given safety factors."""
     # Pressure and peak have factors of their own; torque and reaction share the factor of forces.
     factor = {"pressure": factors.pressure, "peak": factors.peak}
     stated = {}
-    for name in QUANTITIES:
+    for name in QUANTITIES_WITH_STATED_ERROR:
         moved = factor.get(name, factors.force) * level.step[name]
         by_chance = 0.0 if name in factor else factors.cancelled * level.chance[name]
         stated[name] = moved + by_chance + level.beside[name]
     return stated
 
 
-def report_text_on_refinement_rule(brakes: Sequence[LevelsOfRule]) -> str:
+def report_text_on_refinement_rule(brakes: Sequence[LevelErrorsAndTimesByRule]) -> str:
     """The text that `main` prints for the brakes solved with one rule."""
     factors = fit_safety_factors([level for brake in brakes for level in brake.levels])
     lines = [f"  {factors}"]
-    for asked, tolerance in ASKED.items():
+    for asked, tolerance in TOLERANCES_OF_SOLVES_BY_NAME.items():
         stops = [
             find_mesh_at_which_refinement_stops(brake, factors, *tolerance) for brake in brakes
         ]
         seconds = sum(each.seconds for each in stops)
         share = sum(each.reached for each in stops) / len(stops)
         lines.append(f"  {asked}: {seconds:.1f} s, {100 * share:.1f} % reached")
-        lines += [f"    {name}: {_error_ratio_text(stops, name)}" for name in QUANTITIES]
+        lines += [
+            f"    {name}: {_text_on_ratios_of_stated_to_true_error(stops, name)}"
+            for name in QUANTITIES_WITH_STATED_ERROR
+        ]
     return "\n".join(lines)
 
 
-def _error_ratio_text(stops: Sequence[StoppingLevel], quantity: str) -> str:
+def _text_on_ratios_of_stated_to_true_error(stops: Sequence[StoppingLevel], quantity: str) -> str:
     """Text with the median ratio of stated to true error, and the number of ratios below 1."""
     # Levels whose true error is uncertain do not count.
     certain = [
         stop.stated[quantity] / stop.level.true[quantity]
         for stop in stops
-        if stop.level.true[quantity] > CERTAIN * stop.level.unsure[quantity]
+        if stop.level.true[quantity]
+        > LEAST_USABLE_TRUE_ERROR_OVER_ITS_UNCERTAINTY * stop.level.unsure[quantity]
     ]
     small = sum(ratio < 1 for ratio in certain)
     return f"median {np.median(certain):.1f}, {small} of {len(certain)} too small"
 
 
-def refinement_rule_with_changed_numbers(words: Sequence[str]) -> LevelRule:
-    """A copy of LEVEL_RULE in which words such as `fall=6` replace numbers.
+def refinement_rule_with_changed_numbers(words: Sequence[str]) -> RuleOfDegreeAndGradingByLevel:
+    """A copy of RULE_OF_DEGREE_AND_GRADING in which words such as `fall=6` replace numbers.
 
     Raises ValueError for a word of another form.
     """
@@ -185,16 +203,16 @@ def refinement_rule_with_changed_numbers(words: Sequence[str]) -> LevelRule:
     for word in words:
         name, _, value = word.partition("=")
         numbers[name] = int(value) if name == "first_degree" else float(value)
-    return LEVEL_RULE._replace(**numbers)
+    return RULE_OF_DEGREE_AND_GRADING._replace(**numbers)
 
 
 def main(words: Sequence[str]) -> int:
-    """Try LEVEL_RULE, and the rule that `words` change if given; returns the exit status."""
+    """Try the rule of the levels, and the rule that `words` change if given; an exit status."""
     seeds = range(FIRST_SEED, FIRST_SEED + FITTED_BRAKES)
-    rules = {"as it is": LEVEL_RULE} | (
+    rules = {"as it is": RULE_OF_DEGREE_AND_GRADING} | (
         {" ".join(words): refinement_rule_with_changed_numbers(words)} if words else {}
     )
-    with ProcessPoolExecutor(PROCESSES, mp_context=get_context("spawn")) as pool:
+    with ProcessPoolExecutor(NUMBER_OF_PROCESSES_OF_STUDY, mp_context=get_context("spawn")) as pool:
         truths = list(pool.map(far_finer_solution_of_random_brake_or_none, seeds))
         for name, rule in rules.items():
             print(f"{name}: {rule}", flush=True)  # noqa: T201

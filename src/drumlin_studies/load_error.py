@@ -23,13 +23,13 @@ from drumlin_studies.heat_error import (
 from drumlin_studies.random_brake import draw_random_brake
 from drumlin_studies.random_kinds import draw_random_brake_of_support_kind
 
-DUO_SERVO_SHARE = 0.25
+PROBABILITY_OF_DUO_SERVO_BRAKE = 0.25
 """Probability with which a brake is a duo-servo brake, whose shoes can leave their anchor."""
-FEATURE_SHARE = 0.5
+PROBABILITY_OF_LOAD_FEATURE = 0.5
 """Probability with which a brake has a given feature, such as springs, masses or heated parts."""
-FADED_FRICTION = (0.4, 1.2)
+RANGE_OF_FRICTION_AT_HIGH_OVER_ZERO_PRESSURE = (0.4, 1.2)
 """Range of the ratio of the friction coefficient at a high pressure to that at zero pressure."""
-LOAD_SHARES = (0.02, 0.2)
+RANGE_OF_FURTHER_LOAD_OVER_ACTUATION = (0.02, 0.2)
 """Smallest and largest spring force and centrifugal force, relative to the largest actuation force.
 """
 
@@ -41,17 +41,17 @@ def draw_random_brake_with_loads_and_lining_friction(seed: int) -> Brake:
     between linings. Raises BadInput if a feature is not modelled for the brake.
     """
     rng = np.random.default_rng([seed, 42])
-    if rng.random() < DUO_SERVO_SHARE:
+    if rng.random() < PROBABILITY_OF_DUO_SERVO_BRAKE:
         brake = _draw_duo_servo_brake(rng)
-    elif rng.random() < FEATURE_SHARE:
+    elif rng.random() < PROBABILITY_OF_LOAD_FEATURE:
         brake = draw_random_brake_with_heated_parts(seed)
     else:
         brake = draw_random_brake(seed) if seed % 2 else draw_random_brake_of_support_kind(seed)
     changes = _draw_friction_data_of_linings(rng, brake)
     push = max(shoe.largest_force_of_any_load for shoe in brake.shoes)
-    if rng.random() < FEATURE_SHARE:
+    if rng.random() < PROBABILITY_OF_LOAD_FEATURE:
         changes["spring"] = [_draw_spring_data(rng, brake, push)]
-    if rng.random() < FEATURE_SHARE and not brake.surface.is_plane_and_not_drum:
+    if rng.random() < PROBABILITY_OF_LOAD_FEATURE and not brake.surface.is_plane_and_not_drum:
         changes |= _draw_shoe_masses_and_angular_speed(rng, brake, push)
     return vary(brake, changes)
 
@@ -77,14 +77,14 @@ def _draw_friction_data_of_linings(rng: np.random.Generator, brake: Brake) -> di
     changes: dict[str, Any] = {}
     if brake.friction == 0:
         return changes
-    if rng.random() < FEATURE_SHARE:
+    if rng.random() < PROBABILITY_OF_LOAD_FEATURE:
         shoe = brake.shoes[0]
         # The table spans some three times the mean pressure of a shoe without self-energising.
-        length = brake.scale_factor * (shoe.lining.end - shoe.lining.start)
+        length = brake.length_per_surface_coordinate * (shoe.lining.end - shoe.lining.start)
         mean = shoe.largest_force_of_any_load / (shoe.lining.width * length)
-        faded = brake.friction * float(rng.uniform(*FADED_FRICTION))
+        faded = brake.friction * float(rng.uniform(*RANGE_OF_FRICTION_AT_HIGH_OVER_ZERO_PRESSURE))
         changes["friction"] = {"pressure": [0.0, 3 * mean], "mu": [brake.friction, faded]}
-    if rng.random() < FEATURE_SHARE:
+    if rng.random() < PROBABILITY_OF_LOAD_FEATURE:
         changes["shoe[0].lining.friction"] = float(rng.uniform(0.7, 1.0)) * brake.friction
     return changes
 
@@ -97,7 +97,7 @@ def _draw_spring_data(rng: np.random.Generator, brake: Brake, push: float) -> di
     actuation = brake.shoes[0].actuation
     at = actuation.point.xy
     end = at - brake.size * np.sign(actuation.force or 1.0) * actuation.unit_vector_of_force
-    preload = push * float(rng.uniform(*LOAD_SHARES))
+    preload = push * float(rng.uniform(*RANGE_OF_FURTHER_LOAD_OVER_ACTUATION))
     return {
         "shoe": brake.shoes[0].name,
         "point": dict(zip("xy", at.tolist(), strict=True)),
@@ -120,7 +120,7 @@ def _draw_shoe_masses_and_angular_speed(
         middle = brake.size * np.array([np.cos(shoe.lining.middle), np.sin(shoe.lining.middle)])
         point = dict(zip("xy", middle.tolist(), strict=True))
         changes[f"shoe[{i}].mass"] = {"mass": mass, "point": point}
-    force = push * float(rng.uniform(*LOAD_SHARES))
+    force = push * float(rng.uniform(*RANGE_OF_FURTHER_LOAD_OVER_ACTUATION))
     return changes | {"shoe_speed": float(np.sqrt(force / (mass * brake.size)))}
 
 

@@ -27,23 +27,27 @@ from drumlin.door import example
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.solve import solve
-from drumlin.peers import PEERS, solve_brake_by_calculix_or_getfem
+from drumlin.peers import NAMES_OF_PEER_PROGRAMS, solve_brake_by_calculix_or_getfem
 from drumlin.response.response import Response
-from drumlin_studies.mesh_degrees import FINE, MeshForm, write_gmsh_mesh_of_shoe
+from drumlin_studies.mesh_degrees import (
+    TOLERANCE_OF_HP_TRUTH,
+    ElementKindAndGradingOfGmshMesh,
+    write_gmsh_mesh_of_shoe,
+)
 from drumlin_studies.stated_true import true_errors_of_response
 
-SIZE = 2.25
+DEFAULT_ELEMENT_SIZE_IN_MM = 2.25
 """Size of the elements [mm] if the command line gives none: the mesh has some 10 000 nodes."""
-TOLERANCE = 5e-3
+TOLERANCE_OF_MESH_FILE_SOLVE = 5e-3
 """Relative tolerance to which drumlin solves the mesh file with stated errors."""
-SOLVES_OF_MESH_FILE = 3
+NUMBER_OF_TIMED_SOLVES_OF_MESH_FILE = 3
 """Number of times that drumlin solves the mesh file in each way.
 
 The shortest time counts, since the first solve also loads modules.
 """
 
 
-class CostOfSolve(NamedTuple):
+class CostAndErrorsOfMeshFileSolve(NamedTuple):
     """The cost and the errors of one way to solve a mesh file.
 
     Attributes
@@ -71,37 +75,41 @@ def write_mesh_and_return_brakes_of_main_example(
     """
     shoes = example("double_shoe").shoes
     brake = vary(example("double_shoe"), {"shoe": [shoes[0].model_dump()]})
-    form = MeshForm(order, straight=order == 1, recombined=False)
+    form = ElementKindAndGradingOfGmshMesh(order, straight=order == 1, recombined=False)
     write_gmsh_mesh_of_shoe(brake, form, size, path)
     return brake, vary(brake, {"shoe.mesh": str(path), "shoe.mesh_unit": "mm"})
 
 
-def costs_of_solves_on_mesh_file(brake: Brake, filed: Brake) -> Iterator[CostOfSolve]:
+def costs_of_solves_on_mesh_file(
+    brake: Brake, filed: Brake
+) -> Iterator[CostAndErrorsOfMeshFileSolve]:
     """Yield the cost and errors of each way to solve a brake whose shoe is a mesh file.
 
     `filed` is the brake with the mesh file. `brake` is the same brake without it, which gives the
     true errors.
     """
-    known = solve(brake, tolerance=FINE)
+    known = solve(brake, tolerance=TOLERANCE_OF_HP_TRUTH)
 
-    def cost_of_solve_with_true_errors(way: str, response: Response, seconds: float) -> CostOfSolve:
+    def cost_of_solve_with_true_errors(
+        way: str, response: Response, seconds: float
+    ) -> CostAndErrorsOfMeshFileSolve:
         """The cost of a way to solve, together with the true errors of its response."""
         true = true_errors_of_response(filed, response.shoes, known.shoes)
         stated = response.error["pressure"] if response.error else None
-        return CostOfSolve(way, seconds, true["pressure"], true["torque"], stated)
+        return CostAndErrorsOfMeshFileSolve(way, seconds, true["pressure"], true["torque"], stated)
 
     ways: dict[str, Callable[[], Response]] = {
-        "drumlin, stated error": lambda: solve(filed, tolerance=TOLERANCE),
+        "drumlin, stated error": lambda: solve(filed, tolerance=TOLERANCE_OF_MESH_FILE_SOLVE),
         "drumlin, file's degree": lambda: solve_prepared_model(make_prepared_model(filed), filed),
     }
     for way, respond in ways.items():
         seconds = []
-        for _ in range(SOLVES_OF_MESH_FILE):
+        for _ in range(NUMBER_OF_TIMED_SOLVES_OF_MESH_FILE):
             start = time.process_time()
             response = respond()
             seconds.append(time.process_time() - start)
         yield cost_of_solve_with_true_errors(way, response, min(seconds))
-    for name, written in PEERS.items():
+    for name, written in NAMES_OF_PEER_PROGRAMS.items():
         try:
             peer = solve_brake_by_calculix_or_getfem(name, filed)
         except (BadInput, NoAnswer) as error:
@@ -116,7 +124,7 @@ def main(words: Sequence[str]) -> int:
     The first of the `words` is the size of the elements [mm], and the second their order. Both are
     optional.
     """
-    size = float(words[0]) if words else SIZE
+    size = float(words[0]) if words else DEFAULT_ELEMENT_SIZE_IN_MM
     order = int(words[1]) if len(words) > 1 else 2
     with tempfile.TemporaryDirectory() as folder:
         brake, filed = write_mesh_and_return_brakes_of_main_example(

@@ -30,33 +30,33 @@ import numpy as np
 
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake
-from drumlin.brake.components import Bar
+from drumlin.brake.components import ShoeBodyOfConstantSection
 from drumlin.brake.file import make_drum_brake_from_data, vary
 from drumlin.fem.error_control.estimate import (
-    QUANTITIES,
+    QUANTITIES_WITH_STATED_ERROR,
     relative_differences_of_responses_on_two_levels,
 )
 from drumlin.fem.solve import solve
 from drumlin.response.response import Response
 
-MESHES = 60
-"""Number of meshes if the command line gives no number: eight or nine of each form in FORMS."""
-FINE = 1e-4
+DEFAULT_NUMBER_OF_JUDGED_MESHES = 60
+"""Number of meshes if the command line gives no number: eight or nine of each form."""
+TOLERANCE_OF_HP_TRUTH = 1e-4
 """Relative tolerance of the solution in hp elements that serves as the truth."""
-UNSURE = 3.0
+LEAST_TRUE_ERROR_OVER_HP_STATED_ERROR = 3.0
 """Smallest true error with which a stated error is compared, relative to the stated error of the
 solution in hp elements that serves as the truth.
 
 A smaller true error may be an error of this solution instead.
 """
-WIDTH = 0.04
+WIDTH_OF_EVERY_RANDOM_SHOE = 0.04
 """Width [m] of lining and body of every random shoe.
 
 In plane stress the width has no influence on the ratios of stated to true errors.
 """
 
 
-class MeshForm(NamedTuple):
+class ElementKindAndGradingOfGmshMesh(NamedTuple):
     """The kind of elements and nodes of a mesh by Gmsh.
 
     Attributes
@@ -75,29 +75,29 @@ class MeshForm(NamedTuple):
     graded: bool = False
 
 
-FORMS = (
-    MeshForm(1, straight=True, recombined=False),
-    MeshForm(2, straight=False, recombined=False),
-    MeshForm(2, straight=True, recombined=False),
-    MeshForm(1, straight=True, recombined=True),
-    MeshForm(2, straight=False, recombined=True),
-    MeshForm(3, straight=False, recombined=False),
-    MeshForm(3, straight=False, recombined=True),
+ELEMENT_KINDS_AND_GRADINGS_OF_JUDGED_MESHES = (
+    ElementKindAndGradingOfGmshMesh(1, straight=True, recombined=False),
+    ElementKindAndGradingOfGmshMesh(2, straight=False, recombined=False),
+    ElementKindAndGradingOfGmshMesh(2, straight=True, recombined=False),
+    ElementKindAndGradingOfGmshMesh(1, straight=True, recombined=True),
+    ElementKindAndGradingOfGmshMesh(2, straight=False, recombined=True),
+    ElementKindAndGradingOfGmshMesh(3, straight=False, recombined=False),
+    ElementKindAndGradingOfGmshMesh(3, straight=False, recombined=True),
 )
 """The forms of meshes. The seed modulo the number of forms is the number of a mesh's form."""
-DECIMALS = (None, 2, 3, 4, 5, 6)
+NUMBERS_OF_COORDINATE_DECIMALS_TO_DRAW_FROM = (None, 2, 3, 4, 5, 6)
 """Numbers of decimals of coordinates in mm, from which one is drawn for each mesh.
 
 None stands for all digits.
 """
-SIZES = (10.0, 100.0)
+RANGE_OF_DRUM_RADIUS_OVER_ELEMENT_SIZE = (10.0, 100.0)
 """Smallest and largest ratio of the drum's radius to the size of the elements of a mesh."""
-FINER_AT_ENDS = 0.25
+END_ELEMENT_SIZE_OVER_INNER_SIZE = 0.25
 """Size of the elements at the lining's ends of a graded mesh, relative to the size elsewhere."""
 
 
-class JudgedMesh(NamedTuple):
-    """The stated and the true relative errors of a mesh, by the names of QUANTITIES.
+class StatedAndTrueErrorsOfMesh(NamedTuple):
+    """The stated and the true relative errors of a mesh, by QUANTITIES_WITH_STATED_ERROR.
 
     Attributes
     ----------
@@ -109,7 +109,7 @@ class JudgedMesh(NamedTuple):
     """
 
     seed: int
-    form: MeshForm
+    form: ElementKindAndGradingOfGmshMesh
     size: float
     stated: Mapping[str, float]
     true: Mapping[str, float]
@@ -127,14 +127,15 @@ def draw_random_brake_with_one_shoe(rng: np.random.Generator) -> Brake:
     middle = R - sign * (thickness + depth / 2)
     closing = (start + end) / 2 + (0 if sign > 0 else math.pi)
     loaded = end + behind
-    body: dict[str, Any] = {
-        "start": start - before,
-        "end": loaded,
-        "thickness": depth,
-        "width": WIDTH,
-    }
+    body: dict[str, Any] = {"start": start - before, "end": loaded, "thickness": depth}
+    body["width"] = WIDTH_OF_EVERY_RANDOM_SHOE
     body["material"] = {"E": float(rng.choice([20e9, 100e9, 210e9])), "nu": 0.3}
-    lining: dict[str, Any] = {"start": start, "end": end, "thickness": thickness, "width": WIDTH}
+    lining: dict[str, Any] = {
+        "start": start,
+        "end": end,
+        "thickness": thickness,
+        "width": WIDTH_OF_EVERY_RANDOM_SHOE,
+    }
     lining["material"] = {"E": float(rng.choice([100e6, 300e6, 1e9])), "nu": 0.25}
     hinge = {
         "radius": middle * rng.uniform(0.9 if sign > 0 else 0.97, 1.05 if sign > 0 else 1.1),
@@ -156,7 +157,9 @@ def draw_random_brake_with_one_shoe(rng: np.random.Generator) -> Brake:
     return make_drum_brake_from_data(data)
 
 
-def write_gmsh_mesh_of_shoe(brake: Brake, form: MeshForm, size: float, path: Path) -> None:
+def write_gmsh_mesh_of_shoe(
+    brake: Brake, form: ElementKindAndGradingOfGmshMesh, size: float, path: Path
+) -> None:
     """Mesh the only shoe of a drum brake with Gmsh, and write the mesh file with lengths in mm.
 
     The file has the named groups of elements that drumlin needs.
@@ -177,7 +180,7 @@ def write_gmsh_mesh_of_shoe(brake: Brake, form: MeshForm, size: float, path: Pat
         gmsh.option.setNumber("Mesh.RecombineAll", form.recombined)
         gmsh.option.setNumber("Mesh.SecondOrderLinear", form.straight)
         _add_shoe_outline_to_gmsh_model(
-            gmsh.model, brake, size * (FINER_AT_ENDS if form.graded else 1.0)
+            gmsh.model, brake, size * (END_ELEMENT_SIZE_OVER_INNER_SIZE if form.graded else 1.0)
         )
         gmsh.model.mesh.generate(2)
         gmsh.model.mesh.setOrder(form.order)
@@ -197,14 +200,14 @@ def _add_shoe_outline_to_gmsh_model(model: Any, brake: Brake, size_at_ends: floa
     """
     (shoe,) = brake.shoes
     lining, body = shoe.lining, shoe.body
-    assert isinstance(body, Bar)
+    assert isinstance(body, ShoeBodyOfConstantSection)
     geo = model.geo
     centre = geo.addPoint(0, 0, 0)
     points: dict[tuple[float, float], int] = {}
 
     def add_point_at_depth_and_angle(depth: float, angle: float) -> int:
         """The tag of the point at a depth [m] behind the friction surface and an angle [rad]."""
-        r = brake.size - shoe.sign * depth
+        r = brake.size - shoe.sign_internal_plus_external_minus * depth
         if (depth, angle) not in points:
             size = size_at_ends if depth == 0 else 0
             points[depth, angle] = geo.addPoint(r * math.cos(angle), r * math.sin(angle), 0, size)
@@ -229,7 +232,7 @@ def _add_shoe_outline_to_gmsh_model(model: Any, brake: Brake, size_at_ends: floa
             )
         )
 
-    behind, back = lining.thickness, lining.thickness + body.depth
+    behind, back = lining.thickness, lining.thickness + body.total_thickness
     contact, face = (
         add_arc_between_angles(depth, lining.start, lining.end) for depth in (0.0, behind)
     )
@@ -256,34 +259,41 @@ def _add_shoe_outline_to_gmsh_model(model: Any, brake: Brake, size_at_ends: floa
         model.setPhysicalName(1, model.addPhysicalGroup(1, [line]), name)
 
 
-def draw_random_mesh_fineness_and_form(
-    rng: np.random.Generator, form: MeshForm
-) -> tuple[float, MeshForm]:
+def draw_random_mesh_size_decimals_and_grading(
+    rng: np.random.Generator, form: ElementKindAndGradingOfGmshMesh
+) -> tuple[float, ElementKindAndGradingOfGmshMesh]:
     """Draw the size, decimals and grading of a mesh by chance.
 
     Returns the drum's radius divided by the size of the elements, and the form with the drawn
     decimals and grading.
     """
-    coarsest, finest = SIZES
+    coarsest, finest = RANGE_OF_DRUM_RADIUS_OVER_ELEMENT_SIZE
     size = coarsest * (finest / coarsest) ** rng.random()
-    decimals = DECIMALS[rng.integers(len(DECIMALS))]
+    decimals = NUMBERS_OF_COORDINATE_DECIMALS_TO_DRAW_FROM[
+        rng.integers(len(NUMBERS_OF_COORDINATE_DECIMALS_TO_DRAW_FROM))
+    ]
     return float(size), form._replace(decimals=decimals, graded=bool(rng.random() < 0.5))
 
 
-def judge_mesh_of_random_shoe(seed: int) -> JudgedMesh | str:
+def judge_mesh_of_random_shoe(seed: int) -> StatedAndTrueErrorsOfMesh | str:
     """The stated and true errors of the mesh of a seed, or the reason why there are none."""
     rng = np.random.default_rng([seed, 3])
-    size, form = draw_random_mesh_fineness_and_form(rng, FORMS[seed % len(FORMS)])
+    size, form = draw_random_mesh_size_decimals_and_grading(
+        rng,
+        ELEMENT_KINDS_AND_GRADINGS_OF_JUDGED_MESHES[
+            seed % len(ELEMENT_KINDS_AND_GRADINGS_OF_JUDGED_MESHES)
+        ],
+    )
     try:
         brake = draw_random_brake_with_one_shoe(rng)
-        known = solve(brake, tolerance=FINE)
+        known = solve(brake, tolerance=TOLERANCE_OF_HP_TRUTH)
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / "shoe.msh"
             write_gmsh_mesh_of_shoe(brake, form, brake.size / size, path)
             response = solve(vary(brake, {"shoe.mesh": str(path), "shoe.mesh_unit": "mm"}))
     except (BadInput, NoAnswer) as error:
         return f"{type(error).__name__}: {error}"
-    return JudgedMesh(
+    return StatedAndTrueErrorsOfMesh(
         seed,
         form,
         size,
@@ -295,22 +305,25 @@ def judge_mesh_of_random_shoe(seed: int) -> JudgedMesh | str:
 def _true_relative_errors_of_response(
     brake: Brake, response: Response, known: Response
 ) -> dict[str, float]:
-    """The true relative errors of a response, by QUANTITIES: its differences from `known`.
+    """The true relative errors of a response: its differences from `known`, by quantity.
 
-    An error is nan if it is at most UNSURE times the stated error of `known`.
+    An error is nan if it is at most LEAST_TRUE_ERROR_OVER_HP_STATED_ERROR times the stated error of
+    `known`.
     """
-    steps = relative_differences_of_responses_on_two_levels(brake, response, known).steps[1:]
+    steps = relative_differences_of_responses_on_two_levels(brake, response, known).differences[1:]
     assert known.error is not None
-    errors = dict(zip(QUANTITIES, steps.tolist(), strict=True))
+    errors = dict(zip(QUANTITIES_WITH_STATED_ERROR, steps.tolist(), strict=True))
     return {
-        name: error if error > UNSURE * known.error[name] else math.nan
+        name: error
+        if error > LEAST_TRUE_ERROR_OVER_HP_STATED_ERROR * known.error[name]
+        else math.nan
         for name, error in errors.items()
     }
 
 
-def report_lines_on_judged_meshes(judged: Sequence[JudgedMesh]) -> Iterator[str]:
-    """Yield a line of text on the ratios of stated to true errors, for each of QUANTITIES."""
-    for name in QUANTITIES:
+def report_lines_on_judged_meshes(judged: Sequence[StatedAndTrueErrorsOfMesh]) -> Iterator[str]:
+    """Yield a line of text on the ratios of stated to true errors, for each quantity."""
+    for name in QUANTITIES_WITH_STATED_ERROR:
         ratios = np.array([mesh.stated[name] / mesh.true[name] for mesh in judged if mesh.stated])
         ratios = ratios[np.isfinite(ratios)]
         if not len(ratios):
@@ -322,7 +335,7 @@ def report_lines_on_judged_meshes(judged: Sequence[JudgedMesh]) -> Iterator[str]
         )
 
 
-def write_row_of_judged_mesh(path: Path, seed: int, found: JudgedMesh | str) -> None:
+def write_row_of_judged_mesh(path: Path, seed: int, found: StatedAndTrueErrorsOfMesh | str) -> None:
     """Append the row of a seed to the file `path`, as a line of JSON.
 
     `found` is the judged mesh, or the reason why there is none.
@@ -335,28 +348,30 @@ def write_row_of_judged_mesh(path: Path, seed: int, found: JudgedMesh | str) -> 
         file.write(json.dumps(row) + "\n")
 
 
-def read_rows_of_judged_meshes(path: Path) -> dict[int, JudgedMesh | str]:
+def read_rows_of_judged_meshes(path: Path) -> dict[int, StatedAndTrueErrorsOfMesh | str]:
     """The judged meshes of the file `path` by their seeds, or the reasons why there are none.
 
     A file that does not exist has no rows.
     """
-    rows: dict[int, JudgedMesh | str] = {}
+    rows: dict[int, StatedAndTrueErrorsOfMesh | str] = {}
     lines = path.read_text(encoding="utf-8").splitlines() if path.exists() else []
     for row in map(json.loads, lines):
         if "reason" in row:
             rows[row["seed"]] = row["reason"]
         else:
-            rows[row["seed"]] = JudgedMesh(**row | {"form": MeshForm(**row["form"])})
+            rows[row["seed"]] = StatedAndTrueErrorsOfMesh(
+                **row | {"form": ElementKindAndGradingOfGmshMesh(**row["form"])}
+            )
     return rows
 
 
-def line_of_judged_mesh(seed: int, found: JudgedMesh | str) -> str:
+def report_line_of_judged_mesh(seed: int, found: StatedAndTrueErrorsOfMesh | str) -> str:
     """The line of text on the mesh of a seed, or on the reason why there is none."""
     if isinstance(found, str):
         return f"{seed}: {found}"
     errors = ", ".join(
         f"{name} {found.stated.get(name, math.nan):.1e} {found.true[name]:.1e}"
-        for name in QUANTITIES
+        for name in QUANTITIES_WITH_STATED_ERROR
     )
     return f"{seed}: R/{found.size:.0f}, {found.form}: {errors}"
 
@@ -366,17 +381,19 @@ def main(words: Sequence[str]) -> int:
 
     The `words` are the number of meshes, the first seed and the file of rows. All are optional.
     """
-    count, first = [int(word) for word in words[:2]] + [MESHES, 0][len(words[:2]) :]
+    count, first = [int(word) for word in words[:2]] + [DEFAULT_NUMBER_OF_JUDGED_MESHES, 0][
+        len(words[:2]) :
+    ]
     path = Path(words[2]) if len(words) > 2 else None
     rows = {} if path is None else read_rows_of_judged_meshes(path)
     for seed in range(first, first + count):
         if seed in rows:
             continue
         rows[seed] = judge_mesh_of_random_shoe(seed)
-        print(line_of_judged_mesh(seed, rows[seed]), flush=True)  # noqa: T201
+        print(report_line_of_judged_mesh(seed, rows[seed]), flush=True)  # noqa: T201
         if path is not None:
             write_row_of_judged_mesh(path, seed, rows[seed])
-    judged = [found for found in rows.values() if isinstance(found, JudgedMesh)]
+    judged = [found for found in rows.values() if isinstance(found, StatedAndTrueErrorsOfMesh)]
     for line in report_lines_on_judged_meshes(judged):
         print(line, flush=True)  # noqa: T201
     return 0

@@ -1,6 +1,6 @@
 """The list of solution methods whose error and run time the study of methods compares.
 
-A method is a law, a model or a mesh with its options: see `work_precision.Method`.
+A method is a law, a model or a mesh with its options: see `work_precision.SolutionMethodOfBrake`.
 """
 
 from collections.abc import Iterator
@@ -8,12 +8,12 @@ from collections.abc import Iterator
 from drumlin.brake.brake import Brake
 from drumlin.fem.mesh.arc import MESH_KINDS
 from drumlin.models import reasons_why_models_do_not_apply
-from drumlin_studies.work_precision import Method
+from drumlin_studies.work_precision import SolutionMethodOfBrake
 
 
 def list_solution_methods_to_compare(
     brake: Brake, *, peers: bool = False, short: bool = False
-) -> list[Method]:
+) -> list[SolutionMethodOfBrake]:
     """The list of all methods that are compared on a brake.
 
     The list holds the laws, the foundation model, finite elements on meshes of all element kinds
@@ -30,7 +30,9 @@ def list_solution_methods_to_compare(
     short : bool
         Whether the list has fewer element kinds and fewer mesh sizes, for a quick run.
     """
-    result = [Method("law", law, {"model": law}) for law in ("sine", "cosine", "uniform")]
+    result = [
+        SolutionMethodOfBrake("law", law, {"model": law}) for law in ("sine", "cosine", "uniform")
+    ]
     if "foundation" not in reasons_why_models_do_not_apply(brake):
         result += _list_methods_of_foundation_model()
     result += _list_fixed_mesh_methods(brake, short=short)
@@ -39,7 +41,7 @@ def list_solution_methods_to_compare(
     return result + (list(_list_methods_of_peer_programs()) if peers else [])
 
 
-def _list_methods_of_foundation_model() -> Iterator[Method]:
+def _list_methods_of_foundation_model() -> Iterator[SolutionMethodOfBrake]:
     """Methods that solve a brake by the foundation model, with 20 to 180 sections along a lining.
 
     Each number of sections gives two methods: the model as published, and the model without its
@@ -47,11 +49,13 @@ def _list_methods_of_foundation_model() -> Iterator[Method]:
     """
     for sections in (20, 60, 180):
         options = {"model": "foundation", "sections": sections}
-        yield Method("foundation", f"{sections} sections", options)
-        yield Method("foundation", f"{sections} sections, lifted", options | {"lift": ["all"]})
+        yield SolutionMethodOfBrake("foundation", f"{sections} sections", options)
+        yield SolutionMethodOfBrake(
+            "foundation", f"{sections} sections, lifted", options | {"lift": ["all"]}
+        )
 
 
-def _list_fixed_mesh_methods(brake: Brake, *, short: bool) -> Iterator[Method]:
+def _list_fixed_mesh_methods(brake: Brake, *, short: bool) -> Iterator[SolutionMethodOfBrake]:
     """Methods that solve a brake by finite elements with a fixed number of elements per lining.
 
     The meshes have elements of equal length ("even mesh") or elements that shrink towards the
@@ -69,20 +73,20 @@ def _list_fixed_mesh_methods(brake: Brake, *, short: bool) -> Iterator[Method]:
             yield _method_on_one_mesh("graded mesh", kind, elements)
 
 
-def _list_hp_element_methods(*, short: bool) -> Iterator[Method]:
+def _list_hp_element_methods(*, short: bool) -> Iterator[SolutionMethodOfBrake]:
     """Methods that solve a brake by hp elements: of high degree, and smaller near corners.
 
     Some methods use one fixed level of refinement. The others refine until the estimated error is
     below a tolerance.
     """
     for level in range(2 if short else 5):
-        yield Method("columns", f"level {level + 1}", {"level": level})
+        yield SolutionMethodOfBrake("columns", f"level {level + 1}", {"level": level})
     for tolerance in (5e-3,) if short else (5e-3, 1e-3, 1e-4, 1e-5):
         options = {"tolerance": tolerance}
-        yield Method("columns, error stated", f"tolerance {tolerance:g}", options)
+        yield SolutionMethodOfBrake("columns, error stated", f"tolerance {tolerance:g}", options)
 
 
-def _list_penalty_contact_methods(*, short: bool) -> Iterator[Method]:
+def _list_penalty_contact_methods(*, short: bool) -> Iterator[SolutionMethodOfBrake]:
     """Methods that solve a brake with penalty contact, for several stiffnesses of the penalty.
 
     The penalty acts on the nodes of the lining ("weak penalty") or on the quadrature points of its
@@ -93,10 +97,10 @@ def _list_penalty_contact_methods(*, short: bool) -> Iterator[Method]:
     for family in ("weak penalty", "pointwise penalty"):
         for penalty in penalties:
             options = {"elements": elements, "penalty": penalty}
-            yield Method(family, f"{penalty:g} E/t, {elements} elements", options)
+            yield SolutionMethodOfBrake(family, f"{penalty:g} E/t, {elements} elements", options)
 
 
-def _list_methods_of_peer_programs() -> Iterator[Method]:
+def _list_methods_of_peer_programs() -> Iterator[SolutionMethodOfBrake]:
     """Methods that solve a brake by the programs GetFEM and CalculiX on several meshes.
 
     Two methods solve the brake by drumlin on the same meshes.
@@ -112,15 +116,17 @@ def _list_methods_of_peer_programs() -> Iterator[Method]:
     # On these four refined meshes the error of the pressure p falls from 0.5 % to 0.01 %.
     for elements, layers in ((42, 5), (62, 6), (81, 7), (144, 9)):
         options = {"kind": "quad2", "elements": elements, "layers": layers}
-        yield Method("GetFEM", f"refined, quad2, {elements} elements", options)
+        yield SolutionMethodOfBrake("GetFEM", f"refined, quad2, {elements} elements", options)
     for elements in (40, 80, 160):
         options = {"kind": "quad2", "elements": elements, "even": True}
-        yield Method("GetFEM", f"even, quad2, {elements} elements", options)
+        yield SolutionMethodOfBrake("GetFEM", f"even, quad2, {elements} elements", options)
     for elements in (40, 56, 112):
         yield _method_on_one_mesh("CalculiX", "quad2", elements)
 
 
-def _method_on_one_mesh(family: str, kind: str, elements: int, **more: bool) -> Method:
+def _method_on_one_mesh(
+    family: str, kind: str, elements: int, **more: bool
+) -> SolutionMethodOfBrake:
     """The method that solves a brake on one mesh.
 
     Parameters
@@ -135,4 +141,4 @@ def _method_on_one_mesh(family: str, kind: str, elements: int, **more: bool) -> 
         Further options of the family's solver.
     """
     name = f"{kind}, {elements} elements"
-    return Method(family, name, {"kind": kind, "elements": elements, **more})
+    return SolutionMethodOfBrake(family, name, {"kind": kind, "elements": elements, **more})

@@ -13,31 +13,36 @@ import numpy as np
 from drumlin.base.arrays import Floats
 from drumlin.brake.brake import Brake
 from drumlin.brake.clearance import (
-    new_lining_circle_offsets_by_key,
-    new_lining_radii_by_key,
+    lining_circle_offsets_towards_hinge_by_key,
+    lining_radii_by_key_for_radius_mismatch,
     solve_brake_at_angular_drum_positions,
 )
 from drumlin.brake.file import vary
 from drumlin.response.norms import relative_error_of_number
 from drumlin.response.response import Response
-from drumlin.sweeps.cases import Row, results_of_response_by_name
+from drumlin.sweeps.cases import CaseResultsByName, results_of_response_by_name
 from drumlin.sweeps.tolerances import (
-    PERCENTILES,
+    REPORTED_PERCENTILES,
+    FirstAndTotalSobolIndexOfTolerance,
     ManufacturingTolerance,
-    SobolIndices,
     mean_and_percentiles_of_sample,
-    one_result_of_all_cases,
+    values_of_named_result_in_all_cases,
 )
 
-DRAWN_QUANTITIES = {
+QUANTITIES_SHOWN_OVER_RANDOM_BRAKES = {
     "torque": "torque [N m]",
     "brake_factor": "brake factor T/(F R)",
     "peak_pressure": "peak pressure [MPa]",
 }
 """Quantities whose distribution over the random brakes is shown: key of a row, name in tables."""
-STATES = ("new", "worn in")
+LINING_STATES_OF_RANDOM_BRAKES = ("new", "worn in")
 """The two states of the linings in which the random brakes are solved."""
-LOBES = {"run-out": 1, "oval": 2, "three lobes": 3, "five lobes": 5}
+NUMBER_OF_DRUM_LOBES_BY_OUT_OF_ROUNDNESS = {
+    "run-out": 1,
+    "oval": 2,
+    "three lobes": 3,
+    "five lobes": 5,
+}
 """Number of lobes around the drum, by the name of the out-of-roundness. Run-out has one lobe."""
 EXPANSION, WARMING = 11e-6, 100.0
 """Coefficient of thermal expansion of the drum [1/K], and the temperature of the drum minus the
@@ -102,16 +107,13 @@ def _brake_changes_by_misfit_name(brake: Brake) -> Mapping[str, Mapping[str, Any
             changes[f"shoe[{i}].lining.misfit.blocks"] = step
         return changes
 
+    moved_linings = lining_circle_offsets_towards_hinge_by_key
     return {
         "fits": {},
-        "linings 50 µm larger in radius": new_lining_radii_by_key(brake, 50e-6),
-        "linings 50 µm smaller in radius": new_lining_radii_by_key(brake, -50e-6),
-        "linings moved 50 µm along the pin's radius, outwards": new_lining_circle_offsets_by_key(
-            brake, 50e-6
-        ),
-        "linings moved 50 µm along the pin's radius, inwards": new_lining_circle_offsets_by_key(
-            brake, -50e-6
-        ),
+        "linings 50 µm larger in radius": lining_radii_by_key_for_radius_mismatch(brake, 50e-6),
+        "linings 50 µm smaller in radius": lining_radii_by_key_for_radius_mismatch(brake, -50e-6),
+        "linings moved 50 µm along the pin's radius, outwards": moved_linings(brake, 50e-6),
+        "linings moved 50 µm along the pin's radius, inwards": moved_linings(brake, -50e-6),
         "taper: 50 µm thinner away from the pin": {"shoe.lining.misfit.taper": 50e-6},
         "taper: 50 µm thicker away from the pin": {"shoe.lining.misfit.taper": -50e-6},
         "two blocks: the one away from the pin 20 µm lower": brake_changes_for_lining_step(20e-6),
@@ -132,7 +134,7 @@ def fraction_of_linings_in_contact(brake: Brake, response: Response) -> float:
 def torques_at_angles_of_lobed_drum(
     brake: Brake, solve: Callable[[Brake], Response], amplitude: float, angles: Sequence[float]
 ) -> dict[str, Floats]:
-    """Torque of a brake at several angles of its out-of-round drum, for each entry of LOBES.
+    """Torque of a brake at several angles of its out-of-round drum, for each number of lobes.
 
     Parameters
     ----------
@@ -148,10 +150,10 @@ def torques_at_angles_of_lobed_drum(
     Returns
     -------
     dict
-        Arrays (angles,) of torques [N m] by the keys of LOBES.
+        Arrays (angles,) of torques [N m] by the keys of NUMBER_OF_DRUM_LOBES_BY_OUT_OF_ROUNDNESS.
     """
     found = {}
-    for name, order in LOBES.items():
+    for name, order in NUMBER_OF_DRUM_LOBES_BY_OUT_OF_ROUNDNESS.items():
         lobed = vary(brake, {"drum.out_of_round": [{"order": order, "amplitude": amplitude}]})
         responses = solve_brake_at_angular_drum_positions(lobed, solve, angles)
         found[name] = np.array([response.torque for response in responses])
@@ -164,7 +166,7 @@ def torque_ranges_over_mean_torque(torques: Mapping[str, Floats]) -> dict[str, f
 
 
 def maps_of_relative_deviation_from_law(
-    rows: Sequence[Row], brake: Brake, law: Response, shape: tuple[int, int]
+    rows: Sequence[CaseResultsByName], brake: Brake, law: Response, shape: tuple[int, int]
 ) -> dict[str, Floats]:
     """Maps of the relative differences of torque and peak pressure from their values by the law.
 
@@ -188,12 +190,14 @@ def maps_of_relative_deviation_from_law(
     nominal = results_of_response_by_name(brake, law)
     maps = {}
     for name in ("torque", "peak_pressure"):
-        maps[name] = one_result_of_all_cases(rows, name).reshape(shape) / nominal[name] - 1
+        maps[name] = (
+            values_of_named_result_in_all_cases(rows, name).reshape(shape) / nominal[name] - 1
+        )
     return maps
 
 
 @dataclass(frozen=True)
-class DrawnBrakes:
+class ResultsOfRandomBrakesWithTolerances:
     """Results of brakes whose dimensions were drawn at random from manufacturing tolerances.
 
     Attributes
@@ -201,12 +205,12 @@ class DrawnBrakes:
     rows : mapping
         The rows of the brakes by state: "new" and "worn in" were solved by finite elements, "law"
         by the sine law. The first 2 n rows of each state are the two independent samples A and B of
-        `tolerances.draw_random_deviations_in_all_samples`.
+        `tolerances.draw_deviations_for_all_sobol_samples`.
     n : int
         Number of brakes in each of the two samples.
     """
 
-    rows: Mapping[str, Sequence[Row]]
+    rows: Mapping[str, Sequence[CaseResultsByName]]
     n: int
 
     def values_of_quantity_for_random_brakes(self, state: str, name: str) -> Floats:
@@ -214,9 +218,10 @@ class DrawnBrakes:
 
         The peak pressure is in MPa, the other quantities are in SI units.
 
-        state : a key of `rows`, for example "new"; name : a key of DRAWN_QUANTITIES.
+        state : a key of `rows`, for example "new"; name : a key of
+            QUANTITIES_SHOWN_OVER_RANDOM_BRAKES.
         """
-        values = one_result_of_all_cases(self.rows[state][: 2 * self.n], name)
+        values = values_of_named_result_in_all_cases(self.rows[state][: 2 * self.n], name)
         return values * 1e-6 if name == "peak_pressure" else values
 
     def torque_over_torque_by_law(self, state: str) -> Floats:
@@ -253,7 +258,7 @@ class DrawnBrakes:
         peaks = self.values_of_quantity_for_random_brakes("new", "peak_pressure") / pressure
         return float(peaks.mean()), float(np.percentile(peaks, 95))
 
-    def variance_removed_by_run_in(self) -> float:
+    def fraction_of_torque_variance_removed_by_run_in(self) -> float:
         """Fraction of the torque's variance that disappears as the linings run in.
 
         The remaining variance comes from the tolerances of friction, force, levers and drum.
@@ -268,25 +273,27 @@ class DrawnBrakes:
 
 
 def quantities_of_nominal_brake_by_law(brake: Brake, law: Response) -> dict[str, float]:
-    """The values of DRAWN_QUANTITIES by the law, for the brake without tolerances.
+    """The values of the shown quantities by the law, for the brake without tolerances.
 
     The peak pressure is in MPa, the other quantities are in SI units.
     """
     row = results_of_response_by_name(brake, law)
     row["peak_pressure"] *= 1e-6
-    return {name: row[name] for name in DRAWN_QUANTITIES}
+    return {name: row[name] for name in QUANTITIES_SHOWN_OVER_RANDOM_BRAKES}
 
 
-def rows_with_mean_and_percentiles_of_quantities(drawn: DrawnBrakes) -> list[dict[str, Any]]:
+def rows_with_mean_and_percentiles_of_quantities(
+    drawn: ResultsOfRandomBrakesWithTolerances,
+) -> list[dict[str, Any]]:
     """A row for each quantity in each state: mean, standard deviation and percentiles.
 
     The last rows treat the ratio of the torque to the torque by the sine law of the same brake.
     """
     values: dict[tuple[str, str], Floats] = {}
-    for name, title in DRAWN_QUANTITIES.items():
-        for state in (*STATES, "law"):
+    for name, title in QUANTITIES_SHOWN_OVER_RANDOM_BRAKES.items():
+        for state in (*LINING_STATES_OF_RANDOM_BRAKES, "law"):
             values[title, state] = drawn.values_of_quantity_for_random_brakes(state, name)
-    for state in STATES:
+    for state in LINING_STATES_OF_RANDOM_BRAKES:
         values["torque over the sine law's of the same brake", state] = (
             drawn.torque_over_torque_by_law(state)
         )
@@ -303,7 +310,7 @@ def rows_with_mean_and_percentiles_of_quantities(drawn: DrawnBrakes) -> list[dic
             "deviation": found.deviation,
             "relative": found.relative_standard_deviation,
         }
-        for k, value in zip(PERCENTILES, found.percentiles, strict=True):
+        for k, value in zip(REPORTED_PERCENTILES, found.percentiles, strict=True):
             row[f"p{k}"] = value
         rows.append(row)
     return rows
@@ -311,20 +318,20 @@ def rows_with_mean_and_percentiles_of_quantities(drawn: DrawnBrakes) -> list[dic
 
 def rows_of_sobol_indices_by_tolerance(
     tolerances: Sequence[ManufacturingTolerance],
-    shares: Mapping[str, Mapping[str, Sequence[SobolIndices]]],
+    shares: Mapping[str, Mapping[str, Sequence[FirstAndTotalSobolIndexOfTolerance]]],
 ) -> list[dict[str, Any]]:
     """A row for each tolerance with its total Sobol indices.
 
     A total Sobol index is the share of a quantity's variance in which the tolerance takes part.
 
     tolerances : the tolerances; shares : Sobol indices in the order of the tolerances, by state and
-    by quantity of DRAWN_QUANTITIES.
+    by quantity of QUANTITIES_SHOWN_OVER_RANDOM_BRAKES.
     """
     rows = []
     for i, tolerance in enumerate(tolerances):
         row: dict[str, Any] = {"name": tolerance.name}
         for state, by_quantity in shares.items():
-            for name in DRAWN_QUANTITIES:
+            for name in QUANTITIES_SHOWN_OVER_RANDOM_BRAKES:
                 row[f"{state}_{name}"] = by_quantity[name][i].total.value
         rows.append(row)
     return rows

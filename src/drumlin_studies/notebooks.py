@@ -20,21 +20,21 @@ from drumlin.base.files import write_text
 from drumlin.studies import paths_of_example_notebooks
 
 # The package has no types of its own.
-notebook_format: Any = importlib.import_module("nbformat.v4")
+nbformat_library: Any = importlib.import_module("nbformat.v4")
 
-LONGEST_CELL = 300
+LONGEST_SECONDS_OF_CELL = 300
 """Seconds after which a cell counts as hung. All cells of a notebook take some 20 s."""
 
-NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
+PATTERN_OF_NUMBER_IN_TEXT = re.compile(r"[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
 """A number in a text, such as 447.59, +2.8 or 1e-05."""
 
-HTML_TAG = re.compile(r"<[^>]*>")
+HTML_TAG_PATTERN = re.compile(r"<[^>]*>")
 """A tag of an HTML text, which stands between words that a reader sees apart."""
 
 PNG_SIGNATURE = b"\x89PNG\r\n\x1a\n"
 """First bytes of each PNG file (PNG specification, section 5.2)."""
 
-PNG_CHUNKS_ABOUT_FILE = (b"tEXt", b"zTXt", b"iTXt", b"tIME", b"eXIf")
+TYPES_OF_PNG_CHUNKS_WITH_TEXTS_AND_TIMES = (b"tEXt", b"zTXt", b"iTXt", b"tIME", b"eXIf")
 """Types of the PNG chunks with texts and times, such as the version of matplotlib."""
 
 
@@ -44,14 +44,14 @@ def execute_notebook(path: Path) -> Any:
     The cells run in an empty folder, as those of a reader who has only drumlin. Raises nbclient's
     CellExecutionError if a cell fails.
     """
-    notebook: Any = notebook_format.reads(path.read_text(encoding="utf-8"))
+    notebook: Any = nbformat_library.reads(path.read_text(encoding="utf-8"))
     with tempfile.TemporaryDirectory(prefix="drumlin-notebook-") as folder:
         place = {"metadata": {"path": folder}}
         # drumlin's command line draws without a window, and sets MPLBACKEND for its process. A
         # notebook shows its figures.
         environment = {name: text for name, text in os.environ.items() if name != "MPLBACKEND"}
         NotebookClient(
-            notebook, timeout=LONGEST_CELL, kernel_name="python3", resources=place
+            notebook, timeout=LONGEST_SECONDS_OF_CELL, kernel_name="python3", resources=place
         ).execute(env=environment)
     cells = [cell for cell in notebook.cells if cell.cell_type == "code"]
     for number, cell in enumerate(cells, start=1):
@@ -60,7 +60,7 @@ def execute_notebook(path: Path) -> Any:
         cell.metadata = {}
         cell.outputs = _outputs_with_joined_texts(cell.outputs)
         for output in cell.outputs:
-            _remove_traces_of_run(output, number)
+            _remove_traces_of_run_from_output(output, number)
     notebook.metadata.pop("language_info", None)
     return notebook
 
@@ -79,7 +79,7 @@ def _outputs_with_joined_texts(outputs: list[Any]) -> list[Any]:
     return joined
 
 
-def _remove_traces_of_run(output: Any, number: int) -> None:
+def _remove_traces_of_run_from_output(output: Any, number: int) -> None:
     """Give an output the number of its cell, and a picture no text, beside it or in it.
 
     The text beside a picture is "<Figure size ...>". The texts in a picture have the version of
@@ -107,7 +107,7 @@ def png_without_texts(picture: bytes) -> bytes:
     while start < len(picture):
         length, kind = struct.unpack_from(">I4s", picture, start)
         end = start + 12 + length
-        if kind not in PNG_CHUNKS_ABOUT_FILE:
+        if kind not in TYPES_OF_PNG_CHUNKS_WITH_TEXTS_AND_TIMES:
             kept.append(picture[start:end])
         start = end
     return b"".join(kept)
@@ -124,20 +124,22 @@ def texts_of_outputs(notebook: Any) -> list[str]:
             values = [output.get("data", {}) for output in cell.outputs]
             shown = [output.get("text", "") for output in cell.outputs]
             shown += [value.get("text/plain", "") for value in values]
-            shown += [HTML_TAG.sub(" ", value.get("text/html", "")) for value in values]
+            shown += [HTML_TAG_PATTERN.sub(" ", value.get("text/html", "")) for value in values]
             texts.append("\n".join(filter(None, shown)))
     return texts
 
 
-def words_and_numbers_of_text(text: str) -> tuple[str, list[float]]:
+def text_with_stars_for_numbers_and_its_numbers(text: str) -> tuple[str, list[float]]:
     """A text with a star for each number, and the numbers."""
-    return " ".join(NUMBER.sub("*", text).split()), list(map(float, NUMBER.findall(text)))
+    return " ".join(PATTERN_OF_NUMBER_IN_TEXT.sub("*", text).split()), list(
+        map(float, PATTERN_OF_NUMBER_IN_TEXT.findall(text))
+    )
 
 
 def main() -> None:
     """Execute all example notebooks, and write their outputs into their files."""
     for path in paths_of_example_notebooks().values():
-        write_text(path, notebook_format.writes(execute_notebook(path)) + "\n")
+        write_text(path, nbformat_library.writes(execute_notebook(path)) + "\n")
 
 
 if __name__ == "__main__":

@@ -20,8 +20,8 @@ import numpy as np
 
 from drumlin.base.errors import BadInput
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.brake.components import Bar, Beam
-from drumlin.fem.error_control.levels import ResponseFunction
+from drumlin.brake.components import BeamBody, ShoeBodyOfConstantSection
+from drumlin.fem.error_control.levels import FunctionThatComputesResponse
 from drumlin.fem.mesh.arc import parametric_mesh_of_shoe
 from drumlin.fem.preparation.bodies import ShoeSubstructure
 from drumlin.fem.preparation.prepare import make_prepared_model
@@ -30,34 +30,35 @@ from drumlin.response.norms import relative_distance_of_pressures
 from drumlin.response.response import Response, ShoeResponse
 from drumlin_studies.reduced import make_function_that_prepares_surrogates
 
-Make = Callable[[Brake], PreparedModel]
+PrepareModelOfBrake = Callable[[Brake], PreparedModel]
 """A function that returns the prepared model of a brake: meshed and condensed, not yet solved."""
 
 
-class Omission(NamedTuple):
+class OmittablePartOrEffect(NamedTuple):
     """A part or effect that can be neglected.
 
     Attributes
     ----------
     instead : str
         The simpler model in place of the part, in words.
-    in_brake : function
+    does_brake_have_part : function
         Returns whether a brake has the part.
     """
 
     instead: str
-    in_brake: Callable[[Brake], bool]
+    does_brake_have_part: Callable[[Brake], bool]
 
 
 def _is_body_an_arc_along_drum(shoe: Shoe) -> bool:
     """Whether the body of a shoe is an arc along the drum, not a straight beam or a mesh file."""
-    return shoe.mesh is None and not isinstance(shoe.body, Beam)
+    return shoe.mesh is None and not isinstance(shoe.body, BeamBody)
 
 
 def _has_shoe_with_elastic_arc_body(brake: Brake) -> bool:
     """Whether a shoe of the brake has an elastic body in the form of an arc along the drum."""
     return any(
-        isinstance(shoe.body, Bar) and _is_body_an_arc_along_drum(shoe) for shoe in brake.shoes
+        isinstance(shoe.body, ShoeBodyOfConstantSection) and _is_body_an_arc_along_drum(shoe)
+        for shoe in brake.shoes
     )
 
 
@@ -71,21 +72,21 @@ def _has_shoe_with_backing(brake: Brake) -> bool:
     )
 
 
-OMISSIONS = {
-    "ring": Omission("a rigid drum", lambda brake: brake.ring is not None),
-    "coupling": Omission(
+OMITTABLE_PARTS_AND_EFFECTS_BY_NAME = {
+    "ring": OmittablePartOrEffect("a rigid drum", lambda brake: brake.ring is not None),
+    "coupling": OmittablePartOrEffect(
         "each shoe presses on the ring as if it were the only shoe",
         lambda brake: brake.ring is not None and len(brake.shoes) > 1,
     ),
-    "shoe": Omission("a rigid arc of the shoe", _has_shoe_with_elastic_arc_body),
-    "backing": Omission(
+    "shoe": OmittablePartOrEffect("a rigid arc of the shoe", _has_shoe_with_elastic_arc_body),
+    "backing": OmittablePartOrEffect(
         "no backing; the shoe begins directly behind the lining", _has_shoe_with_backing
     ),
-    "drag": Omission(
+    "drag": OmittablePartOrEffect(
         "friction only in the balance of moments; friction shears no elastic body",
         lambda brake: brake.friction > 0,
     ),
-    "curvature": Omission(
+    "curvature": OmittablePartOrEffect(
         "elements with straight edges",
         lambda brake: all(shoe.mesh is None for shoe in brake.shoes),
     ),
@@ -98,7 +99,7 @@ the two can be left out.
 """
 
 
-class OmissionChange(NamedTuple):
+class RelativeResponseChangesByOmission(NamedTuple):
     """Relative changes of an answer by an omission.
 
     Pressure, reaction, peak and `each` are the largest change among the shoes.
@@ -128,7 +129,7 @@ class OmissionChange(NamedTuple):
 
 def relative_change_from_whole_to_simpler_brake(
     simple: Response, whole: Response
-) -> OmissionChange:
+) -> RelativeResponseChangesByOmission:
     """Relative changes from the whole brake's response to the simpler brake's response."""
     torques, pressures, reactions, peaks, each = [], [], [], [], []
     # If torque, peak or reaction of the whole brake is zero, the absolute change is taken in place
@@ -141,7 +142,7 @@ def relative_change_from_whole_to_simpler_brake(
         reactions.append(float(np.linalg.norm(a.hinge_reaction - b.hinge_reaction)) / reaction)
         peaks.append(abs(a.peak_pressure - b.peak_pressure) / (b.peak_pressure or 1.0))
     size = whole.torque or 1.0
-    return OmissionChange(
+    return RelativeResponseChangesByOmission(
         torque=abs(sum(torques)) / size,
         pressure=max(pressures),
         shoes=sum(map(abs, torques)) / size,
@@ -160,20 +161,27 @@ def _relative_pressure_change_of_shoe(a: ShoeResponse, b: ShoeResponse) -> float
 
 
 def names_of_omissions_possible_for_brake(brake: Brake) -> list[str]:
-    """The names of those OMISSIONS whose part or effect a brake has."""
-    return [name for name, part in OMISSIONS.items() if part.in_brake(brake)]
+    """The names of those OMITTABLE_PARTS_AND_EFFECTS_BY_NAME whose part or effect a brake has."""
+    return [
+        name
+        for name, part in OMITTABLE_PARTS_AND_EFFECTS_BY_NAME.items()
+        if part.does_brake_have_part(brake)
+    ]
 
 
 def brake_without_neglected_parts(brake: Brake, names: Iterable[str]) -> Brake:
     """The brake without those parts of "ring", "shoe" and "backing" that are in `names`.
 
-    The other names of OMISSIONS change no brake file;
+    The other names of OMITTABLE_PARTS_AND_EFFECTS_BY_NAME change no brake file;
     `prepared_model_and_brake_without_neglected_parts` takes them into account. Raises BadInput if a
-    name is not in OMISSIONS.
+    name is not in OMITTABLE_PARTS_AND_EFFECTS_BY_NAME.
     """
     names = set(names)
-    if unknown := sorted(names - set(OMISSIONS)):
-        raise BadInput(f"{unknown[0]!r}: cannot be left out; allowed: {', '.join(OMISSIONS)}")
+    if unknown := sorted(names - set(OMITTABLE_PARTS_AND_EFFECTS_BY_NAME)):
+        raise BadInput(
+            f"{unknown[0]!r}: cannot be left out; allowed: "
+            f"{', '.join(OMITTABLE_PARTS_AND_EFFECTS_BY_NAME)}"
+        )
     gone: dict[str, None] = {}
     if "shoe" in names:
         gone["body"] = None
@@ -188,7 +196,7 @@ def brake_without_neglected_parts(brake: Brake, names: Iterable[str]) -> Brake:
 
 
 def prepared_model_and_brake_without_neglected_parts(
-    brake: Brake, names: Iterable[str], make: Make = make_prepared_model
+    brake: Brake, names: Iterable[str], make: PrepareModelOfBrake = make_prepared_model
 ) -> tuple[PreparedModel, Brake]:
     """The prepared model of a brake without some parts, and the simpler brake itself.
 
@@ -197,8 +205,8 @@ def prepared_model_and_brake_without_neglected_parts(
     brake : Brake
         The whole brake.
     names : iterable of str
-        Names of OMISSIONS. The name "curvature" has no effect here: `make` must be
-        `prepare_model_with_straight_element_edges` for elements with straight edges.
+        Names of OMITTABLE_PARTS_AND_EFFECTS_BY_NAME. The name "curvature" has no effect here:
+        `make` must be `prepare_model_with_straight_element_edges` for elements with straight edges.
     make : function
         Returns the prepared model of a brake.
     """
@@ -207,7 +215,7 @@ def prepared_model_and_brake_without_neglected_parts(
     # If "drag" is neglected, friction deforms no body: the model is prepared without friction, and
     # friction is added to the balance of moments alone.
     if "drag" in names and brake.friction > 0:
-        scene = _prepared_model_without_friction_deformation(
+        scene = _prepared_model_without_deformation_by_friction(
             make(simple.model_copy(update={"friction_as_written": 0.0})), simple
         )
     else:
@@ -215,7 +223,7 @@ def prepared_model_and_brake_without_neglected_parts(
     return replace(scene, apart="coupling" in names), simple
 
 
-def _prepared_model_without_friction_deformation(
+def _prepared_model_without_deformation_by_friction(
     scene: PreparedModel, brake: Brake
 ) -> PreparedModel:
     """A prepared model for a brake with friction in which friction causes no deformation.
@@ -235,7 +243,7 @@ def _prepared_model_without_friction_deformation(
             rigid = modes.transpose(0, 2, 1).reshape(3, -1)
             made[id(body)] = replace(
                 body,
-                closure_by_friction=np.zeros_like(body.closure_by_pressure),
+                gap_closure_by_friction=np.zeros_like(body.gap_closure_by_pressure),
                 reaction_to_friction=-rigid @ body.coupling.T.T,
             )
         # Shoes of equal shape still share one condensed body after this change.
@@ -269,8 +277,11 @@ def prepare_model_with_straight_element_edges(brake: Brake, *, elements: int) ->
 
 
 def predict_response_change_by_omitting_parts(
-    brake: Brake, names: Sequence[str], respond: ResponseFunction, sketch: Make | None = None
-) -> OmissionChange:
+    brake: Brake,
+    names: Sequence[str],
+    respond: FunctionThatComputesResponse,
+    sketch: PrepareModelOfBrake | None = None,
+) -> RelativeResponseChangesByOmission:
     """The change of the answer by omitting parts, predicted on two coarse models (surrogates).
 
     Parameters
@@ -278,7 +289,7 @@ def predict_response_change_by_omitting_parts(
     brake : Brake
         The whole brake.
     names : sequence of str
-        Names of OMISSIONS.
+        Names of OMITTABLE_PARTS_AND_EFFECTS_BY_NAME.
     respond : function
         Returns the response of a prepared model and a brake.
     sketch : function, optional

@@ -23,13 +23,13 @@ from drumlin.fem.analysis.fields import stress_and_displacement_fields_of_shoe
 from drumlin.fem.mesh.grading import divide_lining_into_elements
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.cache import cache_key_of_shoe_shape
-from drumlin.fem.preparation.meshes import ELEMENTS
+from drumlin.fem.preparation.meshes import DEFAULT_ELEMENTS_ALONG_LINING
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.response.response import Response
 from drumlin_studies.omission import (
-    OMISSIONS,
-    OmissionChange,
+    OMITTABLE_PARTS_AND_EFFECTS_BY_NAME,
+    RelativeResponseChangesByOmission,
     names_of_omissions_possible_for_brake,
     predict_response_change_by_omitting_parts,
     prepare_model_with_straight_element_edges,
@@ -39,7 +39,7 @@ from drumlin_studies.omission import (
 from drumlin_studies.reduced import make_function_that_prepares_surrogates
 from drumlin_studies.tables import rows_with_given_values
 
-EXACT_OMISSIONS = {
+COMPUTATIONS_LEFT_OUT_WITHOUT_CHANGE_OF_ANSWER = {
     "interior fields": "not recovered",
     "second of equal shoes": "condensed once",
     "flexibility under drag, mu = 0": "symmetric part only",
@@ -51,7 +51,7 @@ deformation by friction where the coefficient of friction mu is zero.
 """
 
 
-class WholeAndSimple(NamedTuple):
+class SolversOfWholeAndSimplerBrake(NamedTuple):
     """Two functions: one solves the whole brake, the other the brake with an omission.
 
     Each function prepares its model anew, so that it can be timed.
@@ -62,15 +62,16 @@ class WholeAndSimple(NamedTuple):
 
 
 def table_rows_for_each_part_omitted_from_brake(
-    brake: Brake, name: str, *, elements: int = ELEMENTS, repeats: int = 5
+    brake: Brake, name: str, *, elements: int = DEFAULT_ELEMENTS_ALONG_LINING, repeats: int = 5
 ) -> list[dict[str, Any]]:
     """A row for each omission that a brake allows.
 
-    The first rows are on EXACT_OMISSIONS, the next on each of OMISSIONS alone, the last on all
-    OMISSIONS together. A row has the changes under the names of `OmissionChange`, and the predicted
-    changes under the same names after "predicted_". `seconds` and `memory` are the fractions that
-    the omission saves of the time and of the memory of the whole solve. Where one of the two solves
-    has no answer, the `status` of the row gives the reason.
+    The first rows are on COMPUTATIONS_LEFT_OUT_WITHOUT_CHANGE_OF_ANSWER, the next on each of
+    OMITTABLE_PARTS_AND_EFFECTS_BY_NAME alone, the last on all OMITTABLE_PARTS_AND_EFFECTS_BY_NAME
+    together. A row has the changes under the names of `RelativeResponseChangesByOmission`, and the
+    predicted changes under the same names after "predicted_". `seconds` and `memory` are the
+    fractions that the omission saves of the time and of the memory of the whole solve. Where one of
+    the two solves has no answer, the `status` of the row gives the reason.
 
     Parameters
     ----------
@@ -102,7 +103,8 @@ def table_rows_for_each_part_omitted_from_brake(
             )
             if names is not None:
                 row |= _omission_change_as_row(
-                    _predict_change_with_straight_edges(brake, names, elements), "predicted_"
+                    _predict_change_by_omitting_parts_or_edge_curvature(brake, names, elements),
+                    "predicted_",
                 )
             row |= (fractions_of_time_and_memory_saved(pair, repeats) if repeats else {}) | {
                 "status": "converged"
@@ -122,7 +124,7 @@ def predicted_over_true_changes_by_omission(
     are left out.
 
     rows : rows of `table_rows_for_each_part_omitted_from_brake`; key : attribute of
-        `OmissionChange` that is compared.
+        `RelativeResponseChangesByOmission` that is compared.
     """
     ratios = []
     for row in rows:
@@ -151,7 +153,7 @@ def saved_time_ranges_by_omission(
     return ranges
 
 
-def row_of_largest_straight_edge_effect(
+def row_of_largest_pressure_change_by_straight_edges(
     rows: Sequence[Mapping[str, Any]],
 ) -> Mapping[str, Any] | None:
     """The row in which elements with straight edges change the pressure most.
@@ -164,7 +166,7 @@ def row_of_largest_straight_edge_effect(
     return worst if worst and worst.get("pressure") else None
 
 
-class _OmissionRow(NamedTuple):
+class _OmissionRowBeforeItsChanges(NamedTuple):
     """A row of the table of omissions before its changes are computed.
 
     Attributes
@@ -172,7 +174,8 @@ class _OmissionRow(NamedTuple):
     part, instead : str
         The neglected part or effect, and the model that replaces it, in words.
     names : list of str or None
-        Names of OMISSIONS; None for one of EXACT_OMISSIONS, which change no number.
+        Names of OMITTABLE_PARTS_AND_EFFECTS_BY_NAME; None for one of
+        COMPUTATIONS_LEFT_OUT_WITHOUT_CHANGE_OF_ANSWER, which change no number.
     """
 
     part: str
@@ -180,29 +183,42 @@ class _OmissionRow(NamedTuple):
     names: list[str] | None
 
 
-def _list_part_omissions_computed_for_brake(brake: Brake) -> list[_OmissionRow]:
+def _list_part_omissions_computed_for_brake(brake: Brake) -> list[_OmissionRowBeforeItsChanges]:
     """The omissions for which a brake gets a row in the table, in the order of the rows.
 
-    The EXACT_OMISSIONS come first, then each of OMISSIONS alone, then the OMISSIONS together.
+    The COMPUTATIONS_LEFT_OUT_WITHOUT_CHANGE_OF_ANSWER come first, then each of
+    OMITTABLE_PARTS_AND_EFFECTS_BY_NAME alone, then the OMITTABLE_PARTS_AND_EFFECTS_BY_NAME
+    together.
     """
-    rows = [_OmissionRow(part, instead, None) for part, instead in EXACT_OMISSIONS.items()]
+    rows = [
+        _OmissionRowBeforeItsChanges(part, instead, None)
+        for part, instead in COMPUTATIONS_LEFT_OUT_WITHOUT_CHANGE_OF_ANSWER.items()
+    ]
     names = names_of_omissions_possible_for_brake(brake)
     together = []
     for part in names:
-        rows.append(_OmissionRow(part, OMISSIONS[part].instead, [part]))
+        rows.append(
+            _OmissionRowBeforeItsChanges(
+                part, OMITTABLE_PARTS_AND_EFFECTS_BY_NAME[part].instead, [part]
+            )
+        )
         # A rigid drum does not couple the shoes. Without the ring, the omission of the coupling
         # therefore changes nothing.
         if part != "curvature" and not (part == "coupling" and "ring" in names):
             together.append(part)
     if len(together) > 1:
-        rows.append(_OmissionRow("all but curvature", ", ".join(together), together))
+        rows.append(
+            _OmissionRowBeforeItsChanges("all but curvature", ", ".join(together), together)
+        )
     if together and "curvature" in names:
         everything = [*together, "curvature"]
-        rows.append(_OmissionRow("all", ", ".join(everything), everything))
+        rows.append(_OmissionRowBeforeItsChanges("all", ", ".join(everything), everything))
     return rows
 
 
-def _omission_change_as_row(found: OmissionChange, prefix: str) -> dict[str, float]:
+def _omission_change_as_row(
+    found: RelativeResponseChangesByOmission, prefix: str
+) -> dict[str, float]:
     """The relative changes by an omission as keys and values of a table row.
 
     prefix : text before each key.
@@ -210,7 +226,9 @@ def _omission_change_as_row(found: OmissionChange, prefix: str) -> dict[str, flo
     return {prefix + key: value for key, value in found._asdict().items()}
 
 
-def fractions_of_time_and_memory_saved(pair: WholeAndSimple, repeats: int) -> dict[str, float]:
+def fractions_of_time_and_memory_saved(
+    pair: SolversOfWholeAndSimplerBrake, repeats: int
+) -> dict[str, float]:
     """Fractions of the time and of the peak memory of the whole solve that the simpler solve saves.
 
     Simpler and whole solves alternate. The saved time follows from the median of the pairs' ratios
@@ -248,8 +266,8 @@ def _peak_memory_of_one_solve(solve: Callable[[], object]) -> int:
 
 def _functions_that_solve_whole_and_simpler_brake(
     brake: Brake, names: list[str], elements: int
-) -> WholeAndSimple:
-    """Functions that solve the whole brake and the brake without the OMISSIONS in `names`.
+) -> SolversOfWholeAndSimplerBrake:
+    """Functions that solve the whole brake and the brake without the effects in `names`.
 
     elements : number of elements along each lining.
     """
@@ -259,7 +277,7 @@ def _functions_that_solve_whole_and_simpler_brake(
         if "curvature" in names
         else whole
     )
-    return WholeAndSimple(
+    return SolversOfWholeAndSimplerBrake(
         lambda: solve_prepared_model(whole(brake), brake),
         lambda: solve_prepared_model(
             *prepared_model_and_brake_without_neglected_parts(brake, names, make)
@@ -269,12 +287,13 @@ def _functions_that_solve_whole_and_simpler_brake(
 
 def _solvers_with_and_without_needless_computation(
     brake: Brake, part: str, elements: int
-) -> WholeAndSimple | None:
-    """Functions that solve a brake with and without a needless computation of EXACT_OMISSIONS.
+) -> SolversOfWholeAndSimplerBrake | None:
+    """Functions that solve a brake with and without each needless computation.
 
     The result is None where the omission does not apply to the brake.
 
-    part : a key of EXACT_OMISSIONS; elements : number of elements along each lining.
+    part : a key of COMPUTATIONS_LEFT_OUT_WITHOUT_CHANGE_OF_ANSWER; elements : number of elements
+        along each lining.
     """
     make = partial(make_prepared_model, elements=elements)
 
@@ -292,7 +311,9 @@ def _solvers_with_and_without_needless_computation(
                 stress_and_displacement_fields_of_shoe(scene, brake, response, i)
             return response
 
-        return WholeAndSimple(solve_and_recover_stresses, solve_brake_without_extra_computation)
+        return SolversOfWholeAndSimplerBrake(
+            solve_and_recover_stresses, solve_brake_without_extra_computation
+        )
     if part == "second of equal shoes":
         shapes = {cache_key_of_shoe_shape(brake, shoe) for shoe in brake.shoes}
         # The omission does not apply where no two shoes are equal. It is not shown on an elastic
@@ -300,21 +321,21 @@ def _solvers_with_and_without_needless_computation(
         # them.
         if len(shapes) == len(brake.shoes) or brake.ring is not None:
             return None
-        return WholeAndSimple(
+        return SolversOfWholeAndSimplerBrake(
             lambda: solve_prepared_model(
-                _prepare_model_with_each_shoe_by_itself(brake, make), brake
+                _prepare_model_with_separately_condensed_shoes(brake, make), brake
             ),
             solve_brake_without_extra_computation,
         )
     if brake.friction > 0:
         return None
     rubbing = vary(brake, {"friction": 0.3})
-    return WholeAndSimple(
+    return SolversOfWholeAndSimplerBrake(
         lambda: solve_prepared_model(make(rubbing), brake), solve_brake_without_extra_computation
     )
 
 
-def _prepare_model_with_each_shoe_by_itself(
+def _prepare_model_with_separately_condensed_shoes(
     brake: Brake, make: Callable[[Brake], PreparedModel]
 ) -> PreparedModel:
     """The prepared model of a brake in which each shoe is condensed by itself.
@@ -328,10 +349,10 @@ def _prepare_model_with_each_shoe_by_itself(
     return replace(alone, brake=brake, bodies=tuple(bodies))
 
 
-def _predict_change_with_straight_edges(
+def _predict_change_by_omitting_parts_or_edge_curvature(
     brake: Brake, names: Iterable[str], elements: int
-) -> OmissionChange:
-    """The predicted change of the answer by some of OMISSIONS, which may include "curvature".
+) -> RelativeResponseChangesByOmission:
+    """The predicted change of the answer by some omissions, which may include "curvature".
 
     The surrogate predicts all other omissions. "curvature" means straight element edges: their
     effect depends on the number of elements along a lining and is predicted in closed form.
@@ -384,9 +405,12 @@ def _shoe_with_clearance_like_straight_edge_gap(brake: Brake, shoe: Shoe, elemen
     angles, height = _element_angles_and_chord_sagittas(brake, shoe, elements)
     # In the frame of a mirrored shoe angles grow as the brake's angles theta fall, so the angles
     # are sorted.
-    middle = np.sort(shoe.frame.theta((angles[:-1] + angles[1:]) / 2))
+    middle = np.sort(shoe.frame.surface_coordinates_of_phi((angles[:-1] + angles[1:]) / 2))
     height = height[:: shoe.frame.sense]
-    gap = shoe.sign * 2 / 3 * height + shoe.lining.clearances_at_surface_coordinates(middle)
+    gap = (
+        shoe.sign_internal_plus_external_minus * 2 / 3 * height
+        + shoe.lining.clearances_at_surface_coordinates(middle)
+    )
     table = tuple(zip(middle.tolist(), gap.tolist(), strict=True))
     return shoe.model_copy(update={"lining": shoe.lining.model_copy(update={"clearance": table})})
 

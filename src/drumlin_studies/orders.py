@@ -15,26 +15,29 @@ from drumlin.base.arrays import Floats
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import vary
-from drumlin.comparison import Convergence
-from drumlin.fem.error_control.levels import LEVELS
+from drumlin.comparison import ResultsOnRefinedMeshes
+from drumlin.fem.error_control.levels import REFINEMENT_LEVELS_FROM_COARSE_TO_FINE
 from drumlin.fem.error_control.singular_points import singular_points_of_each_shoe_shape
-from drumlin.fem.hp.division import Level
+from drumlin.fem.hp.division import RefinementLevel
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.solve import solve
 from drumlin.laws import solve_brake_by_sine_law
 from drumlin.response.norms import relative_distance_of_pressures, relative_error_of_number
 from drumlin.response.response import Response, ShoeResponse
-from drumlin.verification.reference import Refinement, solve_brake_for_reference_values
+from drumlin.verification.reference import MeshesOfReferenceValues, solve_brake_for_reference_values
 from drumlin_studies.tables import values_of_key_in_rows
 
-RIGID_CHANGES = {"shoe.body.material.E": 2.1e15, "shoe.lining.thickness": 3e-3}
+BRAKE_CHANGES_FOR_NEARLY_RIGID_SHOE = {
+    "shoe.body.material.E": 2.1e15,
+    "shoe.lining.thickness": 3e-3,
+}
 """Changes of a brake file that make a shoe nearly rigid.
 
 Young's modulus of its body becomes 1e4 times that of steel. The thickness of its lining becomes 3
 mm, which is R/50 in the brake of the study.
 """
-Row = dict[str, Any]
+ConvergenceRow = dict[str, Any]
 """A row of a table: its values by key."""
 
 
@@ -48,7 +51,7 @@ def largest_pressure_distance_of_shoes(response: Response, reference: Response) 
 
 def convergence_order_rows_of_meshes(
     brake: Brake, case: str, kind: str, sizes: Sequence[int], reference: Response
-) -> list[Row]:
+) -> list[ConvergenceRow]:
     """A row for each of several meshes: the errors of pressure and torque, with exact contact.
 
     From the second row on, `order` is the order of convergence of the pressure, observed between
@@ -67,7 +70,7 @@ def convergence_order_rows_of_meshes(
     reference : Response
         The response against which errors are taken.
     """
-    rows: list[Row] = []
+    rows: list[ConvergenceRow] = []
     for n in sizes:
         response = solve(brake, elements=n, kind=kind, penalty=math.inf)
         row = {
@@ -86,16 +89,18 @@ def convergence_order_rows_of_meshes(
 
 
 # The arguments are degree, zone, edge, end, ratio, opening, largest, back, hinge, through: see
-# `Level`.
-COARSE_LEVEL = Level(2, 0.9, 0.3, 0.4, 0.15, 0.15, math.radians(30), 1.0, 1.0, 0.1)
+# `RefinementLevel`.
+COARSEST_HP_MESH_OF_ERROR_ROWS = RefinementLevel(
+    2, 0.9, 0.3, 0.4, 0.15, 0.15, math.radians(30), 1.0, 1.0, 0.1
+)
 """The first and coarsest hp mesh of `error_rows_of_hp_levels`. The errors on it are some percent.
 """
 
-LEVEL_REFERENCE = Refinement(
+REFERENCE_MESHES_OF_HP_LEVELS = MeshesOfReferenceValues(
     3,
     (
-        Level(8, 0.002, 0.0015, 3e-4, 0.5, 0.5, math.radians(12), 0.003, 0.0015, 0.4),
-        Level(9, 0.001, 7e-4, 1e-4, 0.5, 0.5, math.radians(12), 0.0015, 7e-4, 0.4),
+        RefinementLevel(8, 0.002, 0.0015, 3e-4, 0.5, 0.5, math.radians(12), 0.003, 0.0015, 0.4),
+        RefinementLevel(9, 0.001, 7e-4, 1e-4, 0.5, 0.5, math.radians(12), 0.0015, 7e-4, 0.4),
     ),
     (),
 )
@@ -105,7 +110,9 @@ They are so fine that the errors of four coarser levels are known to within 50 %
 """
 
 
-def error_rows_of_hp_levels(brake: Brake, refinement: Refinement = LEVEL_REFERENCE) -> list[Row]:
+def error_rows_of_hp_levels(
+    brake: Brake, refinement: MeshesOfReferenceValues = REFERENCE_MESHES_OF_HP_LEVELS
+) -> list[ConvergenceRow]:
     """A row for each level of hp elements: the errors of pressure and torque, with exact contact.
 
     The elements are refined towards the ends of the contact that the reference solution has. `root`
@@ -118,7 +125,7 @@ def error_rows_of_hp_levels(brake: Brake, refinement: Refinement = LEVEL_REFEREN
     true, places = reference.value, singular_points_of_each_shoe_shape(brake, reference.value)
     floor = 2 * largest_pressure_distance_of_shoes(reference.before, true)
     rows = []
-    for level in (COARSE_LEVEL, *LEVELS):
+    for level in (COARSEST_HP_MESH_OF_ERROR_ROWS, *REFINEMENT_LEVELS_FROM_COARSE_TO_FINE):
         made = make_prepared_model(brake, level, places)
         # An infinite penalty asks for exact contact; the contact set of the reference is the start.
         response = solve_prepared_model(made, brake, penalty=math.inf, start=true)
@@ -141,7 +148,7 @@ def error_rows_of_hp_levels(brake: Brake, refinement: Refinement = LEVEL_REFEREN
     return rows
 
 
-class FittedLine(NamedTuple):
+class FittedErrorDecayOfHpMeshes(NamedTuple):
     """The fit log10(error) = a - fall n^(1/3) to the errors of hp meshes with n unknowns.
 
     Attributes
@@ -159,18 +166,18 @@ class FittedLine(NamedTuple):
     decades: float
 
 
-def fit_line_to_log_errors(rows: Sequence[Row]) -> FittedLine:
+def fit_line_to_log_errors(rows: Sequence[ConvergenceRow]) -> FittedErrorDecayOfHpMeshes:
     """The straight line through the errors of p in the rows of `error_rows_of_hp_levels`."""
     x = np.array(values_of_key_in_rows(rows, "root"))
     y = np.array(list(map(math.log10, values_of_key_in_rows(rows, "pressure"))))
-    return FittedLine(
+    return FittedErrorDecayOfHpMeshes(
         -float(np.polyfit(x, y, 1)[0]), -float(np.corrcoef(x, y)[0, 1]), float(np.ptp(y))
     )
 
 
 def estimated_and_true_error_row(
     brake: Brake, case: str, tolerance: float, reference: Response, floor: float
-) -> Row:
+) -> ConvergenceRow:
     """A row with the estimated and the true errors of a solve to a tolerance, and the wall time.
 
     Parameters
@@ -188,7 +195,7 @@ def estimated_and_true_error_row(
         this, the `status` of the row says so.
     """
     start = time.perf_counter()
-    row: Row = {"case": case, "tolerance": tolerance}
+    row: ConvergenceRow = {"case": case, "tolerance": tolerance}
     try:
         response = solve(brake, tolerance=tolerance, penalty=math.inf)
     except NoAnswer as error:
@@ -210,7 +217,7 @@ def estimated_and_true_error_row(
     }
 
 
-def torque_convergence_rows_of_meshes(convergence: Convergence) -> list[Row]:
+def torque_convergence_rows_of_meshes(convergence: ResultsOnRefinedMeshes) -> list[ConvergenceRow]:
     """A row for each of several meshes, each twice as fine as the one before.
 
     A row has the torque [N m], the relative distance of the torque from its limit, and under the
@@ -218,9 +225,9 @@ def torque_convergence_rows_of_meshes(convergence: Convergence) -> list[Row]:
     has None in place of this change.
     """
     limit = convergence.torque.value
-    rows: list[Row] = []
+    rows: list[ConvergenceRow] = []
     for n, response in zip(convergence.elements, convergence.responses, strict=True):
-        row: Row = {
+        row: ConvergenceRow = {
             "elements": n,
             "unknowns_torque": response.torque,
             "torque_error": relative_error_of_number(response.torque, limit),
@@ -240,23 +247,28 @@ def torque_convergence_rows_of_meshes(convergence: Convergence) -> list[Row]:
     return rows
 
 
-def rows_comparing_sine_law_with_rigid_shoe_solves(brake: Brake, elements: int) -> list[Row]:
+def rows_comparing_sine_law_with_rigid_shoe_solves(
+    brake: Brake, elements: int
+) -> list[ConvergenceRow]:
     """Rows that compare the sine law with finite elements on nearly rigid shoes with thin linings.
 
     Each row has the torques [N m] of a shoe, and the last row those of the whole brake. `spread` is
     the largest minus the smallest p/sin(phi), divided by the mean, for the pressure p by finite
     elements at the angle phi from the hinge. By the sine law `spread` is zero.
 
-    brake : the brake, before RIGID_CHANGES; elements : number of elements along each lining.
+    brake : the brake, before BRAKE_CHANGES_FOR_NEARLY_RIGID_SHOE; elements : number of elements
+        along each lining.
     """
-    rigid = vary(brake, RIGID_CHANGES)
+    rigid = vary(brake, BRAKE_CHANGES_FOR_NEARLY_RIGID_SHOE)
     law, fem = solve_brake_by_sine_law(rigid), solve(rigid, elements=elements)
-    rows: list[Row] = []
+    rows: list[ConvergenceRow] = []
     for spec, a, b in zip(rigid.shoes, law.shoes, fem.shoes, strict=True):
         # The free ends of an elastic lining disturb its pressure over a length of some five
         # thicknesses.
         edge = 5 * spec.lining.thickness / rigid.size
-        ratio = pressure_over_sine_of_hinge_angle(spec.frame.phi(b.theta), b, edge)
+        ratio = pressure_over_sine_of_hinge_angle(
+            spec.frame.phi_of_surface_coordinates(b.theta), b, edge
+        )
         rows.append(
             {
                 "rotation": brake.direction,

@@ -15,11 +15,11 @@ from drumlin_studies.tables import (
     rows_with_given_values,
     values_of_key_in_rows,
 )
-from drumlin_studies.trial import TRIAL_FAULTS
+from drumlin_studies.trial import TRIAL_OUTCOMES_THAT_ARE_FAULTS_OF_DRUMLIN
 
-Row = dict[str, Any]
+TrialRow = dict[str, Any]
 """A row of a table: the values of a trial by key."""
-POINTWISE_OUTCOMES = (
+OUTCOMES_OF_POINTWISE_PENALTY_TRIALS = (
     "agrees",
     "differs",
     "cycles",
@@ -33,33 +33,39 @@ POINTWISE_OUTCOMES = (
 
 "a number where there is none": the method gives an answer to a case that drumlin refuses.
 """
-TIME_KEYS = ("seconds", "seconds_whole", "pointwise_seconds", "steps", "pointwise_steps")
+ROW_KEYS_OF_TIMES_AND_ITERATION_COUNTS = (
+    "seconds",
+    "seconds_whole",
+    "pointwise_seconds",
+    "steps",
+    "pointwise_steps",
+)
 """Keys of a row that hold times [s] and numbers of iterations."""
 
 
-def trial_rows_with_fault_as_outcome(rows: Sequence[Row]) -> list[Row]:
+def trial_rows_with_fault_as_outcome(rows: Sequence[TrialRow]) -> list[TrialRow]:
     """Rows of trials that ended with a fault: neither right answer nor refusal with a reason."""
-    return [row for row in rows if row["outcome"] in TRIAL_FAULTS]
+    return [row for row in rows if row["outcome"] in TRIAL_OUTCOMES_THAT_ARE_FAULTS_OF_DRUMLIN]
 
 
-def rows_with_fewest_correct_digits(rows: Sequence[Row], count: int = 10) -> list[Row]:
+def rows_with_fewest_correct_digits(rows: Sequence[TrialRow], count: int = 10) -> list[TrialRow]:
     """The `count` rows whose torques have the fewest correct digits, fewest first."""
     return sorted(rows_that_have_value_of_key(rows, "digits"), key=lambda row: row["digits"])[
         :count
     ]
 
 
-def _group_rows_by_varied_quantity(rows: Sequence[Row]) -> dict[str, list[Row]]:
+def _group_rows_by_varied_quantity(rows: Sequence[TrialRow]) -> dict[str, list[TrialRow]]:
     """Groups of rows, by the name of the quantity (knob) that they vary; "all" has all rows."""
-    groups: dict[str, list[Row]] = {}
+    groups: dict[str, list[TrialRow]] = {}
     for row in rows:
         groups.setdefault(row["knob"], []).append(row)
     return groups | {"all": list(rows)}
 
 
 def count_row_values_by_varied_quantity(
-    rows: Sequence[Row], key: str, names: Sequence[str]
-) -> list[Row]:
+    rows: Sequence[TrialRow], key: str, names: Sequence[str]
+) -> list[TrialRow]:
     """A row for each varied quantity (knob) with counts of the values of a key.
 
     The last row counts over all trials. A row has None under the name of a value that does not
@@ -70,22 +76,22 @@ def count_row_values_by_varied_quantity(
     table = []
     for knob, own in _group_rows_by_varied_quantity(rows).items():
         count = Counter(row.get(key) for row in own)
-        line: Row = {"knob": knob, "cases": len(own)}
+        line: TrialRow = {"knob": knob, "cases": len(own)}
         for name in names:
             line[name] = count[name] or None
         table.append(line)
     return table
 
 
-def solve_time_rows_by_varied_quantity(rows: Sequence[Row]) -> list[Row]:
-    """A row for each varied quantity (knob) with median and largest value of each of TIME_KEYS.
+def solve_time_rows_by_varied_quantity(rows: Sequence[TrialRow]) -> list[TrialRow]:
+    """A row for each varied quantity (knob) with median and largest times and iteration counts.
 
     The last row is for all trials.
     """
     table = []
     for knob, own in _group_rows_by_varied_quantity(rows).items():
-        line: Row = {"knob": knob, "cases": len(own)}
-        for key in TIME_KEYS:
+        line: TrialRow = {"knob": knob, "cases": len(own)}
+        for key in ROW_KEYS_OF_TIMES_AND_ITERATION_COUNTS:
             # A trial that drumlin refuses before the solve has no times and is left out here.
             values = values_of_key_in_rows(rows_that_have_value_of_key(own, key), key)
             line[key] = statistics.median(values) if values else None
@@ -95,7 +101,7 @@ def solve_time_rows_by_varied_quantity(rows: Sequence[Row]) -> list[Row]:
 
 
 def relative_torque_changes_due_to_penalty(
-    rows: Sequence[Row],
+    rows: Sequence[TrialRow],
 ) -> dict[str, list[tuple[float, float]]]:
     """The relative change of the torque that a finite penalty causes.
 
@@ -120,7 +126,7 @@ def relative_torque_changes_due_to_penalty(
     return found
 
 
-def trial_rows_with_varied_penalty(rows: Sequence[Row]) -> list[Row]:
+def trial_rows_with_varied_penalty(rows: Sequence[TrialRow]) -> list[TrialRow]:
     """The rows of the trials in which the penalty varies and the whole lining is in contact.
 
     To each row the penalty factor is added as `penalty`, and as `change` the relative change of the

@@ -18,16 +18,16 @@ from drumlin.base.arrays import Floats
 from drumlin.base.texts import number_as_text
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import vary
-from drumlin.fem.error_control.levels import LEVELS
-from drumlin.fem.hp.division import Level
+from drumlin.fem.error_control.levels import REFINEMENT_LEVELS_FROM_COARSE_TO_FINE
+from drumlin.fem.hp.division import RefinementLevel
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.solve import solve as by_elements
 from drumlin.fem.width.correction import correct_response_for_shoe_widths
-from drumlin.fem.width.face import WidthFace
+from drumlin.fem.width.face import ContactFaceWithWidth
 from drumlin.fem.width.prepare import prepare_model_with_shoe_widths
 from drumlin.foundation import model as foundation
-from drumlin.laws import LAWS, hinged, solve_brake_by_sine_law
+from drumlin.laws import LAWS_OF_HINGED_SHOES_BY_NAME, hinged, solve_brake_by_sine_law
 from drumlin.lining_wear.archard import WearLaw, wear_linings_in_given_steps
 from drumlin.lining_wear.linings import wear_setup_by_finite_elements
 from drumlin.response.norms import (
@@ -36,18 +36,18 @@ from drumlin.response.norms import (
     relative_error_of_number,
 )
 from drumlin.response.response import (
-    PressureOverWidth,
+    PressureOverArcAndWidth,
     Response,
     ShoeResponse,
     length_of_edge_zone_left_out_of_peak_search,
 )
 from drumlin_studies.tables import values_of_key_in_rows
 from drumlin_studies.uncertainty import (
-    Validation,
+    ComparisonOfSimulationWithData,
     compare_simulated_value_with_reference_value,
 )
 
-WIDTH_QUANTITIES = {
+WIDTH_ERROR_NAMES_BY_ROW_KEY = {
     "torque": "torque",
     "pressure": "mean p over the width (L2)",
     "peak": "peak pressure against the face's",
@@ -60,17 +60,20 @@ WIDTH_QUANTITIES = {
 
 "corrected" stands for plane stress with the correction for the finite width of the shoe.
 """
-SAID = {"torque": "the torque of each shoe", "pressure": "its mean pressure"}
-"""Words for two keys of WIDTH_QUANTITIES in sentences of the report."""
-STUDY_DEGREE = 3
+WIDTH_ERROR_WORDS_IN_SENTENCES = {
+    "torque": "the torque of each shoe",
+    "pressure": "its mean pressure",
+}
+"""Words for two keys of WIDTH_ERROR_NAMES_BY_ROW_KEY in sentences of the report."""
+DEFAULT_DEGREE_ACROSS_SOLID_WIDTH = 3
 """Default degree of the polynomials across the width of solid shoes."""
-READER_LIMITS = (0.01, 0.05, 0.20)
+REPORTED_PLANE_STRESS_ERROR_LIMITS = (0.01, 0.05, 0.20)
 """Limits of the relative error. For each limit the report states the range of brakes in which the
 error of plane stress is within it.
 """
 
 
-class SolidAndPlane(NamedTuple):
+class ResponsesBySolidAndPlaneStress(NamedTuple):
     """A brake with its responses by solid shoes, by plane stress, and by corrected plane stress.
 
     The correction estimates the effect of the widths of the shoes' parts.
@@ -82,16 +85,22 @@ class SolidAndPlane(NamedTuple):
     corrected: Response
 
 
-def solve_by_solid_and_plane_stress(brake: Brake, across: int = STUDY_DEGREE) -> SolidAndPlane:
-    """The responses of a brake by the three models of `SolidAndPlane`.
+def solve_by_solid_and_plane_stress(
+    brake: Brake, across: int = DEFAULT_DEGREE_ACROSS_SOLID_WIDTH
+) -> ResponsesBySolidAndPlaneStress:
+    """The responses of a brake by the three models of `ResponsesBySolidAndPlaneStress`.
 
     All models have the same mesh in the plane of the drum.
 
     across : degree across the width of the solid shoes.
     """
-    plane = solve_prepared_model(make_prepared_model(brake, LEVELS[0]), brake)
+    plane = solve_prepared_model(
+        make_prepared_model(brake, REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[0]), brake
+    )
     true = solve_with_solid_shoes(brake, across)
-    return SolidAndPlane(brake, true, plane, correct_response_for_shoe_widths(brake, plane))
+    return ResponsesBySolidAndPlaneStress(
+        brake, true, plane, correct_response_for_shoe_widths(brake, plane)
+    )
 
 
 def relative_pressure_deviation_across_width(shoe: ShoeResponse, zone: float) -> float:
@@ -119,7 +128,7 @@ def relative_pressure_deviation_across_width(shoe: ShoeResponse, zone: float) ->
     return float(np.sqrt(variance / size)) if size > 0 else 0.0
 
 
-def pressure_over_friction_face_of_solid_shoe(shoe: ShoeResponse) -> PressureOverWidth:
+def pressure_over_friction_face_of_solid_shoe(shoe: ShoeResponse) -> PressureOverArcAndWidth:
     """The pressure on the whole friction face of a solid shoe, along and across."""
     assert shoe.surface is not None
     return shoe.surface
@@ -134,7 +143,9 @@ def largest_pressure_on_solid_face(shoe: ShoeResponse, zone: float) -> float:
     return float(pressure_over_friction_face_of_solid_shoe(shoe).pressure[inside].max())
 
 
-def plane_stress_error_rows_of_shoes(three: SolidAndPlane, case: str = "") -> list[dict[str, Any]]:
+def plane_stress_error_rows_of_shoes(
+    three: ResponsesBySolidAndPlaneStress, case: str = ""
+) -> list[dict[str, Any]]:
     """A row for each shoe with the relative errors of plane stress against the solid shoe.
 
     Keys: `torque`; `pressure`, the L2 error of the mean pressure over the width; `peak`, the peak
@@ -152,7 +163,7 @@ def plane_stress_error_rows_of_shoes(three: SolidAndPlane, case: str = "") -> li
         zip(three.solid.shoes, three.plane.shoes, three.corrected.shoes, strict=True)
     ):
         zone = length_of_edge_zone_left_out_of_peak_search(
-            three.brake.shoes[i], three.brake.scale_factor
+            three.brake.shoes[i], three.brake.length_per_surface_coordinate
         )
         row: dict[str, Any] = {
             "case": case,
@@ -198,7 +209,7 @@ def value_of_largest_magnitude_in_rows(table: Sequence[dict[str, Any]], key: str
 
 
 @dataclass(frozen=True)
-class PlaneErrorMap:
+class PlaneStressErrorMap:
     """Map of the relative errors of plane stress over two quantities that are varied.
 
     Attributes
@@ -249,14 +260,14 @@ def map_plane_stress_errors(
     x: Sequence[float],
     y: Sequence[float],
     say: Callable[[str], None],
-) -> PlaneErrorMap:
+) -> PlaneStressErrorMap:
     """The map of the errors of plane stress over a grid of brakes.
 
     Parameters
     ----------
     name, axes : str, tuple of two str
         Title of the map and names of its two quantities, which become attributes of the
-        `PlaneErrorMap`.
+        `PlaneStressErrorMap`.
     brake_at : function
         Returns the brake for a value of each quantity.
     x, y : sequence of float
@@ -264,7 +275,7 @@ def map_plane_stress_errors(
     say : function
         Is called with a line of text on the progress.
     """
-    keys = [*WIDTH_QUANTITIES, "mid_over_side"]
+    keys = [*WIDTH_ERROR_NAMES_BY_ROW_KEY, "mid_over_side"]
     errors = {key: np.full((len(y), len(x)), np.nan) for key in keys}
     for j, b in enumerate(y):
         for i, a in enumerate(x):
@@ -274,20 +285,24 @@ def map_plane_stress_errors(
             )
             for key in keys:
                 errors[key][j, i] = value_of_largest_magnitude_in_rows(table, key)
-    return PlaneErrorMap(name, axes, np.asarray(x), np.asarray(y), errors)
+    return PlaneStressErrorMap(name, axes, np.asarray(x), np.asarray(y), errors)
 
 
-def rows_of_shares_within_error_limits(charts: Sequence[PlaneErrorMap]) -> list[dict[str, Any]]:
-    """A row for each map and each error: its largest value, and the shares within READER_LIMITS.
+def rows_of_shares_within_error_limits(
+    charts: Sequence[PlaneStressErrorMap],
+) -> list[dict[str, Any]]:
+    """A row for each map and each error: its largest value, and the shares within the limits.
+
+    The limits are REPORTED_PLANE_STRESS_ERROR_LIMITS.
 
     A share is the fraction of the brakes of the map whose error is within a limit.
     """
     table = []
     for chart in charts:
-        for key, name in WIDTH_QUANTITIES.items():
+        for key, name in WIDTH_ERROR_NAMES_BY_ROW_KEY.items():
             row: dict[str, Any] = {"map": chart.name, "quantity": name}
             row["largest"] = float(np.abs(chart.errors[key]).max())
-            for limit in READER_LIMITS:
+            for limit in REPORTED_PLANE_STRESS_ERROR_LIMITS:
                 row[f"within_{limit:g}"] = chart.fraction_of_brakes_within_error(limit, key)
             table.append(row)
     return table
@@ -314,7 +329,7 @@ class TorqueOnLevels(NamedTuple):
 
 
 def solve_torque_on_refinement_levels(
-    torque: Callable[[Level], float], levels: Sequence[Level]
+    torque: Callable[[RefinementLevel], float], levels: Sequence[RefinementLevel]
 ) -> TorqueOnLevels:
     """The torque of a brake on several levels, which are finer and finer meshes.
 
@@ -325,7 +340,7 @@ def solve_torque_on_refinement_levels(
 
 def compare_plane_stress_torque_with_solid(
     plane: TorqueOnLevels, true: TorqueOnLevels
-) -> Validation:
+) -> ComparisonOfSimulationWithData:
     """The error of the torque by plane stress against the solid shoe, with its uncertainty.
 
     The uncertainty comes from the meshes of both models.
@@ -367,7 +382,7 @@ class TimeAndErrors(NamedTuple):
     plane_pressure: float
 
 
-class ModelOnBrake(NamedTuple):
+class ModelWithFunctionThatSolvesBrake(NamedTuple):
     """A model with its setting, and a function that returns its response to the brake."""
 
     method: str
@@ -395,7 +410,10 @@ def measure_time_and_errors_of_models(
     solids : sequence of int
         Degree across the width of each timed solve with solid shoes.
     """
-    truths = solve_with_solid_shoes(brake, fine, LEVELS[1]), by_elements(brake)
+    truths = (
+        solve_with_solid_shoes(brake, fine, REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[1]),
+        by_elements(brake),
+    )
     rungs = []
     for method, setting, solve_once in _list_brake_models_with_their_solve_functions(
         brake, meshes, solids
@@ -418,35 +436,34 @@ def measure_time_and_errors_of_models(
 
 def _list_brake_models_with_their_solve_functions(
     brake: Brake, meshes: Sequence[int], solids: Sequence[int]
-) -> list[ModelOnBrake]:
+) -> list[ModelWithFunctionThatSolvesBrake]:
     """The models that are measured, from the laws to the finest solid shoes."""
     models = []
+    by_law = hinged.solve_brake_with_hinged_shoes_by_law
     for name in ("sine", "cosine", "uniform"):
-        models.append(
-            ModelOnBrake(
-                name, "", partial(hinged.solve_brake_with_hinged_shoes_by_law, LAWS[name], brake)
-            )
-        )
+        solve_by_law = partial(by_law, LAWS_OF_HINGED_SHOES_BY_NAME[name], brake)
+        models.append(ModelWithFunctionThatSolvesBrake(name, "", solve_by_law))
     if foundation.reason_against_foundation_model(brake) is None:
-        models.append(
-            ModelOnBrake(
-                "foundation",
-                "",
-                partial(foundation.solve_brake_by_foundation_model, brake, lift=()),
-            )
-        )
+        plain = partial(foundation.solve_brake_by_foundation_model, brake, lift=())
+        models.append(ModelWithFunctionThatSolvesBrake("foundation", "", plain))
         lifted = partial(foundation.solve_brake_by_foundation_model, brake, lift=("all",))
-        models.append(ModelOnBrake("lifted", "all", lifted))
+        models.append(ModelWithFunctionThatSolvesBrake("lifted", "all", lifted))
     for n in meshes:
         setting = f"{n} elements"
         models.append(
-            ModelOnBrake("plane stress", setting, partial(_solve_in_plane_stress, brake, n))
+            ModelWithFunctionThatSolvesBrake(
+                "plane stress", setting, partial(_solve_in_plane_stress, brake, n)
+            )
         )
         by_corrected = partial(_solve_brake_with_width_correction, brake, n)
-        models.append(ModelOnBrake("plane stress, corrected", setting, by_corrected))
+        models.append(
+            ModelWithFunctionThatSolvesBrake("plane stress, corrected", setting, by_corrected)
+        )
     for n in solids:
         models.append(
-            ModelOnBrake("solid", f"degree {n}", partial(solve_with_solid_shoes, brake, n))
+            ModelWithFunctionThatSolvesBrake(
+                "solid", f"degree {n}", partial(solve_with_solid_shoes, brake, n)
+            )
         )
     return models
 
@@ -458,7 +475,9 @@ def _largest_torque_and_pressure_error(
     torque, pressure = 0.0, 0.0
     for found, true, shoe in zip(response.shoes, truth.shoes, brake.shoes, strict=True):
         torque = max(torque, abs(relative_error_of_number(found.torque, true.torque)))
-        zone = length_of_edge_zone_left_out_of_peak_search(shoe, brake.scale_factor)
+        zone = length_of_edge_zone_left_out_of_peak_search(
+            shoe, brake.length_per_surface_coordinate
+        )
         pressure = max(pressure, abs(relative_distance_of_pressures(found, true, zone)))
     return torque, pressure
 
@@ -474,7 +493,9 @@ def _solve_brake_with_width_correction(brake: Brake, elements: int) -> Response:
 
 
 def solve_with_solid_shoes(
-    brake: Brake, across: int = STUDY_DEGREE, level: Level = LEVELS[0]
+    brake: Brake,
+    across: int = DEFAULT_DEGREE_ACROSS_SOLID_WIDTH,
+    level: RefinementLevel = REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[0],
 ) -> Response:
     """The response of a brake with solid shoes.
 
@@ -483,7 +504,7 @@ def solve_with_solid_shoes(
     return solve_prepared_model(prepare_model_with_shoe_widths(brake, level, across), brake)
 
 
-class WornSolid(NamedTuple):
+class PressuresOfWornSolidLinings(NamedTuple):
     """The pressures of solid linings that wear, over the sliding distance.
 
     Attributes
@@ -493,7 +514,7 @@ class WornSolid(NamedTuple):
         the lining.
     uneven : tuple of tuples
         For each shoe and distance the result of `relative_pressure_deviation_across_width`.
-    from_law : tuple of tuples
+    distance_from_sine_law : tuple of tuples
         For each shoe and distance the relative L2 distance of the pressure from the sine law. The
         pressure is the mean over the width.
     last : tuple of ShoeResponse
@@ -502,13 +523,13 @@ class WornSolid(NamedTuple):
 
     distance: tuple[float, ...]
     uneven: tuple[tuple[float, ...], ...]
-    from_law: tuple[tuple[float, ...], ...]
+    distance_from_sine_law: tuple[tuple[float, ...], ...]
     last: tuple[ShoeResponse, ...]
 
 
 def wear_solid_linings(
-    brake: Brake, distances: Sequence[float], across: int = STUDY_DEGREE
-) -> WornSolid:
+    brake: Brake, distances: Sequence[float], across: int = DEFAULT_DEGREE_ACROSS_SOLID_WIDTH
+) -> PressuresOfWornSolidLinings:
     """The pressures of a brake's solid linings as they wear by Archard's law.
 
     Parameters
@@ -516,11 +537,11 @@ def wear_solid_linings(
     brake : Brake
         The brake with new linings.
     distances : sequence of float
-        Sliding distances in units of 1/(k K), as in `WornSolid`; the first is 0.
+        Sliding distances in units of 1/(k K), as in `PressuresOfWornSolidLinings`; the first is 0.
     across : int
         Degree across the width.
     """
-    scene = prepare_model_with_shoe_widths(brake, LEVELS[0], across)
+    scene = prepare_model_with_shoe_widths(brake, REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[0], across)
     start, law = solve_prepared_model(scene, brake), solve_brake_by_sine_law(brake)
     setup = wear_setup_by_finite_elements(scene, brake)
     # The sliding distance 1/(k K) for a wear coefficient k of 1/Pa.
@@ -538,7 +559,7 @@ def wear_solid_linings(
                 _response_with_worn_lining_pressure(line, first, surface.forward, pressure)
             )
         zone = length_of_edge_zone_left_out_of_peak_search(
-            brake.shoes[surface.shoe], brake.scale_factor
+            brake.shoes[surface.shoe], brake.length_per_surface_coordinate
         )
         by_law = law.shoes[surface.shoe]
         all_uneven.append(
@@ -548,7 +569,9 @@ def wear_solid_linings(
             tuple(relative_distance_of_pressures(shoe, by_law, zone) for shoe in shoes)
         )
         last.append(shoes[-1])
-    return WornSolid(tuple(distances), tuple(all_uneven), tuple(all_from_law), tuple(last))
+    return PressuresOfWornSolidLinings(
+        tuple(distances), tuple(all_uneven), tuple(all_from_law), tuple(last)
+    )
 
 
 def _response_with_worn_lining_pressure(
@@ -558,7 +581,7 @@ def _response_with_worn_lining_pressure(
 
     Parameters
     ----------
-    line : WidthFace
+    line : ContactFaceWithWidth
         Friction face of the lining.
     first : ShoeResponse
         The response of the shoe before wear.
@@ -567,8 +590,8 @@ def _response_with_worn_lining_pressure(
     p : array
         Pressures at the nodes of the worn lining's face [Pa].
     """
-    assert isinstance(line, WidthFace)
-    _, mean = line.angles_and_mean_pressures(p)
+    assert isinstance(line, ContactFaceWithWidth)
+    _, mean = line.angles_and_pressures_averaged_over_width(p)
     face = line.pressure_distribution_over_arc_and_width(p)
     surface = face._replace(pressure=face.pressure[forward])
     return replace(first, pressure=mean[forward], surface=surface)
@@ -601,7 +624,7 @@ def sentences_on_largest_plane_stress_errors(
     lines = []
     for name, points in curves.items():
         largest = []
-        for key, said in SAID.items():
+        for key, said in WIDTH_ERROR_WORDS_IN_SENTENCES.items():
             # `max` compares the errors. Of equal errors it takes the one at the largest value of
             # the quantity.
             error, at = max(
@@ -613,26 +636,26 @@ def sentences_on_largest_plane_stress_errors(
     return lines
 
 
-def sentences_on_maps_of_plane_stress_errors(charts: Sequence[PlaneErrorMap]) -> list[str]:
-    """Sentences on each map: the ranges in which the errors are within READER_LIMITS."""
+def sentences_on_maps_of_plane_stress_errors(charts: Sequence[PlaneStressErrorMap]) -> list[str]:
+    """Sentences on each map: the ranges in which the errors are within the reported limits."""
     lines = []
     for chart in charts:
         torque = chart.errors["torque"]
         worst_of = torque.ravel()[np.abs(torque).argmax()]
-        for key, said in SAID.items():
+        for key, said in WIDTH_ERROR_WORDS_IN_SENTENCES.items():
             end = f" (at worst {number_as_text(worst_of, '+.1%')})" if key == "torque" else ""
             parts = "; ".join(_describe_map_ranges_within_limits(chart, key))
             lines.append(f"{chart.name}: plane stress has {said}{end} within {parts}")
     return lines
 
 
-def _describe_map_ranges_within_limits(chart: PlaneErrorMap, key: str) -> list[str]:
-    """Texts, one for each of READER_LIMITS: the range of a map with errors within the limit.
+def _describe_map_ranges_within_limits(chart: PlaneStressErrorMap, key: str) -> list[str]:
+    """Texts, one for each reported limit: the range of a map with errors within the limit.
 
     The list ends with the first limit that holds on the whole map.
     """
     parts = []
-    for limit in READER_LIMITS:
+    for limit in REPORTED_PLANE_STRESS_ERROR_LIMITS:
         where = chart.describe_range_within_error(limit, key)
         parts.append(f"{number_as_text(limit, '.0%')}: {where}")
         if where == "everywhere":

@@ -2,7 +2,7 @@
 
 Two brakes are varied: one whose shoes have one width, and one with shoes of T-section. Each error
 is the distance of plane stress from shoes whose displacements are polynomials of the degree
-LIMIT_DEGREE across the width.
+DEGREE_ACROSS_WIDTH_OF_LIMIT_STUDY across the width.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -12,7 +12,7 @@ from drumlin.base.errors import DrumlinError
 from drumlin.brake.brake import Brake
 from drumlin.brake.fields import Material
 from drumlin.brake.file import vary
-from drumlin.fem.error_control.levels import LEVELS
+from drumlin.fem.error_control.levels import REFINEMENT_LEVELS_FROM_COARSE_TO_FINE
 from drumlin.fem.solve import solve
 from drumlin.fem.width.error import relative_distance_of_plane_stress_from_width_solution
 from drumlin.fem.width.ladder import (
@@ -20,17 +20,17 @@ from drumlin.fem.width.ladder import (
     solve_cross_section_mesh_with_width_degree,
 )
 
-LIMIT_DEGREE = 3
+DEGREE_ACROSS_WIDTH_OF_LIMIT_STUDY = 3
 """Degree of the polynomials across the width of the shoes with which plane stress is compared."""
-LIMITS = (0.01, 0.05, 0.20)
+LIMITS_OF_PLANE_STRESS_ERROR = (0.01, 0.05, 0.20)
 """Limits of the relative error. For each limit the range is stated in which the error of plane
 stress is within it.
 """
-LIMIT_QUANTITIES = {"pressure": "mean p over the width", "torque": "torque"}
+NAMES_OF_LIMITED_QUANTITIES = {"pressure": "mean p over the width", "torque": "torque"}
 """Names of the compared quantities by their key in the error of plane stress."""
 
 
-class Variation(NamedTuple):
+class VariedQuantityOfPlaneStressError(NamedTuple):
     """A quantity that is varied.
 
     Attributes
@@ -38,14 +38,14 @@ class Variation(NamedTuple):
     name : name of the quantity
     values : its values
     value : returns the quantity's value on a brake
-    changed : returns the brake with another value
+    brake_with_value : returns the brake with another value
     needs_web : whether the quantity exists only on shoes whose parts have several widths
     """
 
     name: str
     values: tuple[float, ...]
     value: Callable[[Brake], float]
-    changed: Callable[[Brake, float], Brake]
+    brake_with_value: Callable[[Brake, float], Brake]
     needs_web: bool = False
 
 
@@ -103,40 +103,40 @@ def isotropic_lining_material(brake: Brake) -> Material:
     return material
 
 
-VARIATIONS = (
-    Variation(
+VARIED_QUANTITIES_OF_FIGURE_PANELS = (
+    VariedQuantityOfPlaneStressError(
         "lining width / thickness",
         (1.0, 1.5, 2.0, 3.0, 5.0, 7.0, 10.0),
         lining_width_over_thickness,
         brake_with_lining_width_over_thickness,
     ),
-    Variation(
+    VariedQuantityOfPlaneStressError(
         "web width / lining width",
         (0.08, 0.125, 0.2, 0.3, 0.45, 0.7, 1.0),
         web_width_over_lining_width,
         brake_with_web_width_over_lining_width,
         needs_web=True,
     ),
-    Variation(
+    VariedQuantityOfPlaneStressError(
         "overhang / table thickness",
         (1.5, 2.0, 3.0, 4.5, 7.0, 10.0, 14.0),
         overhang_over_table_thickness,
         brake_with_overhang_over_table_thickness,
         needs_web=True,
     ),
-    Variation(
+    VariedQuantityOfPlaneStressError(
         "Poisson's ratio of the lining",
         (0.0, 0.1, 0.2, 0.25, 0.3, 0.4, 0.45),
         lambda brake: isotropic_lining_material(brake).nu,
         lambda brake, nu: vary(brake, {"shoe.lining.material.nu": nu}),
     ),
-    Variation(
+    VariedQuantityOfPlaneStressError(
         "modulus of the lining [MPa]",
         (30.0, 100.0, 300.0, 1000.0, 3000.0),
         lambda brake: 1e-6 * isotropic_lining_material(brake).E,
         lambda brake, modulus: vary(brake, {"shoe.lining.material.E": 1e6 * modulus}),
     ),
-    Variation(
+    VariedQuantityOfPlaneStressError(
         "friction",
         (0.05, 0.1, 0.2, 0.3, 0.4, 0.5),
         lambda brake: brake.friction,
@@ -147,7 +147,7 @@ VARIATIONS = (
 
 
 def errors_of_plane_stress_by_width_model(brake: Brake) -> dict[str, float]:
-    """The relative errors of plane stress on a brake, by the keys of LIMIT_QUANTITIES.
+    """The relative errors of plane stress on a brake, by the keys of NAMES_OF_LIMITED_QUANTITIES.
 
     Raises
     ------
@@ -158,10 +158,10 @@ def errors_of_plane_stress_by_width_model(brake: Brake) -> dict[str, float]:
     """
     plane = solve(brake)
     wide = solve_cross_section_mesh_with_width_degree(
-        brake, LEVELS[0], LIMIT_DEGREE, plane
+        brake, REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[0], DEGREE_ACROSS_WIDTH_OF_LIMIT_STUDY, plane
     ).response
     found = relative_distance_of_plane_stress_from_width_solution(brake, plane, wide).brake
-    return {name: found[name] for name in LIMIT_QUANTITIES}
+    return {name: found[name] for name in NAMES_OF_LIMITED_QUANTITIES}
 
 
 def rows_of_plane_stress_limits(
@@ -180,21 +180,23 @@ def rows_of_plane_stress_limits(
     say : is called with a line of text on the progress
     """
     rows = []
-    for variation in VARIATIONS:
+    for variation in VARIED_QUANTITIES_OF_FIGURE_PANELS:
         for name, brake in brakes.items():
             if variation.needs_web and not has_shoe_with_parts_of_different_widths(brake):
                 continue
             say(f"{variation.name}: {name}")
             for value in variation.values[::every]:
                 try:
-                    errors = errors_of_plane_stress_by_width_model(variation.changed(brake, value))
+                    errors = errors_of_plane_stress_by_width_model(
+                        variation.brake_with_value(brake, value)
+                    )
                 except DrumlinError:
                     continue
                 rows.append({"varied": variation.name, "brake": name, "value": value, **errors})
     return rows
 
 
-class LimitRange(NamedTuple):
+class QuantityRangeWithinPlaneStressErrorLimit(NamedTuple):
     """The values of a varied quantity with which the error of plane stress is within a limit.
 
     `low` and `high` are the smallest and the largest of these values; None if no value is within
@@ -209,16 +211,20 @@ class LimitRange(NamedTuple):
     high: float | None
 
 
-def parameter_ranges_within_error_limits(rows: Sequence[Mapping[str, Any]]) -> list[LimitRange]:
-    """The ranges of the varied quantities in which plane stress is within each of LIMITS."""
+def parameter_ranges_within_error_limits(
+    rows: Sequence[Mapping[str, Any]],
+) -> list[QuantityRangeWithinPlaneStressErrorLimit]:
+    """The ranges of the varied quantities in which plane stress is within each limit."""
     groups: dict[tuple[str, str], list[Mapping[str, Any]]] = {}
     for row in rows:
         groups.setdefault((row["varied"], row["brake"]), []).append(row)
     found = []
     for (varied, brake), own in groups.items():
-        for quantity in LIMIT_QUANTITIES:
-            for limit in LIMITS:
+        for quantity in NAMES_OF_LIMITED_QUANTITIES:
+            for limit in LIMITS_OF_PLANE_STRESS_ERROR:
                 within = [row["value"] for row in own if row[quantity] <= limit]
                 ends = (min(within), max(within)) if within else (None, None)
-                found.append(LimitRange(varied, brake, quantity, limit, *ends))
+                found.append(
+                    QuantityRangeWithinPlaneStressErrorLimit(varied, brake, quantity, limit, *ends)
+                )
     return found

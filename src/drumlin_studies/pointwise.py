@@ -27,25 +27,30 @@ from drumlin.base.arrays import Bools, Floats, Ints
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.fem.equilibrium.state import unloaded_lining_gaps_at_points
-from drumlin.fem.mesh.arc import DEFAULT_KIND, parametric_mesh_of_shoe
+from drumlin.fem.mesh.arc import DEFAULT_MESH_KIND, parametric_mesh_of_shoe
 from drumlin.fem.preparation.bodies import (
-    load_column_factors_and_pin_moment_per_newton,
+    actuation_factors_and_pin_moment_per_newton,
     penalty_stiffness_of_contact_per_area,
 )
-from drumlin.fem.preparation.meshes import ELEMENTS, AssembledShoe, Mesher, mesh_and_assemble_shoe
-from drumlin.fem.preparation.scene import Seconds, add_elapsed_time_of_block_to_phase
-from drumlin.fem.substructure.body import FRAME
+from drumlin.fem.preparation.meshes import (
+    DEFAULT_ELEMENTS_ALONG_LINING,
+    AssembledUncondensedShoe,
+    Mesher,
+    mesh_and_assemble_shoe,
+)
+from drumlin.fem.preparation.scene import SecondsOfEachPhase, add_elapsed_time_of_block_to_phase
+from drumlin.fem.substructure.body import DEGREES_OF_FREEDOM_OF_BODY_FRAME
 from drumlin.fem.substructure.interface import (
     edge_quadrature_points,
     function_that_returns_drum_normals_and_tangents,
 )
-from drumlin.fem.substructure.loads import ACTUATION
+from drumlin.fem.substructure.loads import ACTUATION_LOAD_NAME
 from drumlin.response.balance import (
     largest_imbalance_among_shoes,
     relative_magnitudes_of_force_and_moment_sums,
 )
 from drumlin.response.response import (
-    Balance,
+    ForceAndMomentImbalance,
     Response,
     ShoeResponse,
     response_of_pressed_elastic_shoe,
@@ -53,22 +58,22 @@ from drumlin.response.response import (
 )
 from drumlin.response.resultants import planar_cross_product
 
-POINTWISE_PENALTY = 1e3
+DEFAULT_FACTOR_OF_POINTWISE_PENALTY = 1e3
 """Default penalty factor alpha in the penalty stiffness eps = alpha E/t [Pa/m].
 
 E and t are Young's modulus and thickness of the lining. There are more Gauss points than nodes, so
 that with a much larger factor the contact conditions at the points would over-constrain the nodes.
 """
-MOST_POINT_STEPS = 60
+MOST_NEWTON_STEPS_OF_POINTWISE_PENALTY = 60
 """Number of Newton steps after which the method gives up, because the contact has not converged."""
 
 
 def solve_by_pointwise_penalty(
     brake: Brake,
     *,
-    elements: int = ELEMENTS,
-    kind: str = DEFAULT_KIND,
-    penalty: float = POINTWISE_PENALTY,
+    elements: int = DEFAULT_ELEMENTS_ALONG_LINING,
+    kind: str = DEFAULT_MESH_KIND,
+    penalty: float = DEFAULT_FACTOR_OF_POINTWISE_PENALTY,
     mesher: Mesher | None = None,
 ) -> Response:
     """The response of a brake with a rigid drum by the pointwise penalty.
@@ -92,7 +97,8 @@ def solve_by_pointwise_penalty(
     Raises
     ------
     NoAnswer
-        The set of touching points repeats itself or still changes after MOST_POINT_STEPS.
+        The set of touching points repeats itself or still changes after
+        MOST_NEWTON_STEPS_OF_POINTWISE_PENALTY.
     BadInput
         The brake has an elastic ring, or the penalty is infinite.
     """
@@ -102,7 +108,7 @@ def solve_by_pointwise_penalty(
         )
     if brake.ring is not None:
         raise BadInput("drum.ring: the pointwise penalty has a rigid drum only")
-    seconds: Seconds = {}
+    seconds: SecondsOfEachPhase = {}
     mesher = mesher or partial(parametric_mesh_of_shoe, elements=elements, kind=kind)
     shoes, balances, steps = [], [], []
     for shoe in brake.shoes:
@@ -120,7 +126,7 @@ def solve_by_pointwise_penalty(
 
 
 @dataclass(frozen=True)
-class _ContactPoints:
+class _QuadraturePointsOfFrictionFace:
     """The quadrature points of a shoe's friction face, at which the contact is enforced.
 
     Attributes
@@ -129,9 +135,9 @@ class _ContactPoints:
         Area of the lining that each of the q points represents [m^2].
     phi, radius, gap : array (q,)
         Angle in the shoe's frame [rad], radius [m] and gap of the unloaded lining [m].
-    closing : sparse matrix (q, unknowns)
+    gap_closure_by_displacements : sparse matrix (q, unknowns)
         Maps the displacements to the closure n . u of the gap at each point.
-    pushing : sparse matrix (q, unknowns)
+    nodal_forces_of_unit_contact : sparse matrix (q, unknowns)
         In each row the nodal forces of a unit normal force and its friction at a point.
     """
 
@@ -139,21 +145,21 @@ class _ContactPoints:
     phi: Floats
     radius: Floats
     gap: Floats
-    closing: Any
-    pushing: Any
+    gap_closure_by_displacements: Any
+    nodal_forces_of_unit_contact: Any
 
 
-class PointwiseAnswer(NamedTuple):
+class ShoeResponseByPointwisePenalty(NamedTuple):
     """The response of a shoe, its balance and its number of Newton steps."""
 
     response: ShoeResponse
-    balance: Balance
+    balance: ForceAndMomentImbalance
     steps: int
 
 
 def _solve_one_shoe_by_penalty(
-    brake: Brake, shoe: Shoe, mesher: Mesher, penalty: float, seconds: Seconds
-) -> PointwiseAnswer:
+    brake: Brake, shoe: Shoe, mesher: Mesher, penalty: float, seconds: SecondsOfEachPhase
+) -> ShoeResponseByPointwisePenalty:
     """The response of one shoe with its balance and number of Newton steps.
 
     Parameters
@@ -169,34 +175,43 @@ def _solve_one_shoe_by_penalty(
     """
     parts = mesh_and_assemble_shoe(brake, shoe, mesher, seconds)
     drag = brake.signed_friction_stress_over_pressure_in_shoe_frame(shoe)
-    unit, moment = load_column_factors_and_pin_moment_per_newton(parts, shoe)
+    unit, moment = actuation_factors_and_pin_moment_per_newton(parts, shoe)
     force = abs(shoe.actuation.force)
     per_newton = parts.load_matrix_columns_by_load_name.column_factors_of_one_named_load(
-        ACTUATION, unit
+        ACTUATION_LOAD_NAME, unit
     )
     with add_elapsed_time_of_block_to_phase(seconds, "contact"):
         A = (parts.constraints.matrix.T @ parts.K @ parts.constraints.matrix).tocsc()
         points = _quadrature_points_of_shoe_friction_face(parts, brake, shoe, drag)
         # Displacements of all unknowns while the shoe turns as a rigid body about its pin by 1 rad.
         turned = np.zeros(A.shape[0])
-        turned[2 * -len(parts.line.nodes) - FRAME : -FRAME] = (
-            _nodal_displacements_per_turn_about_pin(parts, shoe)
-        )
+        turned[
+            2 * -len(parts.line.nodes)
+            - DEGREES_OF_FREEDOM_OF_BODY_FRAME : -DEGREES_OF_FREEDOM_OF_BODY_FRAME
+        ] = _nodal_displacements_per_turn_about_pin(parts, shoe)
         turned[-1] = 1.0
-        if force == 0 or not (moment * (points.closing @ turned) > 0).any():
+        if force == 0 or not (moment * (points.gap_closure_by_displacements @ turned) > 0).any():
             return _answer_of_shoe_without_contact(shoe)
         # The pin fixes the two displacements of the shoe's frame; all other unknowns are free.
-        free = np.delete(np.arange(A.shape[0]), [-FRAME, 1 - FRAME])
-        load = force * (parts.loads[ACTUATION] @ per_newton)
+        free = np.delete(
+            np.arange(A.shape[0]),
+            [-DEGREES_OF_FREEDOM_OF_BODY_FRAME, 1 - DEGREES_OF_FREEDOM_OF_BODY_FRAME],
+        )
+        load = force * (parts.loads[ACTUATION_LOAD_NAME] @ per_newton)
         stiffness = penalty_stiffness_of_contact_per_area(shoe, penalty)
         contact_state = _find_touching_points_by_newton(A, load, points, stiffness, free, shoe.name)
         u, on = contact_state.u, contact_state.touching
-        p = np.where(on, stiffness * (points.closing @ u - points.gap), 0.0)
-        nodal = points.pushing.T @ (points.weight * p)
+        p = np.where(on, stiffness * (points.gap_closure_by_displacements @ u - points.gap), 0.0)
+        nodal = points.nodal_forces_of_unit_contact.T @ (points.weight * p)
         # The hinge reaction is the residual of the equations of the two displacements that the pin
         # fixes.
-        reaction = (A @ u - load - nodal)[-FRAME : 1 - FRAME + 1]
-    contact = nodal[2 * -len(parts.line.nodes) - FRAME : -FRAME].reshape(-1, 2)
+        reaction = (A @ u - load - nodal)[
+            -DEGREES_OF_FREEDOM_OF_BODY_FRAME : 1 - DEGREES_OF_FREEDOM_OF_BODY_FRAME + 1
+        ]
+    contact = nodal[
+        2 * -len(parts.line.nodes)
+        - DEGREES_OF_FREEDOM_OF_BODY_FRAME : -DEGREES_OF_FREEDOM_OF_BODY_FRAME
+    ].reshape(-1, 2)
     given = (force * per_newton)[:2]
     balance = _relative_imbalance_of_forces_and_moments(
         parts, shoe, contact, reaction, given, force * moment
@@ -208,37 +223,43 @@ def _solve_one_shoe_by_penalty(
     response = _shoe_response_from_quadrature_pressures(
         shoe, points, p, abs(drag), to_brake, assists, turn
     )
-    return PointwiseAnswer(response, balance, contact_state.steps)
+    return ShoeResponseByPointwisePenalty(response, balance, contact_state.steps)
 
 
-def _answer_of_shoe_without_contact(shoe: Shoe) -> PointwiseAnswer:
+def _answer_of_shoe_without_contact(shoe: Shoe) -> ShoeResponseByPointwisePenalty:
     """The answer for a shoe that its actuation force does not press on the drum."""
     response = response_of_shoe_without_contact(shoe, -shoe.actuation.force_vector)
-    return PointwiseAnswer(response, Balance(0.0, 0.0), 0)
+    return ShoeResponseByPointwisePenalty(response, ForceAndMomentImbalance(0.0, 0.0), 0)
 
 
-def _work_of_friction_in_shoe_motion(points: _ContactPoints, p: Floats, motion: Floats) -> float:
+def _work_of_friction_in_shoe_motion(
+    points: _QuadraturePointsOfFrictionFace, p: Floats, motion: Floats
+) -> float:
     """Work [N m] of the friction due to the pressures p (q,) [Pa], in a motion (unknowns,) [m].
 
-    The matrix `pushing` gives normal and friction forces, and `closing` gives the normal forces
-    with the opposite sign. Their sum is the friction alone.
+    The matrix `nodal_forces_of_unit_contact` gives normal and friction forces, and
+    `gap_closure_by_displacements` gives the normal forces with the opposite sign. Their sum is the
+    friction alone.
     """
-    return float((points.weight * p) @ ((points.pushing + points.closing) @ motion))
+    return float(
+        (points.weight * p)
+        @ ((points.nodal_forces_of_unit_contact + points.gap_closure_by_displacements) @ motion)
+    )
 
 
 def _relative_imbalance_of_forces_and_moments(
-    parts: AssembledShoe,
+    parts: AssembledUncondensedShoe,
     shoe: Shoe,
     contact: Floats,
     reaction: Floats,
     given: Floats,
     moment: float,
-) -> Balance:
+) -> ForceAndMomentImbalance:
     """The relative imbalance of the forces on a shoe, and of their moments about the centre.
 
     Parameters
     ----------
-    parts : AssembledShoe
+    parts : AssembledUncondensedShoe
         The assembled shoe, with its n contact nodes.
     shoe : Shoe
         The shoe.
@@ -262,8 +283,8 @@ def _relative_imbalance_of_forces_and_moments(
 
 
 def _quadrature_points_of_shoe_friction_face(
-    parts: AssembledShoe, brake: Brake, shoe: Shoe, drag: float
-) -> _ContactPoints:
+    parts: AssembledUncondensedShoe, brake: Brake, shoe: Shoe, drag: float
+) -> _QuadraturePointsOfFrictionFace:
     """The quadrature points of a shoe's friction face.
 
     drag : friction force divided by normal force, positive if the drum drags towards growing
@@ -272,13 +293,15 @@ def _quadrature_points_of_shoe_friction_face(
     line = parts.line
     at, weights = np.polynomial.legendre.leggauss(line.interpolation_degree_along_contact_line + 1)
     psi, x, ds = edge_quadrature_points(line.xy[:, line.pieces], at, weights)
-    normal, tangent = function_that_returns_drum_normals_and_tangents(shoe.sign)(x)
+    normal, tangent = function_that_returns_drum_normals_and_tangents(
+        shoe.sign_internal_plus_external_minus
+    )(x)
     radius = np.hypot(*x)
     phi = shoe.surface_coordinates_of_points_in_shoe_frame(x, brake.size)
     unknowns = parts.constraints.matrix.shape[1]
-    first = unknowns - FRAME - 2 * len(line.nodes)
+    first = unknowns - DEGREES_OF_FREEDOM_OF_BODY_FRAME - 2 * len(line.nodes)
 
-    def nodal_forces_of_point_vectors(vectors: Floats) -> Any:
+    def nodal_force_matrix_of_vectors_at_points(vectors: Floats) -> Any:
         """The nodal forces of a vector at each point, as a sparse matrix (points, unknowns).
 
         vectors : array (2, edges, points on an edge) of unit forces at the points.
@@ -294,23 +317,25 @@ def _quadrature_points_of_shoe_friction_face(
             (values.ravel(), (rows.ravel(), columns.ravel())), shape=(edges * q, unknowns)
         )
 
-    return _ContactPoints(
+    return _QuadraturePointsOfFrictionFace(
         weight=(shoe.lining.width * ds).ravel(),
         phi=phi.ravel(),
         radius=radius.ravel(),
         gap=unloaded_lining_gaps_at_points(x, phi, brake, shoe).ravel(),
-        closing=nodal_forces_of_point_vectors(normal),
-        pushing=nodal_forces_of_point_vectors(drag * tangent - normal),
+        gap_closure_by_displacements=nodal_force_matrix_of_vectors_at_points(normal),
+        nodal_forces_of_unit_contact=nodal_force_matrix_of_vectors_at_points(
+            drag * tangent - normal
+        ),
     )
 
 
-def _nodal_displacements_per_turn_about_pin(parts: AssembledShoe, shoe: Shoe) -> Floats:
+def _nodal_displacements_per_turn_about_pin(parts: AssembledUncondensedShoe, shoe: Shoe) -> Floats:
     """Displacements (2 n,) [m/rad] of the n contact nodes as the shoe turns about its pin."""
     x, y = parts.line.xy - shoe.pin_position_in_shoe_frame[:, None]
     return np.column_stack([-y, x]).ravel()
 
 
-class _PointContact(NamedTuple):
+class _ContactStateOfShoeByNewton(NamedTuple):
     """Contact state of a shoe: displacements (unknowns,), flags (q,), number of Newton steps.
 
     A flag of `touching` tells whether a quadrature point touches the drum.
@@ -322,8 +347,13 @@ class _PointContact(NamedTuple):
 
 
 def _find_touching_points_by_newton(
-    A: Any, load: Floats, points: _ContactPoints, stiffness: float, free: Ints, name: str
-) -> _PointContact:
+    A: Any,
+    load: Floats,
+    points: _QuadraturePointsOfFrictionFace,
+    stiffness: float,
+    free: Ints,
+    name: str,
+) -> _ContactStateOfShoeByNewton:
     """The contact state of a shoe by Newton's method, which starts with all points touching.
 
     Parameters
@@ -332,7 +362,7 @@ def _find_touching_points_by_newton(
         Stiffness matrix of the shoe.
     load : array (unknowns,)
         Nodal forces of the actuation [N].
-    points : _ContactPoints
+    points : _QuadraturePointsOfFrictionFace
         Quadrature points of the shoe's friction face.
     stiffness : float
         Penalty stiffness eps [Pa/m].
@@ -344,12 +374,12 @@ def _find_touching_points_by_newton(
     u, on = np.zeros(A.shape[0]), np.ones(len(points.gap), dtype=bool)
     K = A[free][:, free].tocsc()
     seen: set[bytes] = set()
-    for step in range(1, MOST_POINT_STEPS + 1):
+    for step in range(1, MOST_NEWTON_STEPS_OF_POINTWISE_PENALTY + 1):
         factor = sp.diags(on * points.weight * stiffness)
-        pushing = points.pushing.T[free] @ factor
+        pushing = points.nodal_forces_of_unit_contact.T[free] @ factor
         try:
             factors = splu(
-                (K - pushing @ points.closing[:, free]).tocsc(),
+                (K - pushing @ points.gap_closure_by_displacements[:, free]).tocsc(),
                 permc_spec="MMD_AT_PLUS_A",
                 diag_pivot_thresh=0.01,
                 options={"SymmetricMode": True},
@@ -361,9 +391,9 @@ def _find_touching_points_by_newton(
         u[free] = factors.solve(load[free] - pushing @ points.gap)
         # Those points touch in the next step whose gap would be closed by this step's
         # displacements.
-        touching = points.closing @ u > points.gap
+        touching = points.gap_closure_by_displacements @ u > points.gap
         if (touching == on).all():
-            return _PointContact(u, on, step)
+            return _ContactStateOfShoeByNewton(u, on, step)
         if touching.tobytes() in seen:
             raise NoAnswer(
                 f"shoe {name!r}: not converged, "
@@ -373,13 +403,13 @@ def _find_touching_points_by_newton(
         on = touching
     raise NoAnswer(
         f"shoe {name!r}: not converged, "
-        f"the pointwise contact still changes after {MOST_POINT_STEPS} steps"
+        f"the pointwise contact still changes after {MOST_NEWTON_STEPS_OF_POINTWISE_PENALTY} steps"
     )
 
 
 def _shoe_response_from_quadrature_pressures(
     shoe: Shoe,
-    points: _ContactPoints,
+    points: _QuadraturePointsOfFrictionFace,
     p: Floats,
     friction: float,
     reaction: Floats,
@@ -395,7 +425,7 @@ def _shoe_response_from_quadrature_pressures(
     ----------
     shoe : Shoe
         The shoe.
-    points : _ContactPoints
+    points : _QuadraturePointsOfFrictionFace
         Quadrature points of the shoe's friction face.
     p : array (q,)
         Pressure at the points [Pa].
@@ -416,7 +446,7 @@ def _shoe_response_from_quadrature_pressures(
     return response_of_pressed_elastic_shoe(
         shoe,
         float(points.radius.mean()),
-        frame.theta(phi),
+        frame.surface_coordinates_of_phi(phi),
         q,
         order=1,
         torque=friction * float(forces @ points.radius),

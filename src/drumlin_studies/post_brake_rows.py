@@ -31,42 +31,44 @@ from drumlin.laws import solve_brake_by_sine_law
 from drumlin.lining_wear.worn_in import post_brake_with_worn_in_clearances
 from drumlin.response.merit import response_with_figures_of_merit
 from drumlin.response.norms import relative_error_of_number
-from drumlin.response.response import Merit, Response
+from drumlin.response.response import FiguresOfMeritOnDrum, Response
 
-ALL_LIFTS = ("all",)
+LIFT_OPTION_WITH_ALL_EFFECTS = ("all",)
 """Value of the option `lift` with which the foundation model includes all effects that the
 published model neglects.
 """
-Solver = Callable[[Brake], Response]
+FunctionThatSolvesBrakeByModel = Callable[[Brake], Response]
 """A function that returns the response of a brake by one model."""
-Offsets = dict[str, dict[str, list[tuple[float, float]]]]
+TorqueDifferencesOverRadiusOffset = dict[str, dict[str, list[tuple[float, float]]]]
 """For each shoe and model a list of pairs: radius of the lining minus radius of the drum [m], and
 relative difference of the shoe's torque from its torque by the sine law.
 """
-Merits = dict[str, dict[str, list[tuple[float, Merit]]]]
+FiguresOfMeritOverFriction = dict[str, dict[str, list[tuple[float, FiguresOfMeritOnDrum]]]]
 """For each shoe and model a list of pairs: coefficient of friction, and the shoe's figures of merit
-(`Merit`).
+(`FiguresOfMeritOnDrum`).
 """
-Curve = tuple[Floats, Floats]
+AbscissasAndOrdinatesOfCurve = tuple[Floats, Floats]
 """Abscissas (n,) and ordinates (n,) of a curve."""
-POST_MODELS: dict[str, Solver] = {
+POST_BRAKE_SOLVERS_BY_MODEL_NAME: dict[str, FunctionThatSolvesBrakeByModel] = {
     "foundation": foundation.solve_brake_by_foundation_model,
-    "lifted": partial(foundation.solve_brake_by_foundation_model, lift=ALL_LIFTS),
+    "lifted": partial(
+        foundation.solve_brake_by_foundation_model, lift=LIFT_OPTION_WITH_ALL_EFFECTS
+    ),
     "sine": solve_brake_by_sine_law,
 }
 """Solvers of a post brake by name. "foundation" is the foundation model as published, "lifted" the
 same model with every effect that the published one neglects.
 """
-TILT_AND_MODELS: dict[str, Solver] = {
+POST_BRAKE_SOLVERS_AND_TILT_SOLVER_BY_NAME: dict[str, FunctionThatSolvesBrakeByModel] = {
     "tilt": partial(foundation.solve_brake_by_foundation_model, lift=("tilt",)),
-    **POST_MODELS,
+    **POST_BRAKE_SOLVERS_BY_MODEL_NAME,
 }
-"""Solvers of a post brake by name: POST_MODELS and a further foundation model.
+"""Solvers of a post brake by name: POST_BRAKE_SOLVERS_BY_MODEL_NAME and a further foundation model.
 
 "tilt" includes the tilt of the beam's sections, and neglects every other effect that the published
 model neglects.
 """
-MATCHED_ASSUMPTIONS = {
+CHANGES_TO_MEET_FOUNDATION_ASSUMPTIONS = {
     "drum.ring": None,
     "shoe.lining.material": {"E": 2e6, "nu": 0.0},
     "shoe.backing.material": {"E": 5e8, "nu": 0.0},
@@ -77,13 +79,13 @@ MATCHED_ASSUMPTIONS = {
 The lining is soft, the block is stiff compared with the lining, the drum is rigid, and Poisson's
 ratio is zero.
 """
-COMPARED_MODELS = ("foundation", "tilt", "lifted", "sine")
+NAMES_OF_MODELS_FOR_VIOLATED_ASSUMPTIONS = ("foundation", "tilt", "lifted", "sine")
 """The models in the table of brakes that violate assumptions of the foundation model. The names are
-keys of TILT_AND_MODELS.
+keys of POST_BRAKE_SOLVERS_AND_TILT_SOLVER_BY_NAME.
 """
-MAPPED_MODELS = ("sine", "foundation", "lifted")
-"""The models whose errors are shown as maps, by their names in POST_MODELS."""
-MODEL_NAMES = {
+NAMES_OF_MODELS_WITH_ERROR_MAPS = ("sine", "foundation", "lifted")
+"""The models whose errors are shown as maps, by their names in POST_BRAKE_SOLVERS_BY_MODEL_NAME."""
+WORDS_FOR_POST_BRAKE_MODELS_BY_KEY = {
     "fem": "finite elements",
     "sine": "sine law",
     "foundation": "foundation, as published",
@@ -93,7 +95,7 @@ MODEL_NAMES = {
 
 
 @dataclass(frozen=True)
-class ErrorMap:
+class TorqueErrorMapOverStiffnessGroups:
     """Map of the relative error of a model's torque over two dimensionless groups.
 
     Attributes
@@ -137,7 +139,11 @@ def error_rows_of_foundation_model_effects(brake: Brake, fem: Response) -> list[
     brake : the post brake; fem : its response by finite elements.
     """
     rows = []
-    for lift in ((), *((name,) for name in foundation.LIFTS), ALL_LIFTS):
+    for lift in (
+        (),
+        *((name,) for name in foundation.INCLUDABLE_EFFECTS),
+        LIFT_OPTION_WITH_ALL_EFFECTS,
+    ):
         response = foundation.solve_brake_by_foundation_model(brake, lift=lift)
         row = {"lift": ", ".join(lift) or "none (the paper)", "torque": response.torque}
         for shoe, true in zip(response.shoes, fem.shoes, strict=True):
@@ -199,16 +205,16 @@ def rows_of_post_brake_results_by_clearance(
         "set 1 mm towards the hinge": brake_with_clearances_by_function_of_angle(
             brake, lambda theta: 1e-3 * (np.sin(theta).max() - np.sin(theta))
         ),
-        "worn in": post_brake_with_worn_in_clearances(brake, lift=ALL_LIFTS),
+        "worn in": post_brake_with_worn_in_clearances(brake, lift=LIFT_OPTION_WITH_ALL_EFFECTS),
     }
     nominal, rows = solve_brake_by_sine_law(brake), []
     for case, varied in cases.items():
         answers = {
             "fem": solve_prepared_model(scene, varied),
-            "lifted": POST_MODELS["lifted"](varied),
+            "lifted": POST_BRAKE_SOLVERS_BY_MODEL_NAME["lifted"](varied),
         }
         for model, response in answers.items():
-            base = {"case": case, "model": MODEL_NAMES[model]}
+            base = {"case": case, "model": WORDS_FOR_POST_BRAKE_MODELS_BY_KEY[model]}
             rows += [base | row for row in _shoe_rows_of_response(varied, response, nominal)]
     return rows
 
@@ -224,7 +230,7 @@ def _shoe_rows_of_response(brake: Brake, response: Response, law: Response) -> l
     rows = []
     merits = response_with_figures_of_merit(brake, response).merits
     for shoe, merit, by_law in zip(response.shoes, merits, law.shoes, strict=True):
-        assert isinstance(merit, Merit)
+        assert isinstance(merit, FiguresOfMeritOnDrum)
         arcs = (f"{math.degrees(a):.0f} to {math.degrees(b):.0f}" for a, b in shoe.contact_arcs)
         row: dict[str, Any] = {
             "shoe": shoe.name,
@@ -242,7 +248,7 @@ def _shoe_rows_of_response(brake: Brake, response: Response, law: Response) -> l
 
 def torque_differences_from_sine_law_at_lining_radii(
     brake: Brake, scene: PreparedModel, errors: Floats
-) -> Offsets:
+) -> TorqueDifferencesOverRadiusOffset:
     """Relative torque differences from the sine law, for linings of another radius.
 
     The result has the differences for each shoe and model.
@@ -257,9 +263,12 @@ def torque_differences_from_sine_law_at_lining_radii(
         Radius of the lining minus radius of the drum [m].
     """
     nominal = torques_of_all_shoes_of_response(solve_brake_by_sine_law(brake))
-    found: Offsets = {}
+    found: TorqueDifferencesOverRadiusOffset = {}
     # The sine law does not depend on clearances. Its torque is the reference of all models.
-    solvers: dict[str, Solver] = {**POST_MODELS, "fem": partial(solve_prepared_model, scene)}
+    solvers: dict[str, FunctionThatSolvesBrakeByModel] = {
+        **POST_BRAKE_SOLVERS_BY_MODEL_NAME,
+        "fem": partial(solve_prepared_model, scene),
+    }
     del solvers["sine"]
     for larger in errors.tolist():
         varied = brake_with_other_lining_radius(brake, larger)
@@ -273,7 +282,7 @@ def torque_differences_from_sine_law_at_lining_radii(
 
 def figures_of_merit_at_friction_coefficients(
     brake: Brake, scene: PreparedModel, friction: Floats
-) -> Merits:
+) -> FiguresOfMeritOverFriction:
     """Figures of merit of each shoe and model over the coefficient of friction.
 
     The list of a model ends before the first friction at which the model has no answer, because
@@ -282,8 +291,11 @@ def figures_of_merit_at_friction_coefficients(
     brake : the post brake; scene : its prepared model by finite elements; friction : coefficients
     (n,) in growing order.
     """
-    found: Merits = {}
-    solvers: dict[str, Solver] = {**POST_MODELS, "fem": partial(solve_prepared_model, scene)}
+    found: FiguresOfMeritOverFriction = {}
+    solvers: dict[str, FunctionThatSolvesBrakeByModel] = {
+        **POST_BRAKE_SOLVERS_BY_MODEL_NAME,
+        "fem": partial(solve_prepared_model, scene),
+    }
     for name, solver in solvers.items():
         for mu in friction.tolist():
             varied = vary(brake, {"friction": mu})
@@ -295,7 +307,7 @@ def figures_of_merit_at_friction_coefficients(
             for shoe, merit in zip(
                 brake.shoes, response_with_figures_of_merit(varied, response).merits, strict=True
             ):
-                assert isinstance(merit, Merit)
+                assert isinstance(merit, FiguresOfMeritOnDrum)
                 of_shoe = found.setdefault(shoe.name, {})
                 of_shoe.setdefault(name, []).append((mu, merit))
     return found
@@ -315,12 +327,14 @@ def error_rows_of_violated_assumptions(brake: Brake, elements: int) -> list[dict
     """A row for each of several brakes that violate assumptions of the foundation model.
 
     The first brake meets all assumptions, and the last one is the given brake itself. A row has the
-    relative error of the torque by each of COMPARED_MODELS against finite elements. The shoe with
-    the largest error counts.
+    relative error of the torque by each of NAMES_OF_MODELS_FOR_VIOLATED_ASSUMPTIONS against finite
+    elements. The shoe with the largest error counts.
 
     brake : the post brake; elements : number of elements along each lining.
     """
-    base = vary(brake, MATCHED_ASSUMPTIONS | brake_changes_for_lining_arc(brake, 15))
+    base = vary(
+        brake, CHANGES_TO_MEET_FOUNDATION_ASSUMPTIONS | brake_changes_for_lining_arc(brake, 15)
+    )
     ring = brake.ring
     assert ring is not None
     cases: dict[str, dict[str, Any]] = {
@@ -348,8 +362,10 @@ def error_rows_of_violated_assumptions(brake: Brake, elements: int) -> list[dict
         varied = brake if case == "the brake of this study" else vary(base, changes)
         fem = solve(varied, elements=elements)
         row: dict[str, Any] = {"case": case}
-        for name in COMPARED_MODELS:
-            row[name] = largest_relative_torque_error_of_shoes(TILT_AND_MODELS[name](varied), fem)
+        for name in NAMES_OF_MODELS_FOR_VIOLATED_ASSUMPTIONS:
+            row[name] = largest_relative_torque_error_of_shoes(
+                POST_BRAKE_SOLVERS_AND_TILT_SOLVER_BY_NAME[name](varied), fem
+            )
         rows.append(row)
     return rows
 
@@ -372,13 +388,13 @@ def dimensionless_stiffnesses_of_beam_and_ring(brake: Brake) -> tuple[float, flo
 
 def torque_error_maps_of_models_and_groups_of_brake(
     brake: Brake, points: int, elements: int
-) -> tuple[list[list[ErrorMap]], list[tuple[float, float]]]:
+) -> tuple[list[list[TorqueErrorMapOverStiffnessGroups]], list[tuple[float, float]]]:
     """Maps of the torque's error over the dimensionless groups of beam and ring, by model.
 
-    Each row has a map for each of MAPPED_MODELS. In the first row the lining is soft compared with
-    its block; the second row has a wooden block. The error is against finite elements, and the shoe
-    with the largest error counts. The second result has for each row the values of both groups on
-    the unchanged brake.
+    Each row has a map for each of NAMES_OF_MODELS_WITH_ERROR_MAPS. In the first row the lining is
+    soft compared with its block; the second row has a wooden block. The error is against finite
+    elements, and the shoe with the largest error counts. The second result has for each row the
+    values of both groups on the unchanged brake.
 
     Parameters
     ----------
@@ -396,8 +412,12 @@ def torque_error_maps_of_models_and_groups_of_brake(
         varied = vary(brake, layers)
         error = _torque_errors_at_dimensionless_stiffness_groups(varied, x, y, elements)
         maps = []
-        for name in MAPPED_MODELS:
-            maps.append(ErrorMap(f"{MODEL_NAMES[name]}, {said}", x, y, error[name]))
+        for name in NAMES_OF_MODELS_WITH_ERROR_MAPS:
+            maps.append(
+                TorqueErrorMapOverStiffnessGroups(
+                    f"{WORDS_FOR_POST_BRAKE_MODELS_BY_KEY[name]}, {said}", x, y, error[name]
+                )
+            )
         rows.append(maps)
         places.append(dimensionless_stiffnesses_of_beam_and_ring(varied))
     return rows, places
@@ -406,7 +426,7 @@ def torque_error_maps_of_models_and_groups_of_brake(
 def _torque_errors_at_dimensionless_stiffness_groups(
     brake: Brake, x: Floats, y: Floats, elements: int
 ) -> dict[str, Floats]:
-    """Relative errors (m, n) of the torque by each of POST_MODELS, over two dimensionless groups.
+    """Relative errors (m, n) of the torque by each model, over two dimensionless groups.
 
     An error is nan where a model or the finite elements have no answer.
 
@@ -418,7 +438,7 @@ def _torque_errors_at_dimensionless_stiffness_groups(
     assert brake.ring is not None and body is not None
     # Bending stiffnesses [N m^2] of the beam and of the ring for which the groups are 1.
     EI, EI_r = body.plates["shoe"].bending_stiffness * beam, brake.ring.EI * ring
-    error = {name: np.full((len(y), len(x)), np.nan) for name in POST_MODELS}
+    error = {name: np.full((len(y), len(x)), np.nan) for name in POST_BRAKE_SOLVERS_BY_MODEL_NAME}
     for i, at_y in enumerate(y.tolist()):
         for j, at_x in enumerate(x.tolist()):
             stiffnesses = {
@@ -428,7 +448,7 @@ def _torque_errors_at_dimensionless_stiffness_groups(
             varied = vary(brake, stiffnesses)
             try:
                 fem = solve(varied, elements=elements)
-                for name, model in POST_MODELS.items():
+                for name, model in POST_BRAKE_SOLVERS_BY_MODEL_NAME.items():
                     error[name][i, j] = largest_relative_torque_error_of_shoes(model(varied), fem)
             except NoAnswer:
                 continue
@@ -487,13 +507,13 @@ def _torque_normal_force_and_friction_radius(brake: Brake, sections: int) -> Flo
     """
     response = foundation.solve_brake_by_foundation_model(brake, sections=sections)
     merit = response.merits[0]
-    assert isinstance(merit, Merit)
+    assert isinstance(merit, FiguresOfMeritOnDrum)
     return np.array([response.torque, response.shoes[0].normal_force, merit.friction_radius or 0.0])
 
 
 def beam_deflection_curves_of_shoes_by_model(
     scene: PreparedModel, brake: Brake, responses: Mapping[str, Response]
-) -> list[dict[str, Curve]]:
+) -> list[dict[str, AbscissasAndOrdinatesOfCurve]]:
     """For each shoe the deflection of its beam [m] over the length of the beam [m], by model.
 
     The deflection is measured from the straight line through both ends of the beam.
@@ -511,7 +531,7 @@ def beam_deflection_curves_of_shoes_by_model(
     made, fem = [], solve_prepared_model(scene, brake)
     for i in range(len(brake.shoes)):
         x, w = stations_and_deflections_of_beam(scene, brake, fem, i)
-        models: dict[str, Curve] = {"fem": (x, w - w[-1] * x / x[-1])}
+        models: dict[str, AbscissasAndOrdinatesOfCurve] = {"fem": (x, w - w[-1] * x / x[-1])}
         for name in ("foundation", "lifted"):
             deformation = responses[name].shoes[i].deformation
             assert deformation is not None
@@ -522,7 +542,7 @@ def beam_deflection_curves_of_shoes_by_model(
 
 def drum_rim_displacement_curves_by_model(
     scene: PreparedModel, brake: Brake, responses: Mapping[str, Response]
-) -> tuple[dict[str, Curve], dict[str, Curve]]:
+) -> tuple[dict[str, AbscissasAndOrdinatesOfCurve], dict[str, AbscissasAndOrdinatesOfCurve]]:
     """Radial displacement [m] of the drum's rim over the angle [rad].
 
     The first result has for each shoe the displacement by this shoe alone, by the published
@@ -539,9 +559,11 @@ def drum_rim_displacement_curves_by_model(
         Responses by the models "foundation" and "lifted".
     """
     turn = np.linspace(0, 2 * np.pi, 400)
-    printed = foundation.ring_displacement_under_each_shoe(brake, responses["foundation"], turn)
-    lifted = foundation.ring_displacement_under_each_shoe(
-        brake, responses["lifted"], turn, ALL_LIFTS
+    printed = foundation.inward_ring_displacement_under_each_shoe(
+        brake, responses["foundation"], turn
+    )
+    lifted = foundation.inward_ring_displacement_under_each_shoe(
+        brake, responses["lifted"], turn, LIFT_OPTION_WITH_ALL_EFFECTS
     ).sum(axis=0)
     theta, z = angles_and_inward_displacements_of_ring_surface(
         scene, brake, solve_prepared_model(scene, brake)

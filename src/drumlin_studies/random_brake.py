@@ -19,87 +19,97 @@ from drumlin.brake.file import make_drum_brake_from_data, vary
 from drumlin.fem.solve import solve
 from drumlin.laws import self_locking_friction_of_hinged_shoe, solve_brake_by_sine_law
 
-FRICTIONLESS_ELEMENTS = 4
+ELEMENTS_PER_LINING_OF_FRICTIONLESS_TEST = 4
 """Elements along a lining of the mesh on which a drawn brake is tested for contact without
 friction.
 """
-SHAPE_TRIAL_ELEMENTS = 16
+ELEMENTS_PER_LINING_OF_SHAPE_KIND_CONTACT_TEST = 16
 """Elements along a lining of the mesh on which a drawn brake is tested for contact with friction.
 """
-BELOW_LOCKING = 0.7
+LARGEST_FRICTION_OVER_LOCKING_FRICTION = 0.7
 """Largest friction of a random brake, relative to the friction at which it locks by the sine law.
 
 The value is a judgement: nearer to self-locking the torque grows without bound, and a small error
 of the friction causes a large error of the torque.
 """
-SHAPE_FRICTION_MARGIN = 1.2
+FRICTION_FACTOR_OF_SHAPE_KIND_CONTACT_TEST = 1.2
 """Factor by which a random brake's friction is raised for a test, in which all shoes must touch the
 drum.
 
 The test uses finite elements, because the elastic brake may lock itself at a lower friction than by
 the sine law. A brake that fails this test is drawn again.
 """
-SHAPE_ATTEMPTS = 400
+MOST_BRAKES_OF_SHAPE_KIND_DRAWN_PER_SEED = 400
 """Number of brakes that are drawn for one seed before the generator gives up with NoAnswer.
 
 Extreme sizes make many draws impossible.
 """
-SENSES = ("clockwise", "counter-clockwise")
+DRAWN_SENSES_OF_ROTATION = ("clockwise", "counter-clockwise")
 """Senses of rotation, in the order in which they are drawn."""
 
-Draw = Callable[[np.random.Generator], dict[str, Any]]
+FunctionThatDrawsShapeKindData = Callable[[np.random.Generator], dict[str, Any]]
 """A function that draws the data of a brake file, without title, rotation and friction."""
 
 
 def draw_random_brake(seed: int, kind: str | None = None) -> Brake:
     """The random brake of a seed.
 
-    All shoes of a brake of SHAPE_KINDS press on the drum, and its friction is zero or below the
-    friction at which it locks itself. A brake of LOCKING_KINDS has one shoe, and its friction is
-    0.3, which the caller replaces. By the sine law a "locking" brake locks itself at a friction
-    below 1.5, and an "opposed" brake never does.
+    All shoes of a brake of FUNCTIONS_THAT_DRAW_BRAKE_DATA_BY_SHAPE_KIND press on the drum, and its
+    friction is zero or below the friction at which it locks itself. A brake of
+    KINDS_THAT_LOCK_OR_NEVER_LOCK_WITH_FRICTION has one shoe, and its friction is 0.3, which the
+    caller replaces. By the sine law a "locking" brake locks itself at a friction below 1.5, and an
+    "opposed" brake never does.
 
     Parameters
     ----------
     seed : int
         The same seed always gives the same brake.
     kind : str, optional
-        One of SHAPE_KINDS or LOCKING_KINDS. By default the seed modulo the number of SHAPE_KINDS
-        chooses the kind.
+        One of FUNCTIONS_THAT_DRAW_BRAKE_DATA_BY_SHAPE_KIND or
+        KINDS_THAT_LOCK_OR_NEVER_LOCK_WITH_FRICTION. By default the seed modulo the number of
+        FUNCTIONS_THAT_DRAW_BRAKE_DATA_BY_SHAPE_KIND chooses the kind.
 
     Raises
     ------
     NoAnswer
-        No brake of the kind passes in SHAPE_ATTEMPTS draws.
+        No brake of the kind passes in MOST_BRAKES_OF_SHAPE_KIND_DRAWN_PER_SEED draws.
     """
-    if kind in LOCKING_KINDS:
+    if kind in KINDS_THAT_LOCK_OR_NEVER_LOCK_WITH_FRICTION:
         return _draw_self_locking_or_opposed_brake(seed, str(kind))
-    names = list(SHAPE_KINDS)
+    names = list(FUNCTIONS_THAT_DRAW_BRAKE_DATA_BY_SHAPE_KIND)
     kind = names[seed % len(names)] if kind is None else kind
-    for attempt in range(SHAPE_ATTEMPTS):
+    for attempt in range(MOST_BRAKES_OF_SHAPE_KIND_DRAWN_PER_SEED):
         rng = np.random.default_rng([seed, names.index(kind), attempt])
         brake = _draw_brake_or_none(rng, kind, f"random {kind} {seed}")
         if brake is not None:
             return brake
-    raise NoAnswer(f"no brake of kind {kind} from seed {seed} in {SHAPE_ATTEMPTS} attempts")
+    raise NoAnswer(
+        f"no brake of kind {kind} from seed {seed} in "
+        f"{MOST_BRAKES_OF_SHAPE_KIND_DRAWN_PER_SEED} attempts"
+    )
 
 
 def _draw_brake_or_none(rng: np.random.Generator, kind: str, title: str) -> Brake | None:
     """A random brake of a kind, or None if it is impossible or a shoe does not touch the drum.
 
-    rng : generator of the random numbers; kind : one of SHAPE_KINDS; title : title of the brake.
+    rng : generator of the random numbers; kind : one of
+        FUNCTIONS_THAT_DRAW_BRAKE_DATA_BY_SHAPE_KIND; title : title of the brake.
     """
-    data = SHAPE_KINDS[kind](rng)
-    drawn_friction, rotation = rng.uniform(0.02, 0.6), str(rng.choice(SENSES))
+    data = FUNCTIONS_THAT_DRAW_BRAKE_DATA_BY_SHAPE_KIND[kind](rng)
+    drawn_friction, rotation = rng.uniform(0.02, 0.6), str(rng.choice(DRAWN_SENSES_OF_ROTATION))
     data |= {"title": title, "rotation": rotation, "friction": 0.1}
     without_friction = rng.random() < 0.12
     try:
         brake = make_drum_brake_from_data(data)
         locking = min(self_locking_friction_of_hinged_shoe(brake, shoe) for shoe in brake.shoes)
-        friction = 0.0 if without_friction else min(drawn_friction, BELOW_LOCKING * locking)
+        friction = (
+            0.0
+            if without_friction
+            else min(drawn_friction, LARGEST_FRICTION_OVER_LOCKING_FRICTION * locking)
+        )
         brake = vary(brake, {"friction": float(f"{friction:.4g}")})
         presses = _has_all_shoes_in_contact(
-            brake, SHAPE_FRICTION_MARGIN
+            brake, FRICTION_FACTOR_OF_SHAPE_KIND_CONTACT_TEST
         ) and _has_all_shoes_in_contact(brake, 1.0)
     except (BadInput, NoAnswer):
         return None
@@ -109,7 +119,7 @@ def _draw_brake_or_none(rng: np.random.Generator, kind: str, title: str) -> Brak
 def _has_all_shoes_in_contact(brake: Brake, factor: float) -> bool:
     """Whether all shoes of a brake touch the drum if its friction is multiplied by a factor."""
     varied = vary(brake, {"friction": factor * brake.friction})
-    response = solve(varied, elements=SHAPE_TRIAL_ELEMENTS)
+    response = solve(varied, elements=ELEMENTS_PER_LINING_OF_SHAPE_KIND_CONTACT_TEST)
     return all(shoe.contact_arcs for shoe in response.shoes)
 
 
@@ -126,7 +136,7 @@ def _draw_material_data(rng: np.random.Generator, low: float, high: float) -> di
     }
 
 
-class ShoeOnArc(NamedTuple):
+class RangesOfRandomArcShoe(NamedTuple):
     """Ranges from which a shoe is drawn whose body is an arc along the drum.
 
     Attributes
@@ -140,7 +150,7 @@ class ShoeOnArc(NamedTuple):
         radius.
     modulus, body_modulus : tuple of float
         Smallest and largest power of ten of Young's modulus [Pa] of the lining and of the body.
-    largest_angle : float
+    largest_angle_from_hinge : float
         Largest angle [rad] from the hinge to the far end of the lining.
     """
 
@@ -151,10 +161,12 @@ class ShoeOnArc(NamedTuple):
     modulus: tuple[float, float] = (7.7, 9.5)
     body_modulus: tuple[float, float] = (10.0, 11.5)
     body_thickness: tuple[float, float] = (-1.3, -0.6)
-    largest_angle: float = 2.9
+    largest_angle_from_hinge: float = 2.9
 
 
-def _draw_arc_shoe_data(rng: np.random.Generator, R: float, ranges: ShoeOnArc) -> dict[str, Any]:
+def _draw_arc_shoe_data(
+    rng: np.random.Generator, R: float, ranges: RangesOfRandomArcShoe
+) -> dict[str, Any]:
     """The data of a random hinged shoe whose body is an arc along the drum.
 
     R : radius of the drum [m]; ranges : ranges of the shoe's sizes.
@@ -165,7 +177,7 @@ def _draw_arc_shoe_data(rng: np.random.Generator, R: float, ranges: ShoeOnArc) -
     # The lining lies on the side of growing angles from the hinge (1) or of falling angles (-1).
     hand = int(rng.choice([-1, 1]))
     gap = u(0.05, 0.35)
-    span = min(math.exp(u(*np.log(ranges.arc))), ranges.largest_angle - gap)
+    span = min(math.exp(u(*np.log(ranges.arc))), ranges.largest_angle_from_hinge - gap)
     far = hinge_angle + hand * (gap + span)
     start, end = sorted([hinge_angle + hand * gap, far])
     # Width and thickness of the lining are random fractions of the drum's radius.
@@ -200,7 +212,7 @@ def _draw_arc_shoe_data(rng: np.random.Generator, R: float, ranges: ShoeOnArc) -
 
 
 def _draw_section_data_of_arc_body(
-    rng: np.random.Generator, R: float, width: float, ranges: ShoeOnArc
+    rng: np.random.Generator, R: float, width: float, ranges: RangesOfRandomArcShoe
 ) -> dict[str, Any]:
     """The thickness, width and material of a random body along the drum.
 
@@ -212,7 +224,7 @@ def _draw_section_data_of_arc_body(
         Radius of the drum [m].
     width : float
         Width of the lining [m].
-    ranges : ShoeOnArc
+    ranges : RangesOfRandomArcShoe
         Ranges of the shoe's sizes.
     """
     return {
@@ -397,19 +409,22 @@ def _draw_drum_radius(rng: np.random.Generator) -> float:
 def _draw_data_of_brake_with_elastic_arc_shoe(rng: np.random.Generator) -> dict[str, Any]:
     """The data of a brake with one hinged shoe whose elastic body is an arc along the drum."""
     R = _draw_drum_radius(rng)
-    return {"drum": {"radius": R}, "shoe": [_draw_arc_shoe_data(rng, R, ShoeOnArc())]}
+    return {"drum": {"radius": R}, "shoe": [_draw_arc_shoe_data(rng, R, RangesOfRandomArcShoe())]}
 
 
 def _draw_data_of_brake_with_backed_shoe(rng: np.random.Generator) -> dict[str, Any]:
     """The data of a brake with one shoe that has a backing and an elastic body along the drum."""
     R = _draw_drum_radius(rng)
-    return {"drum": {"radius": R}, "shoe": [_draw_arc_shoe_data(rng, R, ShoeOnArc(backing=True))]}
+    return {
+        "drum": {"radius": R},
+        "shoe": [_draw_arc_shoe_data(rng, R, RangesOfRandomArcShoe(backing=True))],
+    }
 
 
 def _draw_data_of_brake_with_rigid_shoe(rng: np.random.Generator) -> dict[str, Any]:
     """The data of a brake with one rigid shoe; half of the shoes have a backing."""
     R = _draw_drum_radius(rng)
-    ranges = ShoeOnArc(body=False, backing=rng.random() < 0.5)
+    ranges = RangesOfRandomArcShoe(body=False, backing=rng.random() < 0.5)
     return {"drum": {"radius": R}, "shoe": [_draw_arc_shoe_data(rng, R, ranges)]}
 
 
@@ -434,7 +449,7 @@ def _draw_data_of_brake_with_beams_on_elastic_ring(rng: np.random.Generator) -> 
 def _draw_data_of_brake_with_shoe_on_elastic_ring(rng: np.random.Generator) -> dict[str, Any]:
     """The data of a brake with one elastic shoe along an elastic drum ring."""
     R = _draw_drum_radius(rng)
-    shoe = _draw_arc_shoe_data(rng, R, ShoeOnArc())
+    shoe = _draw_arc_shoe_data(rng, R, RangesOfRandomArcShoe())
     return {
         "drum": {"radius": R, "ring": _draw_drum_ring_data(rng, R, shoe["lining"]["width"])},
         "shoe": [shoe],
@@ -447,7 +462,9 @@ def _draw_data_of_brake_with_two_shoes_on_elastic_ring(rng: np.random.Generator)
     The shoes share their hinge and are mirror images of each other.
     """
     R = _draw_drum_radius(rng)
-    shoe = _draw_arc_shoe_data(rng, R, ShoeOnArc(arc=(0.3, 2.2), largest_angle=2.6))
+    shoe = _draw_arc_shoe_data(
+        rng, R, RangesOfRandomArcShoe(arc=(0.3, 2.2), largest_angle_from_hinge=2.6)
+    )
     shoes = [shoe, _mirror_shoe_data(shoe, shoe["hinge"]["angle"])]
     return {
         "drum": {"radius": R, "ring": _draw_drum_ring_data(rng, R, shoe["lining"]["width"])},
@@ -457,7 +474,7 @@ def _draw_data_of_brake_with_two_shoes_on_elastic_ring(rng: np.random.Generator)
 
 def _draw_shoe_data_sometimes_with_backing(rng: np.random.Generator, R: float) -> dict[str, Any]:
     """The data of a shoe along a drum of radius R [m]; three of ten shoes have a backing."""
-    return _draw_arc_shoe_data(rng, R, ShoeOnArc(backing=rng.random() < 0.3))
+    return _draw_arc_shoe_data(rng, R, RangesOfRandomArcShoe(backing=rng.random() < 0.3))
 
 
 def _draw_data_of_brake_with_lining_misfit(rng: np.random.Generator) -> dict[str, Any]:
@@ -515,7 +532,7 @@ def _draw_data_of_brake_with_short_contact(rng: np.random.Generator) -> dict[str
     The lining has another radius than the drum.
     """
     R, u = _draw_drum_radius(rng), rng.uniform
-    ranges = ShoeOnArc(arc=(0.35, 1.2), thickness=(-1.3, -0.6), body=rng.random() < 0.6)
+    ranges = RangesOfRandomArcShoe(arc=(0.35, 1.2), thickness=(-1.3, -0.6), body=rng.random() < 0.6)
     shoe = _draw_arc_shoe_data(rng, R, ranges)
     lining, inside = shoe["lining"], shoe["side"] == "internal"
     r = R * (1 - u(0.003, 0.04)) if inside else R * (1 + u(0.003, 0.04))
@@ -535,7 +552,7 @@ def _draw_data_of_brake_with_extreme_dimensions(rng: np.random.Generator) -> dic
     Stiffnesses, thicknesses and arcs may be extremely small or large.
     """
     R = _draw_drum_radius(rng)
-    ranges = ShoeOnArc(
+    ranges = RangesOfRandomArcShoe(
         backing=rng.random() < 0.4,
         arc=(0.02, 2.85),
         thickness=(-3.0, -0.48),
@@ -546,7 +563,7 @@ def _draw_data_of_brake_with_extreme_dimensions(rng: np.random.Generator) -> dic
     return {"drum": {"radius": R}, "shoe": [_draw_arc_shoe_data(rng, R, ranges)]}
 
 
-SHAPE_KINDS: dict[str, Draw] = {
+FUNCTIONS_THAT_DRAW_BRAKE_DATA_BY_SHAPE_KIND: dict[str, FunctionThatDrawsShapeKindData] = {
     "arc": _draw_data_of_brake_with_elastic_arc_shoe,
     "backed": _draw_data_of_brake_with_backed_shoe,
     "rigid": _draw_data_of_brake_with_rigid_shoe,
@@ -563,12 +580,12 @@ SHAPE_KINDS: dict[str, Draw] = {
 
 The order of the kinds decides which seed draws which kind.
 """
-LOCKING_KINDS = ("locking", "opposed")
+KINDS_THAT_LOCK_OR_NEVER_LOCK_WITH_FRICTION = ("locking", "opposed")
 """Kinds of brakes with one shoe: the shoe locks itself as friction grows, or it never does."""
 
 
 def _draw_self_locking_or_opposed_brake(seed: int, kind: str, attempt: int = 0) -> Brake:
-    """A random brake of one of LOCKING_KINDS.
+    """A random brake of one of KINDS_THAT_LOCK_OR_NEVER_LOCK_WITH_FRICTION.
 
     Brakes are drawn until one of them is of this kind in one of the two senses of rotation.
 
@@ -577,7 +594,7 @@ def _draw_self_locking_or_opposed_brake(seed: int, kind: str, attempt: int = 0) 
     rng = np.random.default_rng([seed, attempt])
     data = _draw_brake_data_with_one_shoe(rng, seed)
     try:
-        for rotation in SENSES:
+        for rotation in DRAWN_SENSES_OF_ROTATION:
             brake = make_drum_brake_from_data(data | {"rotation": rotation})
             locking = self_locking_friction_of_hinged_shoe(brake, brake.shoes[0])
             is_of_kind = locking < 1.5 if kind == "locking" else math.isinf(locking)
@@ -598,7 +615,7 @@ def _has_contact_without_friction(brake: Brake, locking: float) -> bool:
     # uneven.
     solve_brake_by_sine_law(vary(brake, {"friction": 0.1 * min(locking, 1.0)}))
     frictionless = brake.model_copy(update={"friction_as_written": 0.0})
-    response = solve(frictionless, elements=FRICTIONLESS_ELEMENTS)
+    response = solve(frictionless, elements=ELEMENTS_PER_LINING_OF_FRICTIONLESS_TEST)
     return bool(response.shoes[0].contact_arcs)
 
 

@@ -26,56 +26,59 @@ from drumlin.fem.error_control.levels import solve_brake_on_finer_and_finer_mesh
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.solve import solve
 from drumlin.response.response import Response, ShoeResponse
-from drumlin_studies.random_brake import SHAPE_KINDS as OF_SHAPE
-from drumlin_studies.random_kinds import HOLDING_KINDS as OF_HOLDING
+from drumlin_studies.random_brake import FUNCTIONS_THAT_DRAW_BRAKE_DATA_BY_SHAPE_KIND as OF_SHAPE
+from drumlin_studies.random_kinds import (
+    FUNCTIONS_THAT_DRAW_BRAKE_DATA_BY_SUPPORT_KIND as OF_HOLDING,
+)
 
-MOST_ATTEMPTS = 200
+MOST_BRAKES_OF_CORNER_KIND_DRAWN_PER_SEED = 200
 """Number of brakes that are drawn for one seed before the generator gives up with NoAnswer."""
-MORE_FRICTION = 1.2
+FRICTION_FACTOR_OF_PRESSING_TEST = 1.2
 """Factor by which a brake's friction is raised for a test, in which all shoes must still press on
 the drum.
 
 The test keeps the brake away from the friction at which it would lock itself.
 """
-MOST_SCALINGS = 8
+MOST_SOLVES_TO_SCALE_GAP_TO_CONTACT_LENGTH = 8
 """Largest number of solves with which the gap of a brake is scaled until its contact has the drawn
 length.
 """
-FACTOR_DIGITS = 2
+SIGNIFICANT_DIGITS_OF_GAP_FACTOR = 2
 """Significant digits of the factor by which a gap is scaled.
 
 With two digits the brake of a seed stays the same if a change of the solver changes the length of
 the contact by some percent.
 """
-LENGTH_TOLERANCE_FACTOR = 1.25
+CONTACT_LENGTH_TOLERANCE_FACTOR = 1.25
 """Factor by which the length of the contact may be larger or smaller than the drawn length."""
-FEW_LEVELS = 2
+NUMBER_OF_LEVELS_FOR_CONTACT_LENGTH = 2
 """Number of refinement levels that a solve needs to give the contact's length to some percent."""
-SHORT_CONTACT = math.radians(0.1), math.radians(0.8)
+RANGE_OF_SHORT_CONTACT_LENGTH = math.radians(0.1), math.radians(0.8)
 """Smallest and largest length of a short contact [rad].
 
 More than half of a short contact lies in the edge zone at the end of the lining.
 """
-LONG_CONTACT = math.radians(0.8), math.radians(8.0)
+RANGE_OF_LONG_CONTACT_LENGTH = math.radians(0.8), math.radians(8.0)
 """Smallest and largest length of a long contact [rad]."""
-SHORT_SHARE = 0.7
+PROBABILITY_OF_SHORT_CONTACT = 0.7
 """Probability with which a brake gets a short contact rather than a long one."""
-END_ANGLE = 1e-9
+ANGLE_FROM_LINING_END_COUNTED_AS_CONTACT_THERE = 1e-9
 """Angle [rad] between contact and lining's end below which the contact reaches the end."""
 
-Rng = np.random.Generator
+RandomNumberGenerator = np.random.Generator
 """The generator from which random numbers are drawn."""
-Gap = dict[str, Any]
+LiningGapData = dict[str, Any]
 """The part of a lining's data that determines its gap: the keys `clearance` or `misfit`."""
 
 
-class CornerKind(NamedTuple):
+class HowBrakesOfCornerKindAreDrawn(NamedTuple):
     """How the brakes of a kind of this module are drawn.
 
     Attributes
     ----------
     shapes : tuple of str
-        Kinds of SHAPE_KINDS or HOLDING_KINDS; one of them gives the shoes and the drum.
+        Kinds of FUNCTIONS_THAT_DRAW_BRAKE_DATA_BY_SHAPE_KIND or
+        FUNCTIONS_THAT_DRAW_BRAKE_DATA_BY_SUPPORT_KIND; one of them gives the shoes and the drum.
     presses : str
         The part of the lining that bears the force: "corner", or "tip", a kink that points to the
         drum. "table" stands for a random table of clearances with which either of them may bear the
@@ -89,19 +92,25 @@ class CornerKind(NamedTuple):
 # Names of kinds of random brakes, grouped by their shoes: rigid, elastic along the drum, on an
 # elastic ring, and supported by other parts than a hinge.
 RIGID_SHAPES, ARC_SHAPES = ("rigid",), ("arc", "backed")
-RING_SHAPES = ("arc on ring", "linings on ring", "post on ring")
-HINGELESS_KINDS = ("guide", "abutment", "rough abutment", "pivot")
-CORNER_KINDS: dict[str, CornerKind] = {
-    "corner": CornerKind(ARC_SHAPES, "corner"),
-    "corner of a rigid shoe": CornerKind(RIGID_SHAPES, "corner"),
-    "corner of a post": CornerKind(("post",), "corner"),
-    "corner on a ring": CornerKind(RING_SHAPES, "corner"),
-    "corner of a shoe without hinge": CornerKind(HINGELESS_KINDS, "corner"),
-    "tip": CornerKind(ARC_SHAPES, "tip"),
-    "tip of a rigid shoe": CornerKind(RIGID_SHAPES, "tip"),
-    "tip on a ring": CornerKind(RING_SHAPES, "tip"),
-    "tip of a shoe without hinge": CornerKind(HINGELESS_KINDS, "tip"),
-    "table": CornerKind((*ARC_SHAPES, *RIGID_SHAPES, "post", *HINGELESS_KINDS), "table"),
+SHAPE_KINDS_WITH_ELASTIC_RING = ("arc on ring", "linings on ring", "post on ring")
+SUPPORT_KINDS_WITHOUT_HINGE = ("guide", "abutment", "rough abutment", "pivot")
+WAYS_TO_DRAW_BRAKES_BY_CORNER_KIND: dict[str, HowBrakesOfCornerKindAreDrawn] = {
+    "corner": HowBrakesOfCornerKindAreDrawn(ARC_SHAPES, "corner"),
+    "corner of a rigid shoe": HowBrakesOfCornerKindAreDrawn(RIGID_SHAPES, "corner"),
+    "corner of a post": HowBrakesOfCornerKindAreDrawn(("post",), "corner"),
+    "corner on a ring": HowBrakesOfCornerKindAreDrawn(SHAPE_KINDS_WITH_ELASTIC_RING, "corner"),
+    "corner of a shoe without hinge": HowBrakesOfCornerKindAreDrawn(
+        SUPPORT_KINDS_WITHOUT_HINGE, "corner"
+    ),
+    "tip": HowBrakesOfCornerKindAreDrawn(ARC_SHAPES, "tip"),
+    "tip of a rigid shoe": HowBrakesOfCornerKindAreDrawn(RIGID_SHAPES, "tip"),
+    "tip on a ring": HowBrakesOfCornerKindAreDrawn(SHAPE_KINDS_WITH_ELASTIC_RING, "tip"),
+    "tip of a shoe without hinge": HowBrakesOfCornerKindAreDrawn(
+        SUPPORT_KINDS_WITHOUT_HINGE, "tip"
+    ),
+    "table": HowBrakesOfCornerKindAreDrawn(
+        (*ARC_SHAPES, *RIGID_SHAPES, "post", *SUPPORT_KINDS_WITHOUT_HINGE), "table"
+    ),
 }
 """The kinds of brakes of this module, and how each is drawn."""
 
@@ -110,56 +119,61 @@ def draw_random_brake_pressing_with_corner_or_kink(seed: int, kind: str | None =
     """The random brake of a seed, in which one shoe presses only by a corner or a tip.
 
     A corner is an end of the lining's surface; a tip is a kink of this surface that points to the
-    drum. All shoes press on the drum, even at MORE_FRICTION times the friction of the brake. The
-    first FEW_LEVELS levels of a solve decide whether a corner or a tip presses. Finer levels may
-    show that friction lifts the corner itself a little off the drum.
+    drum. All shoes press on the drum, even at FRICTION_FACTOR_OF_PRESSING_TEST times the friction
+    of the brake. The first NUMBER_OF_LEVELS_FOR_CONTACT_LENGTH levels of a solve decide whether a
+    corner or a tip presses. Finer levels may show that friction lifts the corner itself a little
+    off the drum.
 
     Parameters
     ----------
     seed : int
         The same seed always gives the same brake.
     kind : str, optional
-        One of CORNER_KINDS. By default the seed modulo their number chooses the kind.
+        One of WAYS_TO_DRAW_BRAKES_BY_CORNER_KIND. By default the seed modulo their number chooses
+        the kind.
 
     Raises
     ------
     NoAnswer
-        No brake of the kind passes in MOST_ATTEMPTS draws.
+        No brake of the kind passes in MOST_BRAKES_OF_CORNER_KIND_DRAWN_PER_SEED draws.
     """
-    names = list(CORNER_KINDS)
+    names = list(WAYS_TO_DRAW_BRAKES_BY_CORNER_KIND)
     kind = names[seed % len(names)] if kind is None else kind
-    for attempt in range(MOST_ATTEMPTS):
+    for attempt in range(MOST_BRAKES_OF_CORNER_KIND_DRAWN_PER_SEED):
         rng = np.random.default_rng([seed, names.index(kind), attempt])
         try:
             brake = _scale_gaps_to_random_contact_length(
                 rng,
                 _draw_brake_as_function_of_gap_factor(rng, kind, seed),
-                CORNER_KINDS[kind].presses,
+                WAYS_TO_DRAW_BRAKES_BY_CORNER_KIND[kind].presses,
             )
         except (BadInput, NoAnswer):
             continue
         if brake is not None:
             return brake
-    raise NoAnswer(f"no brake of kind {kind} from seed {seed} in {MOST_ATTEMPTS} attempts")
+    raise NoAnswer(
+        f"no brake of kind {kind} from seed {seed} in "
+        f"{MOST_BRAKES_OF_CORNER_KIND_DRAWN_PER_SEED} attempts"
+    )
 
 
 def _draw_brake_as_function_of_gap_factor(
-    rng: Rng, kind: str, seed: int
+    rng: RandomNumberGenerator, kind: str, seed: int
 ) -> Callable[[float], Brake]:
     """A random brake whose gaps have no size yet: a function from a factor to the brake.
 
     The function returns the brake with all gaps between linings and drum multiplied by the factor.
     Each shoe of the brake has a random line of force and a random gap.
 
-    kind : one of CORNER_KINDS; seed : seed of the brake, for its title.
+    kind : one of WAYS_TO_DRAW_BRAKES_BY_CORNER_KIND; seed : seed of the brake, for its title.
     """
-    shape = str(rng.choice(CORNER_KINDS[kind].shapes))
+    shape = str(rng.choice(WAYS_TO_DRAW_BRAKES_BY_CORNER_KIND[kind].shapes))
     data = (OF_SHAPE | OF_HOLDING)[shape](rng)
     rotation = str(rng.choice(["clockwise", "counter-clockwise"]))
     friction = 0.0 if rng.random() < 0.12 else float(f"{rng.uniform(0.01, 0.6):.4g}")
     data |= {"title": f"random {kind} {seed}", "rotation": rotation, "friction": friction}
     data["shoe"] = [_shoe_data_with_randomly_turned_force(rng, shoe) for shoe in data["shoe"]]
-    radius, presses = data["drum"]["radius"], CORNER_KINDS[kind].presses
+    radius, presses = data["drum"]["radius"], WAYS_TO_DRAW_BRAKES_BY_CORNER_KIND[kind].presses
     gaps = [_draw_gap_as_function_of_factor(rng, shoe, radius, presses) for shoe in data["shoe"]]
 
     def brake_with_scaled_gaps(factor: float) -> Brake:
@@ -172,15 +186,17 @@ def _draw_brake_as_function_of_gap_factor(
     return brake_with_scaled_gaps
 
 
-def _shoe_data_with_randomly_turned_force(rng: Rng, shoe: dict[str, Any]) -> dict[str, Any]:
+def _shoe_data_with_randomly_turned_force(
+    rng: RandomNumberGenerator, shoe: dict[str, Any]
+) -> dict[str, Any]:
     """The data of a shoe with the direction of its force turned by a random angle up to +-1 rad."""
     push = shoe["actuation"]
     return shoe | {"actuation": push | {"direction": push["direction"] + rng.uniform(-1.0, 1.0)}}
 
 
 def _draw_gap_as_function_of_factor(
-    rng: Rng, shoe: Mapping[str, Any], radius: float, presses: str
-) -> Callable[[float], Gap]:
+    rng: RandomNumberGenerator, shoe: Mapping[str, Any], radius: float, presses: str
+) -> Callable[[float], LiningGapData]:
     """A random gap of a lining that has no size yet: a function from a factor to the gap.
 
     The function returns the gap, multiplied by the factor, as data of a lining. At a factor of 1
@@ -209,8 +225,8 @@ def _draw_gap_as_function_of_factor(
 
 
 def _draw_gap_smallest_at_corner_as_function_of_factor(
-    rng: Rng, lining: Mapping[str, Any], radius: float, size: float
-) -> Callable[[float], Gap]:
+    rng: RandomNumberGenerator, lining: Mapping[str, Any], radius: float, size: float
+) -> Callable[[float], LiningGapData]:
     """A random gap, smallest at a corner of the lining, as a function of a factor on the gap.
 
     The result is a function from the factor to the data of a lining with a taper, another radius,
@@ -235,8 +251,8 @@ def _draw_gap_smallest_at_corner_as_function_of_factor(
 
 
 def _draw_gap_with_kink_to_drum_as_function_of_factor(
-    rng: Rng, lining: Mapping[str, Any], size: float
-) -> Callable[[float], Gap]:
+    rng: RandomNumberGenerator, lining: Mapping[str, Any], size: float
+) -> Callable[[float], LiningGapData]:
     """A random gap with a tip (a kink towards the drum), as a function of a factor on the gap.
 
     The gap is zero at the tip and grows to both sides. The result is a function from the factor to
@@ -253,8 +269,8 @@ def _draw_gap_with_kink_to_drum_as_function_of_factor(
 
 
 def _draw_clearance_table_as_function_of_factor(
-    rng: Rng, lining: Mapping[str, Any], size: float
-) -> Callable[[float], Gap]:
+    rng: RandomNumberGenerator, lining: Mapping[str, Any], size: float
+) -> Callable[[float], LiningGapData]:
     """A random table of three to seven clearances, as a function of a factor on all of them.
 
     The result is a function from the factor to the data of the lining.
@@ -277,14 +293,14 @@ def _clearance_table_at_even_angles(lining: Mapping[str, Any], gaps: Floats) -> 
 
 
 def _scale_gaps_to_random_contact_length(
-    rng: Rng, drawn: Callable[[float], Brake], presses: str
+    rng: RandomNumberGenerator, drawn: Callable[[float], Brake], presses: str
 ) -> Brake | None:
     """The brake whose gaps are scaled so that its shortest contact has a random length.
 
-    The result is None where no factor gives this length within LENGTH_TOLERANCE_FACTOR, or where
-    the wrong part of the lining presses. The length of the contact falls as the inverse of the gap
-    if the gap is a wedge, and as the inverse square root if the gap is curved. The factor is
-    multiplied by (length/wanted length)^0.8. The exact power is 1 for a wedge and 2 for a curved
+    The result is None where no factor gives this length within CONTACT_LENGTH_TOLERANCE_FACTOR, or
+    where the wrong part of the lining presses. The length of the contact falls as the inverse of
+    the gap if the gap is a wedge, and as the inverse square root if the gap is curved. The factor
+    is multiplied by (length/wanted length)^0.8. The exact power is 1 for a wedge and 2 for a curved
     gap; the smaller power 0.8 does not overshoot.
 
     Parameters
@@ -299,28 +315,35 @@ def _scale_gaps_to_random_contact_length(
     """
     # The wanted length of the contact is uniform in its logarithm. The first tried factor on the
     # gaps is 3.
-    low, high = SHORT_CONTACT if rng.random() < SHORT_SHARE else LONG_CONTACT
+    low, high = (
+        RANGE_OF_SHORT_CONTACT_LENGTH
+        if rng.random() < PROBABILITY_OF_SHORT_CONTACT
+        else RANGE_OF_LONG_CONTACT_LENGTH
+    )
     wanted, factor = math.exp(rng.uniform(math.log(low), math.log(high))), 3.0
-    for _ in range(MOST_SCALINGS):
-        factor = float(f"{factor:.{FACTOR_DIGITS}g}")
+    for _ in range(MOST_SOLVES_TO_SCALE_GAP_TO_CONTACT_LENGTH):
+        factor = float(f"{factor:.{SIGNIFICANT_DIGITS_OF_GAP_FACTOR}g}")
         brake = drawn(factor)
         found = _solve_on_first_refinement_levels(brake)
         length = min((_total_contact_angle_of_shoe(shoe) for shoe in found.shoes), default=0.0)
         if not length > 0:
             return None
-        if 1 / LENGTH_TOLERANCE_FACTOR < length / wanted < LENGTH_TOLERANCE_FACTOR:
+        if 1 / CONTACT_LENGTH_TOLERANCE_FACTOR < length / wanted < CONTACT_LENGTH_TOLERANCE_FACTOR:
             return brake if _is_contact_at_drawn_lining_part(brake, found, presses) else None
         factor *= min(max(length / wanted, 0.1), 10.0) ** 0.8
     return None
 
 
 def _solve_on_first_refinement_levels(brake: Brake) -> Response:
-    """The response of a brake on the last of the first FEW_LEVELS levels of a solve.
+    """The response of a brake on the level that gives the contact length.
+
+    It is the last of the first NUMBER_OF_LEVELS_FOR_CONTACT_LENGTH levels of a solve.
 
     Raises NoAnswer where a level has no answer.
     """
     *_, last = islice(
-        solve_brake_on_finer_and_finer_mesh_levels(brake, solve_prepared_model), FEW_LEVELS
+        solve_brake_on_finer_and_finer_mesh_levels(brake, solve_prepared_model),
+        NUMBER_OF_LEVELS_FOR_CONTACT_LENGTH,
     )
     return last.response
 
@@ -333,12 +356,14 @@ def _total_contact_angle_of_shoe(shoe: ShoeResponse) -> float:
 def _is_contact_at_drawn_lining_part(brake: Brake, found: Response, presses: str) -> bool:
     """Whether all shoes press, at least one of them with the lining's part that `presses` names.
 
-    The shoes must press on the drum also at MORE_FRICTION times the friction.
+    The shoes must press on the drum also at FRICTION_FACTOR_OF_PRESSING_TEST times the friction.
 
     found : response of the brake; presses : the part of the lining that must bear the force:
         "corner", "tip" (a kink that points to the drum), or "table" for either of them.
     """
-    more = solve(vary(brake, {"friction": MORE_FRICTION * brake.friction}), elements=16)
+    more = solve(
+        vary(brake, {"friction": FRICTION_FACTOR_OF_PRESSING_TEST * brake.friction}), elements=16
+    )
     if not all(shoe.contact_arcs for shoe in (*found.shoes, *more.shoes)):
         return False
     # At least one shoe must press with the part of its lining that `presses` names: with a corner,
@@ -355,7 +380,7 @@ def is_lining_corner_in_contact(shoe: Shoe, found: ShoeResponse) -> bool:
     ends = np.array(found.contact_arcs).ravel()
     corners = np.array([shoe.lining.start, shoe.lining.end])
     distances = np.abs(ends[:, None] - corners)
-    return bool((distances < END_ANGLE).any())
+    return bool((distances < ANGLE_FROM_LINING_END_COUNTED_AS_CONTACT_THERE).any())
 
 
 def is_kink_towards_drum_in_contact(shoe: Shoe, found: ShoeResponse) -> bool:

@@ -20,21 +20,24 @@ from drumlin.brake.file import make_validated_brake_part, vary
 from drumlin.brake.plane_brake import make_drum_or_plane_brake_from_data
 from drumlin.fem.solve import solve
 from drumlin.laws import solve_brake_by_its_rigid_shoe_law
-from drumlin_studies.random_brake import SHAPE_KINDS, draw_random_brake
+from drumlin_studies.random_brake import (
+    FUNCTIONS_THAT_DRAW_BRAKE_DATA_BY_SHAPE_KIND,
+    draw_random_brake,
+)
 
-HOLDING_ATTEMPTS = 200
+MOST_BRAKES_OF_SUPPORT_KIND_DRAWN_PER_SEED = 200
 """Number of brakes that are drawn for one seed before the generator gives up with NoAnswer."""
-HOLDING_FRICTION_MARGIN = 1.2
+FRICTION_FACTOR_OF_SUPPORT_KIND_CONTACT_TEST = 1.2
 """Factor by which a random brake's friction is raised for a test, in which all shoes must touch the
 drum.
 
 A brake that locks itself below the raised friction is drawn again.
 """
-HOLDING_TRIAL_ELEMENTS = 10
+ELEMENTS_PER_LINING_OF_SUPPORT_KIND_TEST = 10
 """Elements along a lining of the mesh on which a drawn brake is tested for contact of all shoes."""
-Rng = np.random.Generator
+RandomNumberGenerator = np.random.Generator
 """The generator from which random numbers are drawn."""
-Draw = Callable[[Rng], dict[str, Any]]
+FunctionThatDrawsSupportKindData = Callable[[RandomNumberGenerator], dict[str, Any]]
 """A function that draws the data of a brake file, without title and friction."""
 
 
@@ -43,27 +46,31 @@ def draw_random_brake_of_support_kind(
 ) -> Brake:
     """The random brake of a seed and a kind of support and actuation.
 
-    All shoes press on the drum, even at HOLDING_FRICTION_MARGIN times the friction of the brake.
+    All shoes press on the drum, even at FRICTION_FACTOR_OF_SUPPORT_KIND_CONTACT_TEST times the
+    friction of the brake.
 
     Parameters
     ----------
     seed : int
         The same seed always gives the same brake.
     kind : str, optional
-        One of HOLDING_KINDS. By default the seed modulo their number chooses the kind.
+        One of FUNCTIONS_THAT_DRAW_BRAKE_DATA_BY_SUPPORT_KIND. By default the seed modulo their
+        number chooses the kind.
     rigid : bool
         Whether the shoes have no elastic bodies, and thin linings of one thickness.
 
     Raises
     ------
     NoAnswer
-        No brake of the kind passes in HOLDING_ATTEMPTS draws.
+        No brake of the kind passes in MOST_BRAKES_OF_SUPPORT_KIND_DRAWN_PER_SEED draws.
     """
-    names = list(HOLDING_KINDS)
+    names = list(FUNCTIONS_THAT_DRAW_BRAKE_DATA_BY_SUPPORT_KIND)
     kind = names[seed % len(names)] if kind is None else kind
-    for attempt in range(HOLDING_ATTEMPTS):
+    for attempt in range(MOST_BRAKES_OF_SUPPORT_KIND_DRAWN_PER_SEED):
         rng = np.random.default_rng([seed, names.index(kind), attempt])
-        data = HOLDING_KINDS[kind](rng) | {"title": f"random {kind} {seed}"}
+        data = FUNCTIONS_THAT_DRAW_BRAKE_DATA_BY_SUPPORT_KIND[kind](rng) | {
+            "title": f"random {kind} {seed}"
+        }
         data["friction"] = round(float(rng.uniform(0.03, 0.5)), 4)
         turn, mirrored = float(rng.uniform(-3, 3)), bool(rng.random() < 0.5)
         try:
@@ -73,20 +80,29 @@ def draw_random_brake_of_support_kind(
             brake = mirror_turn_and_shift_brake(
                 brake, turn=0.0 if brake.surface.is_plane_and_not_drum else turn, mirrored=mirrored
             )
-            for friction in (brake.friction, HOLDING_FRICTION_MARGIN * brake.friction):
+            for friction in (
+                brake.friction,
+                FRICTION_FACTOR_OF_SUPPORT_KIND_CONTACT_TEST * brake.friction,
+            ):
                 _require_contact_of_all_shoes(vary(brake, {"friction": friction}))
             return brake
         except (BadInput, NoAnswer):
             continue
-    raise NoAnswer(f"no brake of kind {kind} from seed {seed} in {HOLDING_ATTEMPTS} attempts")
+    raise NoAnswer(
+        f"no brake of kind {kind} from seed {seed} in "
+        f"{MOST_BRAKES_OF_SUPPORT_KIND_DRAWN_PER_SEED} attempts"
+    )
 
 
 def draw_random_brake_of_kind(seed: int, kind: str) -> Brake:
-    """The random brake of a seed and a kind, which is one of SHAPE_KINDS or of HOLDING_KINDS.
+    """The random brake of a seed and a kind.
+
+    The kind is one of FUNCTIONS_THAT_DRAW_BRAKE_DATA_BY_SHAPE_KIND or of
+    FUNCTIONS_THAT_DRAW_BRAKE_DATA_BY_SUPPORT_KIND.
 
     Raises NoAnswer where the generator of the kind has no brake of the seed.
     """
-    if kind in SHAPE_KINDS:
+    if kind in FUNCTIONS_THAT_DRAW_BRAKE_DATA_BY_SHAPE_KIND:
         return draw_random_brake(seed, kind)
     return draw_random_brake_of_support_kind(seed, kind)
 
@@ -94,7 +110,7 @@ def draw_random_brake_of_kind(seed: int, kind: str) -> Brake:
 def _require_contact_of_all_shoes(brake: Brake) -> None:
     """Raise NoAnswer unless all shoes touch the drum by the brake's law and by finite elements."""
     by_law = solve_brake_by_its_rigid_shoe_law(brake)
-    by_elements = solve(brake, elements=HOLDING_TRIAL_ELEMENTS)
+    by_elements = solve(brake, elements=ELEMENTS_PER_LINING_OF_SUPPORT_KIND_TEST)
     if not all(shoe.contact_arcs for shoe in (*by_law.shoes, *by_elements.shoes)):
         raise NoAnswer("a shoe does not press")
 
@@ -113,13 +129,15 @@ def _brake_data_with_rigid_shoes(data: dict[str, Any]) -> dict[str, Any]:
     return data | {"shoe": shoes}
 
 
-def draw_number_uniform_in_logarithm(rng: Rng, low: float, high: float) -> float:
+def draw_number_uniform_in_logarithm(rng: RandomNumberGenerator, low: float, high: float) -> float:
     """A random number between low and high, uniform in its logarithm, of four digits."""
     return float(f"{math.exp(rng.uniform(math.log(low), math.log(high))):.4g}")
 
 
 def _draw_drum_brake_data(
-    rng: Rng, shoes: Callable[[Rng, float], list[dict[str, Any]]], **more: Any
+    rng: RandomNumberGenerator,
+    shoes: Callable[[RandomNumberGenerator, float], list[dict[str, Any]]],
+    **more: Any,
 ) -> dict[str, Any]:
     """The data of a brake with a drum of random radius and a random sense of rotation.
 
@@ -137,7 +155,9 @@ def _draw_drum_brake_data(
     return {"rotation": rotation, "drum": {"radius": R}, "shoe": shoes(rng, R)} | more
 
 
-def _draw_unsupported_shoe_data(rng: Rng, R: float, *, inside: bool = True) -> dict[str, Any]:
+def _draw_unsupported_shoe_data(
+    rng: RandomNumberGenerator, R: float, *, inside: bool = True
+) -> dict[str, Any]:
     """The data of a random shoe with its middle near the x axis, without support and actuation.
 
     Seven of ten shoes have an elastic body, the others are rigid.
@@ -174,7 +194,11 @@ def _draw_unsupported_shoe_data(rng: Rng, R: float, *, inside: bool = True) -> d
 
 
 def _draw_actuation_data(
-    rng: Rng, shoe: dict[str, Any], R: float, direction: float, at: tuple[float, float]
+    rng: RandomNumberGenerator,
+    shoe: dict[str, Any],
+    R: float,
+    direction: float,
+    at: tuple[float, float],
 ) -> dict[str, Any]:
     """The data of a random actuation force that strains the lining by 1e-4 to 3e-3.
 
@@ -204,7 +228,9 @@ def _point_at_fractions_of_drum_radius(R: float, x: float, y: float) -> dict[str
     return {"x": R * x, "y": R * y}
 
 
-def _draw_data_of_shoe_on_abutment(rng: Rng, R: float, *, rough: bool) -> dict[str, Any]:
+def _draw_data_of_shoe_on_abutment(
+    rng: RandomNumberGenerator, R: float, *, rough: bool
+) -> dict[str, Any]:
     """The data of a random internal shoe whose end (foot) slides on a flat abutment.
 
     R : radius of the drum [m]; rough : whether the abutment has friction.
@@ -219,7 +245,7 @@ def _draw_data_of_shoe_on_abutment(rng: Rng, R: float, *, rough: bool) -> dict[s
     return shoe | {"abutment": face, "actuation": push}
 
 
-def _draw_data_of_hinged_shoe(rng: Rng, R: float) -> dict[str, Any]:
+def _draw_data_of_hinged_shoe(rng: RandomNumberGenerator, R: float) -> dict[str, Any]:
     """The data of a random internal shoe on a hinge; R : radius of the drum [m]."""
     u, shoe = rng.uniform, _draw_unsupported_shoe_data(rng, R)
     push = _draw_actuation_data(rng, shoe, R, u(-0.2, 0.2), (u(0.1, 0.4), u(0.65, 0.85)))
@@ -229,7 +255,7 @@ def _draw_data_of_hinged_shoe(rng: Rng, R: float) -> dict[str, Any]:
     }
 
 
-def _draw_data_of_pivoted_shoe(rng: Rng, R: float) -> dict[str, Any]:
+def _draw_data_of_pivoted_shoe(rng: RandomNumberGenerator, R: float) -> dict[str, Any]:
     """The data of a random shoe on the pivot of a hinged lever; R : radius of the drum [m]."""
     u, inside = rng.uniform, bool(rng.random() < 0.3)
     shoe = _draw_unsupported_shoe_data(rng, R, inside=inside)
@@ -246,7 +272,7 @@ def _draw_data_of_pivoted_shoe(rng: Rng, R: float) -> dict[str, Any]:
     return shoe | {"hinge": lever, "pivot": pivot, "actuation": push}
 
 
-def _draw_data_of_guided_shoe(rng: Rng, R: float) -> dict[str, Any]:
+def _draw_data_of_guided_shoe(rng: RandomNumberGenerator, R: float) -> dict[str, Any]:
     """The data of a random shoe that can only move along a guide and is pushed nearly along it.
 
     R : radius of the drum [m].
@@ -274,11 +300,13 @@ def mirror_shoe_data_to_other_drum_side(shoe: dict[str, Any]) -> dict[str, Any]:
     return _mirror_turn_and_shift_shoe_data(shoe | {"name": "second"}, math.pi, mirrored=True)
 
 
-def _draw_data_of_cam_brake(rng: Rng) -> dict[str, Any]:
+def _draw_data_of_cam_brake(rng: RandomNumberGenerator) -> dict[str, Any]:
     """The data of a brake whose two shoes a cam spreads, both on hinges or both on abutments."""
     on_hinges = rng.random() < 0.6
 
-    def draw_data_of_hinged_or_abutting_shoe(rng: Rng, R: float) -> dict[str, Any]:
+    def draw_data_of_hinged_or_abutting_shoe(
+        rng: RandomNumberGenerator, R: float
+    ) -> dict[str, Any]:
         """The data of one shoe, for the radius R of the drum [m]."""
         if on_hinges:
             return _draw_data_of_hinged_shoe(rng, R)
@@ -297,7 +325,7 @@ def _draw_data_of_cam_brake(rng: Rng) -> dict[str, Any]:
     return data | {"shoe": shoes, "actuation": {"force": force}}
 
 
-def _draw_data_of_cylinder_brake(rng: Rng) -> dict[str, Any]:
+def _draw_data_of_cylinder_brake(rng: RandomNumberGenerator) -> dict[str, Any]:
     """The data of a brake whose two shoes a hydraulic cylinder spreads.
 
     One shoe slides on an abutment with friction, the other has a hinge.
@@ -323,10 +351,10 @@ def _draw_data_of_cylinder_brake(rng: Rng) -> dict[str, Any]:
     }
 
 
-def _draw_data_of_strut_brake(rng: Rng) -> dict[str, Any]:
+def _draw_data_of_strut_brake(rng: RandomNumberGenerator) -> dict[str, Any]:
     """The data of a brake whose first shoe pushes the second, hinged shoe through a strut."""
 
-    def draw_data_of_both_shoes(rng: Rng, R: float) -> list[dict[str, Any]]:
+    def draw_data_of_both_shoes(rng: RandomNumberGenerator, R: float) -> list[dict[str, Any]]:
         """The data of both shoes, for the radius R of the drum [m]."""
         # The actuation that is drawn with the second shoe is removed again, because the strut
         # pushes this shoe.
@@ -345,7 +373,9 @@ def _draw_data_of_strut_brake(rng: Rng) -> dict[str, Any]:
 
 
 def _draw_until_shoe_has_elastic_body(
-    rng: Rng, R: float, makes: Sequence[Callable[[Rng, float], dict[str, Any]]]
+    rng: RandomNumberGenerator,
+    R: float,
+    makes: Sequence[Callable[[RandomNumberGenerator, float], dict[str, Any]]],
 ) -> dict[str, Any]:
     """The data of a shoe that is drawn again until it has an elastic body.
 
@@ -357,12 +387,12 @@ def _draw_until_shoe_has_elastic_body(
     return shoe
 
 
-def _draw_data_of_shoe_on_rough_abutment(rng: Rng, R: float) -> dict[str, Any]:
+def _draw_data_of_shoe_on_rough_abutment(rng: RandomNumberGenerator, R: float) -> dict[str, Any]:
     """The data of a shoe on an abutment with friction; R : radius of the drum [m]."""
     return _draw_data_of_shoe_on_abutment(rng, R, rough=True)
 
 
-def _draw_data_of_t_section_shoe(rng: Rng, R: float) -> dict[str, Any]:
+def _draw_data_of_t_section_shoe(rng: RandomNumberGenerator, R: float) -> dict[str, Any]:
     """The data of a shoe whose body has a T-section, a web under a table; R : drum radius [m]."""
     shoe, u = (
         _draw_until_shoe_has_elastic_body(
@@ -382,7 +412,7 @@ def _draw_data_of_t_section_shoe(rng: Rng, R: float) -> dict[str, Any]:
     return shoe | {"body": body | {"width": u(0.1, 0.6) * width, "table": table}}
 
 
-def _draw_data_of_gripped_shoe(rng: Rng, R: float) -> dict[str, Any]:
+def _draw_data_of_gripped_shoe(rng: RandomNumberGenerator, R: float) -> dict[str, Any]:
     """The data of a shoe that is fixed over a length ("grip") of its body's back.
 
     R : radius of the drum [m].
@@ -393,14 +423,14 @@ def _draw_data_of_gripped_shoe(rng: Rng, R: float) -> dict[str, Any]:
     return shoe | {"body": shoe["body"] | {"grip": R * rng.uniform(0.05, 0.4)}}
 
 
-def _draw_data_of_linked_blocks_brake(rng: Rng) -> dict[str, Any]:
+def _draw_data_of_linked_blocks_brake(rng: RandomNumberGenerator) -> dict[str, Any]:
     """The data of a brake with two to four blocks outside the drum.
 
     A strap links each block to the next one.
     """
     names = ("first", "second", "third", "fourth")[: int(rng.integers(2, 5))]
 
-    def draw_data_of_all_blocks(rng: Rng, R: float) -> list[dict[str, Any]]:
+    def draw_data_of_all_blocks(rng: RandomNumberGenerator, R: float) -> list[dict[str, Any]]:
         """The data of all blocks, for the radius R of the drum [m]; only the first is pushed."""
         strap, angle = rng.uniform(1.05, 1.15), float(rng.uniform(-1.5, -0.5))
         blocks: list[dict[str, Any]] = []
@@ -423,7 +453,7 @@ def _draw_data_of_linked_blocks_brake(rng: Rng) -> dict[str, Any]:
 
 
 def _draw_linked_block_and_its_end_angle(
-    rng: Rng, R: float, name: str, angle: float, strap: float
+    rng: RandomNumberGenerator, R: float, name: str, angle: float, strap: float
 ) -> tuple[dict[str, Any], float]:
     """The data of a random block of a chain, and the angle of its end [rad].
 
@@ -457,7 +487,7 @@ def _draw_linked_block_and_its_end_angle(
     return block, end
 
 
-def _draw_data_of_pad_brake(rng: Rng, support: str) -> dict[str, Any]:
+def _draw_data_of_pad_brake(rng: RandomNumberGenerator, support: str) -> dict[str, Any]:
     """The data of a brake with one random pad, which is a flat shoe on a sliding plane.
 
     support : "hinge", "pivot", "guide" or "abutment".
@@ -499,13 +529,13 @@ def _draw_data_of_pad_brake(rng: Rng, support: str) -> dict[str, Any]:
 
 
 def _draw_support_and_line_of_force_of_pad(
-    rng: Rng, support: str, start: float, length: float
+    rng: RandomNumberGenerator, support: str, start: float, length: float
 ) -> dict[str, Any]:
     """The data of a random support of a pad, and of the line on which its actuation force acts.
 
     Parameters
     ----------
-    rng : Rng
+    rng : RandomNumberGenerator
         Generator of random numbers.
     support : str
         "hinge", "pivot", "guide" or "abutment".
@@ -538,7 +568,7 @@ def _draw_support_and_line_of_force_of_pad(
 
 
 def _draw_clearance_and_misfit_of_pad(
-    rng: Rng, lining: dict[str, Any], size: float
+    rng: RandomNumberGenerator, lining: dict[str, Any], size: float
 ) -> dict[str, Any]:
     """The keys `clearance` and `misfit` of a pad's lining; seven of ten pads have neither.
 
@@ -559,7 +589,7 @@ def _draw_clearance_and_misfit_of_pad(
     return {}
 
 
-HOLDING_KINDS: dict[str, Draw] = {
+FUNCTIONS_THAT_DRAW_BRAKE_DATA_BY_SUPPORT_KIND: dict[str, FunctionThatDrawsSupportKindData] = {
     "hinge": lambda rng: _draw_drum_brake_data(
         rng, lambda rng, R: [_draw_data_of_hinged_shoe(rng, R)]
     ),
@@ -646,13 +676,13 @@ class _MirrorTurnAndShift(NamedTuple):
     on_plane: bool
 
     @property
-    def sign(self) -> int:
+    def sign_of_mirrored_angles(self) -> int:
         """Factor on angles and y coordinates: -1 if the shoe is mirrored, else 1."""
         return -1 if self.mirrored else 1
 
     def vector_after_mirror_and_turn(self, x: float, y: float) -> dict[str, float]:
         """The components x and y of a vector after mirroring and turning."""
-        c, s, y = math.cos(self.turn), math.sin(self.turn), self.sign * y
+        c, s, y = math.cos(self.turn), math.sin(self.turn), self.sign_of_mirrored_angles * y
         return {"x": c * x - s * y, "y": s * x + c * y}
 
     def point_after_mirror_turn_and_shift(self, point: dict[str, float]) -> dict[str, float]:
@@ -662,7 +692,7 @@ class _MirrorTurnAndShift(NamedTuple):
 
     def support_data_after_mirror_turn_and_shift(self, part: dict[str, Any]) -> dict[str, Any]:
         """The data of a support or actuation after mirroring, turning and shifting."""
-        moved = part | {"direction": self.turn + self.sign * part["direction"]}
+        moved = part | {"direction": self.turn + self.sign_of_mirrored_angles * part["direction"]}
         return moved | (
             {"point": self.point_after_mirror_turn_and_shift(part["point"])}
             if "point" in part
@@ -675,7 +705,7 @@ class _MirrorTurnAndShift(NamedTuple):
         # shoe about the y axis.
         if self.on_plane:
             return math.cos(self.turn) * place + self.shift
-        return self.turn + self.sign * place
+        return self.turn + self.sign_of_mirrored_angles * place
 
     def lining_data_after_mirror_turn_and_shift(self, part: dict[str, Any]) -> dict[str, Any]:
         """The data of a lining or body with its angles and misfit mirrored, turned and shifted.
@@ -726,9 +756,19 @@ def mirror_turn_and_shift_brake(
     return make_validated_brake_part(type(brake), data)
 
 
-LENGTH_KEYS = {"x", "y", "radius", "thickness", "width", "grip", "clearance", "diameter", "taper"}
+BRAKE_FILE_KEYS_OF_LENGTHS = {
+    "x",
+    "y",
+    "radius",
+    "thickness",
+    "width",
+    "grip",
+    "clearance",
+    "diameter",
+    "taper",
+}
 """Keys of a brake file whose numbers are lengths [m]."""
-FORCE_KEYS = {"force"}
+BRAKE_FILE_KEYS_OF_FORCES = {"force"}
 """Keys of a brake file whose numbers are forces [N]."""
 
 
@@ -748,7 +788,7 @@ def brake_with_scaled_lengths_and_moduli(brake: Brake, length: float, modulus: f
         Factor that multiplies all moduli and pressures.
     """
     on_plane = brake.surface.is_plane_and_not_drum
-    lengths = LENGTH_KEYS | ({"start", "end"} if on_plane else set())
+    lengths = BRAKE_FILE_KEYS_OF_LENGTHS | ({"start", "end"} if on_plane else set())
     along = length if on_plane else 1.0
 
     def scale_lengths_moduli_and_forces_in_data(value: Any) -> Any:
@@ -776,7 +816,7 @@ def brake_with_scaled_lengths_and_moduli(brake: Brake, length: float, modulus: f
             return value * length
         if key in {"E", "pressure"}:
             return value * modulus
-        if key in FORCE_KEYS:
+        if key in BRAKE_FILE_KEYS_OF_FORCES:
             return value * modulus * length**2
         return value * modulus * length**3 if key == "torque" else value
 

@@ -10,24 +10,28 @@ taken. An error below its floor counts as not known.
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
 
-from drumlin_studies.work_precision import PEER_FAMILIES, fastest_rows_within_error
+from drumlin_studies.work_precision import PEER_KEYS_BY_NAME_IN_TABLES, fastest_rows_within_error
 
-TARGETS = {
+LARGEST_ALLOWED_ERRORS_OF_RECOMMENDED_METHODS = {
     "torque_error": (0.1, 0.05, 0.01, 1e-3, 1e-4),
     "pressure_error": (0.1, 0.05, 0.01, 5e-3, 1e-3, 1e-4),
 }
 """Targets: the largest allowed relative errors, for each of which a method is recommended, by the
 error's key in a row.
 """
-TARGET_NAMES = {"torque_error": "torque", "pressure_error": "p (L2)"}
-"""Names of the quantities of TARGETS in tables, by the error's key in a row."""
-HALF_PERCENT = 5e-3
+QUANTITY_NAMES_BY_ERROR_KEY = {"torque_error": "torque", "pressure_error": "p (L2)"}
+"""Names of the quantities of LARGEST_ALLOWED_ERRORS_OF_RECOMMENDED_METHODS in tables, by the
+error's key in a row.
+"""
+LARGEST_COMPARED_PEER_PRESSURE_ERROR = 5e-3
 """Largest relative error of a peer's pressure with which it is compared with drumlin on the same
 mesh.
 """
-AIMS: Mapping[str, Mapping[float, tuple[float | None, float | None]]] = {
-    "GetFEM": {HALF_PERCENT: (20, 100), 1e-3: (25, 100), 1e-4: (50, 100)},
-    "CalculiX": {HALF_PERCENT: (1000, None), 1e-3: (1000, None)},
+AIMED_PEER_TIME_OVER_DRUMLIN_TIME: Mapping[
+    str, Mapping[float, tuple[float | None, float | None]]
+] = {
+    "GetFEM": {LARGEST_COMPARED_PEER_PRESSURE_ERROR: (20, 100), 1e-3: (25, 100), 1e-4: (50, 100)},
+    "CalculiX": {LARGEST_COMPARED_PEER_PRESSURE_ERROR: (1000, None), 1e-3: (1000, None)},
 }
 """The aims of the project for the ratio of a peer's time to drumlin's time.
 
@@ -36,29 +40,33 @@ first is for a cold solve, which starts without a prepared model, and the second
 case on a prepared model. None means that there is no aim.
 """
 
-Row = Mapping[str, Any]
+MethodResultRow = Mapping[str, Any]
 """The result of a method on a brake: its errors and times by key."""
-Floors = Mapping[str, float]
+ReferenceUncertaintyByErrorKey = Mapping[str, float]
 """Relative uncertainty of a brake's reference solution, by the error's key in a row."""
 
 
-def method_rows_of_brake_with_given_name(rows: Iterable[Row], name: str) -> list[Row]:
+def method_rows_of_brake_with_given_name(
+    rows: Iterable[MethodResultRow], name: str
+) -> list[MethodResultRow]:
     """The rows whose brake has the given name."""
     return [row for row in rows if row["brake"] == name]
 
 
-def rows_of_methods_that_may_be_recommended(rows: Iterable[Row]) -> list[Row]:
+def rows_of_methods_that_may_be_recommended(
+    rows: Iterable[MethodResultRow],
+) -> list[MethodResultRow]:
     """The rows whose methods may be recommended.
 
     The rows of peers and of penalty contact are left out. Penalty contact takes at least as long as
     exact contact on the same mesh and is there only for comparison.
     """
-    left_out = {*PEER_FAMILIES, "weak penalty", "pointwise penalty"}
+    left_out = {*PEER_KEYS_BY_NAME_IN_TABLES, "weak penalty", "pointwise penalty"}
     return [row for row in rows if row["family"] not in left_out]
 
 
 def rows_of_fastest_methods_by_target(
-    rows: Sequence[Row], floors: Mapping[str, Floors]
+    rows: Sequence[MethodResultRow], floors: Mapping[str, ReferenceUncertaintyByErrorKey]
 ) -> list[dict[str, Any]]:
     """A row for each brake and target with the fastest method whose error is below the target.
 
@@ -70,9 +78,13 @@ def rows_of_fastest_methods_by_target(
         candidates = rows_of_methods_that_may_be_recommended(
             method_rows_of_brake_with_given_name(rows, name)
         )
-        for key, targets in TARGETS.items():
+        for key, targets in LARGEST_ALLOWED_ERRORS_OF_RECOMMENDED_METHODS.items():
             for target in targets:
-                row = {"brake": name, "quantity": TARGET_NAMES[key], "target": target}
+                row = {
+                    "brake": name,
+                    "quantity": QUANTITY_NAMES_BY_ERROR_KEY[key],
+                    "target": target,
+                }
                 best.append(
                     row
                     | _fastest_method_within_error_or_reason(candidates, key, target, floors[name])
@@ -81,7 +93,7 @@ def rows_of_fastest_methods_by_target(
 
 
 def _fastest_method_within_error_or_reason(
-    rows: Sequence[Row], key: str, target: float, floors: Floors
+    rows: Sequence[MethodResultRow], key: str, target: float, floors: ReferenceUncertaintyByErrorKey
 ) -> dict[str, Any]:
     """The fastest method on a brake with an error below a target, as keys and values of a row.
 
@@ -104,7 +116,7 @@ def _fastest_method_within_error_or_reason(
     return best
 
 
-class Cell(NamedTuple):
+class RecommendedMethodCell(NamedTuple):
     """A cell of a table: the method that is recommended on a brake for a target.
 
     Attributes
@@ -119,16 +131,16 @@ class Cell(NamedTuple):
 
     what: str
     sort: str
-    row: Row
+    row: MethodResultRow
 
 
-class Matrix(NamedTuple):
+class RecommendedMethodTable(NamedTuple):
     """The recommended methods for one quantity, for each brake and target.
 
     Attributes
     ----------
     quantity : str
-        A value of TARGET_NAMES.
+        A value of QUANTITY_NAMES_BY_ERROR_KEY.
     targets : tuple of float
         Largest allowed relative errors.
     lines : dict
@@ -139,38 +151,46 @@ class Matrix(NamedTuple):
 
     quantity: str
     targets: tuple[float, ...]
-    lines: dict[str, list[Cell]]
+    lines: dict[str, list[RecommendedMethodCell]]
     by_law: list[int]
 
 
-def recommended_methods_by_brake_and_target(best: Sequence[Row]) -> list[Matrix]:
+def recommended_methods_by_brake_and_target(
+    best: Sequence[MethodResultRow],
+) -> list[RecommendedMethodTable]:
     """For each quantity the matrix of recommended methods, from the rows of fastest methods."""
     found = []
-    for key, targets in TARGETS.items():
-        lines: dict[str, list[Cell]] = {}
+    for key, targets in LARGEST_ALLOWED_ERRORS_OF_RECOMMENDED_METHODS.items():
+        lines: dict[str, list[RecommendedMethodCell]] = {}
         for row in best:
-            if row["quantity"] == TARGET_NAMES[key]:
+            if row["quantity"] == QUANTITY_NAMES_BY_ERROR_KEY[key]:
                 lines.setdefault(row["brake"], []).append(_matrix_cell_with_recommended_method(row))
         # For each target the number of brakes on which a law is recommended.
         by_law = []
         for k in range(len(targets)):
             by_law.append(sum(cells[k].sort == "law" for cells in lines.values()))
-        found.append(Matrix(TARGET_NAMES[key], targets, lines, by_law))
+        found.append(
+            RecommendedMethodTable(QUANTITY_NAMES_BY_ERROR_KEY[key], targets, lines, by_law)
+        )
     return found
 
 
-def _matrix_cell_with_recommended_method(row: Row) -> Cell:
-    """The cell of a `Matrix` with the recommended method in a row of fastest methods."""
+def _matrix_cell_with_recommended_method(row: MethodResultRow) -> RecommendedMethodCell:
+    """The cell of a table with the recommended method in a row of fastest methods."""
     family, method = row["family"], row.get("method")
     if method is None:
-        return Cell(family, "none", row)
+        return RecommendedMethodCell(family, "none", row)
     if family == "law":
-        return Cell(f"{method} law", "law", row)
-    return Cell(f"{family}: {method}", "foundation" if family == "foundation" else "elastic", row)
+        return RecommendedMethodCell(f"{method} law", "law", row)
+    return RecommendedMethodCell(
+        f"{family}: {method}", "foundation" if family == "foundation" else "elastic", row
+    )
 
 
 def fastest_solve_times_within_error(
-    rows: Sequence[Row], floors: Mapping[str, Floors], target: float
+    rows: Sequence[MethodResultRow],
+    floors: Mapping[str, ReferenceUncertaintyByErrorKey],
+    target: float,
 ) -> list[float]:
     """Times [s] of the fastest method on each brake whose error of the pressure is below a target.
 
@@ -193,7 +213,7 @@ def fastest_solve_times_within_error(
     return seconds
 
 
-class PeerTimes(NamedTuple):
+class TimesOfPeerAndDrumlinOnBrake(NamedTuple):
     """The times of a peer and of drumlin on one brake, for an error of the pressure.
 
     Attributes
@@ -212,43 +232,45 @@ class PeerTimes(NamedTuple):
 
     peer: str
     target: float
-    best: Row | None
-    own: Row | None
+    best: MethodResultRow | None
+    own: MethodResultRow | None
     aims: tuple[float | None, float | None]
 
 
-class AgainstPeers(NamedTuple):
+class ComparisonWithPeersOnBrake(NamedTuple):
     """The comparison of drumlin with the peers on one brake.
 
     Attributes
     ----------
     brake : str
         Name of the brake.
-    times : list of PeerTimes
+    times : list of TimesOfPeerAndDrumlinOnBrake
         The times for each peer and each error of the pressure.
     alike : list of pairs
         Pairs of rows of a peer and of drumlin on the same mesh, where the peer's error of the
-        pressure is at most HALF_PERCENT.
+        pressure is at most LARGEST_COMPARED_PEER_PRESSURE_ERROR.
     even : pair or None
         The row of a peer on the finest uniform mesh, and the fastest row of drumlin with an error
-        of the pressure of at most HALF_PERCENT.
+        of the pressure of at most LARGEST_COMPARED_PEER_PRESSURE_ERROR.
     """
 
     brake: str
-    times: list[PeerTimes]
-    alike: list[tuple[Row, Row]]
-    even: tuple[Row, Row] | None
+    times: list[TimesOfPeerAndDrumlinOnBrake]
+    alike: list[tuple[MethodResultRow, MethodResultRow]]
+    even: tuple[MethodResultRow, MethodResultRow] | None
 
 
 def compare_times_with_peer_programs(
-    rows: Sequence[Row], floors: Mapping[str, Floors]
-) -> list[AgainstPeers]:
+    rows: Sequence[MethodResultRow], floors: Mapping[str, ReferenceUncertaintyByErrorKey]
+) -> list[ComparisonWithPeersOnBrake]:
     """The comparison of drumlin with the peers for each brake that a peer has solved.
 
     rows : rows of all methods and brakes; floors : uncertainties of each brake's reference, by the
         brake's name.
     """
-    names = dict.fromkeys(row["brake"] for row in rows if row["family"] in PEER_FAMILIES)
+    names = dict.fromkeys(
+        row["brake"] for row in rows if row["family"] in PEER_KEYS_BY_NAME_IN_TABLES
+    )
     comparisons = []
     for name in names:
         own = method_rows_of_brake_with_given_name(rows, name)
@@ -257,8 +279,8 @@ def compare_times_with_peer_programs(
 
 
 def _compare_times_with_peers_on_brake(
-    name: str, rows: Sequence[Row], floors: Floors
-) -> AgainstPeers:
+    name: str, rows: Sequence[MethodResultRow], floors: ReferenceUncertaintyByErrorKey
+) -> ComparisonWithPeersOnBrake:
     """The comparison of drumlin with the peers, other finite element programs, on one brake.
 
     name : name of the brake; rows : rows of the brake; floors : uncertainties of the brake's
@@ -267,33 +289,34 @@ def _compare_times_with_peers_on_brake(
     own = rows_of_methods_that_may_be_recommended(rows)
     # The fastest solves of each peer and of drumlin for each allowed error, without uniform meshes.
     times = []
-    for peer, aims in AIMS.items():
+    for peer, aims in AIMED_PEER_TIME_OVER_DRUMLIN_TIME.items():
         theirs = [row for row in rows if row["family"] == peer and not row.get("even")]
         for target, aim in aims.items():
             best = _fastest_row_within_pressure_error(theirs, target, floors)
             times.append(
-                PeerTimes(
+                TimesOfPeerAndDrumlinOnBrake(
                     peer, target, best, _fastest_row_within_pressure_error(own, target, floors), aim
                 )
             )
     # A peer's finest solve on a uniform mesh is compared with the fastest solve of drumlin.
-    of_peers = [row for row in rows if row["family"] in PEER_FAMILIES]
+    of_peers = [row for row in rows if row["family"] in PEER_KEYS_BY_NAME_IN_TABLES]
     of_peers = [row for row in of_peers if row["status"] == "converged"]
     even = [row for row in of_peers if row.get("even")]
     finest = max(even, key=lambda row: row["elements"], default=None)
-    fastest = _fastest_row_within_pressure_error(own, HALF_PERCENT, floors)
+    fastest = _fastest_row_within_pressure_error(own, LARGEST_COMPARED_PEER_PRESSURE_ERROR, floors)
     finest_and_own = (finest, fastest) if finest and fastest else None
-    return AgainstPeers(
+    return ComparisonWithPeersOnBrake(
         name, times, _row_pairs_of_peer_and_drumlin_on_mesh(of_peers, own), finest_and_own
     )
 
 
 def _row_pairs_of_peer_and_drumlin_on_mesh(
-    of_peers: Sequence[Row], own: Sequence[Row]
-) -> list[tuple[Row, Row]]:
+    of_peers: Sequence[MethodResultRow], own: Sequence[MethodResultRow]
+) -> list[tuple[MethodResultRow, MethodResultRow]]:
     """Pairs of a peer's row and of drumlin's row on the same graded mesh.
 
-    Rows of peers with an error of the pressure above HALF_PERCENT are left out.
+    Rows of peers with an error of the pressure above LARGEST_COMPARED_PEER_PRESSURE_ERROR are left
+    out.
     """
     # Rows of drumlin on graded meshes, by the mesh: kind and number of elements.
     meshes = {(row["kind"], row["elements"]): row for row in own if row["family"] == "graded mesh"}
@@ -301,13 +324,17 @@ def _row_pairs_of_peer_and_drumlin_on_mesh(
     for row in of_peers:
         mesh = row["kind"], row["elements"]
         is_graded = not row.get("even") and not row.get("layers")
-        if is_graded and row["pressure_error"] <= HALF_PERCENT and mesh in meshes:
+        if (
+            is_graded
+            and row["pressure_error"] <= LARGEST_COMPARED_PEER_PRESSURE_ERROR
+            and mesh in meshes
+        ):
             pairs.append((row, meshes[mesh]))
     return pairs
 
 
 def _fastest_row_within_pressure_error(
-    rows: Sequence[Row], target: float, floors: Floors
-) -> Row | None:
+    rows: Sequence[MethodResultRow], target: float, floors: ReferenceUncertaintyByErrorKey
+) -> MethodResultRow | None:
     """The row of the fastest solve with an error of the pressure below a target, or None."""
     return next(iter(fastest_rows_within_error(rows, "pressure_error", target, floors)), None)

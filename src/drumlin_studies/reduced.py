@@ -12,10 +12,10 @@ v. The flexibility is
     F_ij = Int (m_i m_j/EI + n_i n_j/EA + kappa v_i v_j/GA) ds.
 
 The ring is in plane stress. Its displacements are a Fourier series around the drum with the terms
-u_r = U(r) cos k theta and u_theta = V(r) sin k theta. U and V are polynomials of degree RING_DEGREE
-through the thickness. The series holds for a fixed and for a free rim, for thick and for thin
-rings. A wave much shorter than the thickness deforms the ring like a half-plane, to 1 % (Johnson,
-Contact Mechanics, section 13.2).
+u_r = U(r) cos k theta and u_theta = V(r) sin k theta. U and V are polynomials of degree
+DEGREE_THROUGH_RING_THICKNESS through the thickness. The series holds for a fixed and for a free
+rim, for thick and for thin rings. A wave much shorter than the thickness deforms the ring like a
+half-plane, to 1 % (Johnson, Contact Mechanics, section 13.2).
 """
 
 import math
@@ -31,64 +31,64 @@ from drumlin.brake.beam_axis import make_beam_axis
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.components import (
     Backing,
-    Bar,
-    Beam,
+    BeamBody,
+    DrumRing,
     Lining,
-    Ring,
-    Section,
+    RectangularCrossSection,
+    ShoeBodyOfConstantSection,
     stiffnesses_of_bonded_plates,
 )
 from drumlin.brake.fields import Material
 from drumlin.brake.orthotropic import reason_if_any_part_is_orthotropic
 from drumlin.brake.ring_support import reason_if_ring_edge_is_not_fixed_or_free
-from drumlin.fem.mesh.arc import DEFAULT_KIND
+from drumlin.fem.mesh.arc import DEFAULT_MESH_KIND
 from drumlin.fem.preparation.bodies import ShoeSubstructure
 from drumlin.fem.preparation.cache import cache_key_of_shoe_shape
 from drumlin.fem.preparation.prepare import make_prepared_model
-from drumlin.fem.preparation.scene import PreparedModel, reason_why_brake_is_not_modelled
+from drumlin.fem.preparation.scene import PreparedModel, reason_against_finite_element_model
 from drumlin.fem.substructure.interface import edge_quadrature_points
 from drumlin.fem.substructure.ring import RingSubstructure
 
-SKETCH_ELEMENTS = 24
+DEFAULT_ELEMENTS_PER_LINING_OF_SURROGATE = 24
 """Default number of elements along a lining of a surrogate.
 
 With this number a predicted change is right within a factor of two.
 """
-SKETCH_SECTIONS = 4 * SKETCH_ELEMENTS
+SECTIONS_OF_SURROGATE_BAR = 4 * DEFAULT_ELEMENTS_PER_LINING_OF_SURROGATE
 """Number of sections into which the bar of a shoe is divided.
 
 Each element of the lining has several sections, because a shoe is longer than its lining. Half as
 many sections would still pass the tests of the predictions.
 """
-CONTACT_WAVES = 8
+RING_WAVES_ALONG_SHORTEST_CONTACT = 8
 """Number of waves of the ring's Fourier series along the shortest contact.
 
 Shorter waves take little part in a contact pressure.
 """
-LEAST_RING_MODES = 3 * SKETCH_ELEMENTS
+LEAST_RING_MODES = 3 * DEFAULT_ELEMENTS_PER_LINING_OF_SURROGATE
 """Smallest number of modes (waves around the drum) of the ring's Fourier series.
 
 A lining that covers a third of the drum has enough nodes to resolve this number of modes.
 """
 MOST_RING_MODES = 4000
 """Largest number of modes of the ring. A brake whose surrogate needs more is refused."""
-RING_DEGREE = 6
+DEGREE_THROUGH_RING_THICKNESS = 6
 """Degree of the polynomials for the displacement through the thickness of the ring.
 
 A higher degree changes no significant digit of a prediction.
 """
-HALF_PLANE_WAVE = 7.0
+HALF_PLANE_LIMIT_OF_RING_WAVE_NUMBER = 7.0
 """Limit of k h/R for mode k of a ring of radius R and thickness h. Above the limit the ring deforms
 like a half-plane, to 1 %.
 """
-RIGID_FACTOR = 1e5
+MODULUS_FACTOR_OF_RIGID_BEAM = 1e5
 """Factor that multiplies the modulus of a straight beam, so that the beam counts as rigid."""
-SECTION_SHEAR_FACTOR = 6 / 5
+SHEAR_COEFFICIENT_OF_RECTANGULAR_SECTION = 6 / 5
 """Shear coefficient kappa of a rectangular section."""
 
 
 def make_function_that_prepares_surrogates(
-    elements: int = SKETCH_ELEMENTS,
+    elements: int = DEFAULT_ELEMENTS_PER_LINING_OF_SURROGATE,
 ) -> Callable[[Brake], PreparedModel]:
     """A function that returns the surrogate of a brake, a coarse model that is solved quickly.
 
@@ -105,7 +105,7 @@ def make_function_that_prepares_surrogates(
         The linings are meshed once for all brakes with the same linings.
         """
         reason = (
-            reason_why_brake_is_not_modelled(brake)
+            reason_against_finite_element_model(brake)
             or reason_if_any_part_is_orthotropic(brake, "a sketch")
             or reason_if_ring_edge_is_not_fixed_or_free(brake, "a sketch")
         )
@@ -113,7 +113,7 @@ def make_function_that_prepares_surrogates(
             raise BadInput(f"fem does not apply to this brake: {reason}")
         bare = _brake_with_rigid_shoes_and_drum(brake)
         if bare not in meshed:
-            meshed[bare] = make_prepared_model(bare, elements=elements, kind=DEFAULT_KIND)
+            meshed[bare] = make_prepared_model(bare, elements=elements, kind=DEFAULT_MESH_KIND)
         shortest_arc = min(shoe.arc[1] - shoe.arc[0] for shoe in brake.shoes)
         return _model_with_shoe_and_ring_flexibility(meshed[bare], brake, shortest_arc)
 
@@ -152,7 +152,10 @@ def _model_with_shoe_and_ring_flexibility(
         bodies.append(made[key])
     ring = scene.ring
     if ring is None and brake.ring is not None:
-        count = max(LEAST_RING_MODES, math.ceil(2 * math.pi * CONTACT_WAVES / max(shortest, 1e-9)))
+        count = max(
+            LEAST_RING_MODES,
+            math.ceil(2 * math.pi * RING_WAVES_ALONG_SHORTEST_CONTACT / max(shortest, 1e-9)),
+        )
         if count > MOST_RING_MODES:
             raise NoAnswer(f"a contact of {shortest:.1e} rad is too short for the waves of a ring")
         ring = _ring_with_closed_form_flexibility(brake, brake.ring, tuple(bodies), count)
@@ -163,21 +166,23 @@ def _brake_with_rigid_shoes_and_drum(brake: Brake) -> Brake:
     """The brake with a rigid drum and rigid shoes.
 
     A straight beam stays, because the block of a post begins at the beam. Its modulus is multiplied
-    by RIGID_FACTOR.
+    by MODULUS_FACTOR_OF_RIGID_BEAM.
     """
 
     def shoe_with_rigid_body(shoe: Shoe) -> Shoe:
         """The shoe with a rigid body.
 
-        A straight beam becomes RIGID_FACTOR times as stiff; any other elastic body is left out. A
-        shoe with a mesh file is not changed.
+        A straight beam becomes MODULUS_FACTOR_OF_RIGID_BEAM times as stiff; any other elastic body
+        is left out. A shoe with a mesh file is not changed.
         """
-        if not isinstance(shoe.body, Beam):
+        if not isinstance(shoe.body, BeamBody):
             return shoe.model_copy(update={"body": None}) if shoe.mesh is None else shoe
         section = shoe.body.section
         assert section is not None
         stiff = section.material.model_copy(
-            update={key: RIGID_FACTOR * E for key, E in section.material.moduli.items()}
+            update={
+                key: MODULUS_FACTOR_OF_RIGID_BEAM * E for key, E in section.material.moduli.items()
+            }
         )
         body = shoe.body.model_copy(
             update={"width": section.width, "material": stiff, "bending_stiffness": None}
@@ -201,21 +206,21 @@ def _add_elastic_shoe_flexibility_to_rigid_body(
     nodal = bar.square_root_of_bar_flexibility(body.line.xy)
     pressed, dragged = -nodal @ coupling.N.T, nodal @ coupling.T.T
     load = bar.square_root_of_bar_flexibility(
-        body.load_centre[:, None], beyond=np.ones((len(bar.along), 1))
+        body.application_point_of_actuation_loads[:, None], beyond=np.ones((len(bar.along), 1))
     )
     couple = np.concatenate([bar.bending, np.zeros(2 * len(bar.along))])[:, None]
     loaded = np.hstack([load, couple])
     return replace(
         body,
-        closure_by_pressure=body.closure_by_pressure - pressed.T @ pressed,
-        closure_by_friction=None
-        if body.closure_by_friction is None
-        else body.closure_by_friction - pressed.T @ dragged,
-        closure_by_load=body.closure_by_load - pressed.T @ loaded,
+        gap_closure_by_pressure=body.gap_closure_by_pressure - pressed.T @ pressed,
+        gap_closure_by_friction=None
+        if body.gap_closure_by_friction is None
+        else body.gap_closure_by_friction - pressed.T @ dragged,
+        gap_closure_by_load=body.gap_closure_by_load - pressed.T @ loaded,
     )
 
 
-class _Bar(NamedTuple):
+class _ShoeAsBar(NamedTuple):
     """A shoe as a bar of m sections along its axis, in the coordinates of the shoe.
 
     Attributes
@@ -232,7 +237,7 @@ class _Bar(NamedTuple):
         point (2,) [m] on a straight beam.
     bending, stretching, shearing : array (m,)
         Square roots of ds/EI, ds/EA and kappa ds/GA for sections of length ds.
-    round : bool
+    is_arc : bool
         Whether the axis is an arc.
     """
 
@@ -243,7 +248,7 @@ class _Bar(NamedTuple):
     bending: Floats
     stretching: Floats
     shearing: Floats
-    round: bool
+    is_arc: bool
 
     def square_root_of_bar_flexibility(self, xy: Floats, beyond: Floats | None = None) -> Floats:
         """The square root S of the bar's flexibility S^T S under forces at n points.
@@ -260,7 +265,7 @@ class _Bar(NamedTuple):
             the force; 0 elsewhere. By default it follows from the points.
         """
         if beyond is None:
-            if self.round:  # place: angle from the shoe's hinged end
+            if self.is_arc:  # place: angle from the shoe's hinged end
                 turn = np.abs(np.arctan2(xy[1], xy[0]) - self.foot[0])
             else:
                 turn = (xy.T - self.foot) @ self.tangent[0]
@@ -271,7 +276,7 @@ class _Bar(NamedTuple):
         normal = np.broadcast_to(self.tangent[:, None], arm.shape)
         shear = np.stack([-normal[..., 1], normal[..., 0]], axis=-1)
 
-        def rows_of_flexibility_square_root(part: Floats, root: Floats) -> Floats:
+        def flexibility_root_of_section_forces(part: Floats, root: Floats) -> Floats:
             """Rows of S for a force in the sections: `part` (m, n, 2) times `root` (m,).
 
             part : moment, normal or shear force in each section by unit loads at the points; root :
@@ -281,14 +286,14 @@ class _Bar(NamedTuple):
             scaled = part * (beyond * root[:, None])[..., None]
             return np.asarray(scaled.reshape(len(root), -1))
 
-        bending = rows_of_flexibility_square_root(moment, self.bending)
-        stretching = rows_of_flexibility_square_root(normal, self.stretching)
+        bending = flexibility_root_of_section_forces(moment, self.bending)
+        stretching = flexibility_root_of_section_forces(normal, self.stretching)
         return np.concatenate(
-            [bending, stretching, rows_of_flexibility_square_root(shear, self.shearing)]
+            [bending, stretching, flexibility_root_of_section_forces(shear, self.shearing)]
         )
 
 
-def _bar_that_replaces_shoe(shoe: Shoe, radius: float) -> _Bar:
+def _bar_that_replaces_shoe(shoe: Shoe, radius: float) -> _ShoeAsBar:
     """The bar that stands for the elastic body of a shoe.
 
     Where a body along an arc carries lining and backing, these bend with the body as one bonded
@@ -298,31 +303,31 @@ def _bar_that_replaces_shoe(shoe: Shoe, radius: float) -> _Bar:
     """
     body = shoe.body
     assert body is not None
-    if isinstance(body, Bar):
+    if isinstance(body, ShoeBodyOfConstantSection):
         axis = _arc_axis_of_bar(shoe, body, radius)
     else:
         axis = _straight_axis_of_bar(shoe)
     EI, EA, GA = axis.stiffnesses
-    return _Bar(
+    return _ShoeAsBar(
         at=axis.at,
         tangent=axis.tangent,
         along=axis.along,
         foot=axis.foot,
         bending=np.sqrt(axis.ds / EI),
         stretching=np.sqrt(axis.ds / EA),
-        shearing=np.sqrt(SECTION_SHEAR_FACTOR * axis.ds / GA),
-        round=isinstance(body, Bar),
+        shearing=np.sqrt(SHEAR_COEFFICIENT_OF_RECTANGULAR_SECTION * axis.ds / GA),
+        is_arc=isinstance(body, ShoeBodyOfConstantSection),
     )
 
 
-class _BarAxis(NamedTuple):
+class _AxisAndSectionStiffnessOfBar(NamedTuple):
     """The axis of a bar of m sections, and the stiffness of its sections.
 
     Attributes
     ----------
     at, tangent, along, foot : array
-        The axis as in the attributes of `_Bar`: points, tangents, distances from the hinged end,
-        and hinged end.
+        The axis as in the attributes of `_ShoeAsBar`: points, tangents, distances from the hinged
+        end, and hinged end.
     ds : array (m,)
         Length of each section [m].
     stiffnesses : array (3, m) or (3, 1)
@@ -339,10 +344,12 @@ class _BarAxis(NamedTuple):
 
 def _middles_of_bar_sections() -> Floats:
     """Places (m,) of the middles of a bar's sections, from 0 at the hinge to 1 at the far end."""
-    return (np.arange(SKETCH_SECTIONS) + 0.5) / SKETCH_SECTIONS
+    return (np.arange(SECTIONS_OF_SURROGATE_BAR) + 0.5) / SECTIONS_OF_SURROGATE_BAR
 
 
-def _arc_axis_of_bar(shoe: Shoe, body: Bar, radius: float) -> _BarAxis:
+def _arc_axis_of_bar(
+    shoe: Shoe, body: ShoeBodyOfConstantSection, radius: float
+) -> _AxisAndSectionStiffnessOfBar:
     """The axis of a shoe on an arc; lining and backing stiffen the sections that carry them.
 
     radius : radius of the drum [m].
@@ -360,18 +367,18 @@ def _arc_axis_of_bar(shoe: Shoe, body: Bar, radius: float) -> _BarAxis:
     together = np.array(stiffnesses_of_bonded_plates([*plates, *over]))
     lined = (phi > start) & (phi < end)
     depth, *stiffnesses = np.where(lined, together[:, None], alone[:, None])
-    axis = radius - shoe.sign * (shoe.depth - depth)
-    return _BarAxis(
+    axis = radius - shoe.sign_internal_plus_external_minus * (shoe.total_thickness - depth)
+    return _AxisAndSectionStiffnessOfBar(
         at=(axis * np.array([np.cos(phi), np.sin(phi)])).T,
         tangent=math.copysign(1.0, far - near) * np.column_stack([-np.sin(phi), np.cos(phi)]),
         along=np.abs(phi - near),
         foot=np.array([near]),
-        ds=axis * abs(far - near) / SKETCH_SECTIONS,
+        ds=axis * abs(far - near) / SECTIONS_OF_SURROGATE_BAR,
         stiffnesses=np.array(stiffnesses),
     )
 
 
-def _straight_axis_of_bar(shoe: Shoe) -> _BarAxis:
+def _straight_axis_of_bar(shoe: Shoe) -> _AxisAndSectionStiffnessOfBar:
     """The axis of a shoe with a straight beam, from the hinge to the actuation force."""
     assert shoe.body is not None
     hinge, end = (
@@ -381,23 +388,23 @@ def _straight_axis_of_bar(shoe: Shoe) -> _BarAxis:
     line = make_beam_axis(hinge, end)
     along = line.length * _middles_of_bar_sections()
     plates = list(shoe.body.plates.values())[::-1]
-    return _BarAxis(
+    return _AxisAndSectionStiffnessOfBar(
         at=hinge + along[:, None] * line.along,
-        tangent=np.tile(line.along, (SKETCH_SECTIONS, 1)),
+        tangent=np.tile(line.along, (SECTIONS_OF_SURROGATE_BAR, 1)),
         along=along,
         foot=hinge,
-        ds=np.full(SKETCH_SECTIONS, line.length / SKETCH_SECTIONS),
+        ds=np.full(SECTIONS_OF_SURROGATE_BAR, line.length / SECTIONS_OF_SURROGATE_BAR),
         stiffnesses=np.array(stiffnesses_of_bonded_plates(plates)[1:])[:, None],
     )
 
 
-def _lining_or_backing_as_bar_layer(shoe: Shoe, layer: Lining | Backing) -> Section:
+def _lining_or_backing_as_bar_layer(shoe: Shoe, layer: Lining | Backing) -> RectangularCrossSection:
     """The lining or backing of a shoe as a layer of the bar's section, with the lining's width."""
-    return Section(layer.thickness, shoe.lining.width, layer.material)
+    return RectangularCrossSection(layer.thickness, shoe.lining.width, layer.material)
 
 
 def _ring_with_closed_form_flexibility(
-    brake: Brake, ring: Ring, bodies: tuple[ShoeSubstructure, ...], count: int
+    brake: Brake, ring: DrumRing, bodies: tuple[ShoeSubstructure, ...], count: int
 ) -> RingSubstructure:
     """The elastic drum ring of a surrogate: the square roots of its flexibility under each lining.
 
@@ -405,14 +412,18 @@ def _ring_with_closed_form_flexibility(
 
     Parameters
     ----------
-    brake, ring : Brake, Ring
+    brake, ring : Brake, DrumRing
         The brake and its drum ring.
     bodies : tuple of ShoeSubstructure
         The condensed body of each shoe, with its contact line.
     count : int
         Largest order k of the modes cos k theta and sin k theta of the ring.
     """
-    sign, radius, section = brake.shoes[0].sign, brake.size, ring.section
+    sign, radius, section = (
+        brake.shoes[0].sign_internal_plus_external_minus,
+        brake.size,
+        ring.section,
+    )
     assert section is not None
     k = np.arange(count + 1)
     radial, shear = radial_ring_compliances_under_two_tractions_by_mode(ring, radius, sign, k)
@@ -451,7 +462,9 @@ def _cosine_and_sine_integrals_over_lining(
     wave = np.exp(
         1j
         * k[:, None, None]
-        * shoe.frame.theta(shoe.surface_coordinates_of_points_in_shoe_frame(x, 1.0))
+        * shoe.frame.surface_coordinates_of_phi(
+            shoe.surface_coordinates_of_points_in_shoe_frame(x, 1.0)
+        )
     )
     found = np.zeros((len(k), len(line.nodes)), dtype=complex)
     # In each row of `line.pieces` a node occurs at most once. With a repeated node, += with an
@@ -462,7 +475,7 @@ def _cosine_and_sine_integrals_over_lining(
 
 
 def radial_ring_compliances_under_two_tractions_by_mode(
-    ring: Ring, radius: float, sign: int, modes: Ints
+    ring: DrumRing, radius: float, sign: int, modes: Ints
 ) -> tuple[Floats, Floats]:
     """Radial displacements of a ring's friction surface under two tractions, for each mode.
 
@@ -472,7 +485,7 @@ def radial_ring_compliances_under_two_tractions_by_mode(
 
     Parameters
     ----------
-    ring : Ring
+    ring : DrumRing
         The ring, isotropic.
     radius : float
         Radius of the drum [m].
@@ -486,7 +499,7 @@ def radial_ring_compliances_under_two_tractions_by_mode(
     assert isinstance(section.material, Material)
     # Modes whose waves are much shorter than the thickness follow from the formulas of a
     # half-plane.
-    long = modes * section.thickness <= HALF_PLANE_WAVE * radius
+    long = modes * section.thickness <= HALF_PLANE_LIMIT_OF_RING_WAVE_NUMBER * radius
     if not long.all():
         E, nu = section.material.E, section.material.nu
         over = radius / (E * modes[~long])
@@ -494,21 +507,21 @@ def radial_ring_compliances_under_two_tractions_by_mode(
         return np.append(found[0], 2 * over), np.append(found[1], (1 - nu) * over)
     K = _ring_stiffness_of_each_mode(section.material, section.thickness, radius, sign, modes)
     load = np.zeros((*K.shape[:2], 2))
-    load[:, 0, 0] = load[:, RING_DEGREE + 1, 1] = radius
+    load[:, 0, 0] = load[:, DEGREE_THROUGH_RING_THICKNESS + 1, 1] = radius
     u = _displacements_under_linear_constraints(
         K, _displacement_constraints_at_ring_rim_by_mode(ring, modes), load
     )
     return np.asarray(u[:, 0, 0]), np.asarray(u[:, 0, 1])
 
 
-class _ThroughRing(NamedTuple):
+class _ShapeFunctionsThroughRingThickness(NamedTuple):
     """The shape functions of a ring through its thickness, at the q points of a Gauss rule.
 
     Attributes
     ----------
     xi, weights : array (q,)
         Points of [-1, 1] from the friction surface to the rim, and their weights.
-    psi, slope : array (q, RING_DEGREE + 1)
+    psi, slope : array (q, DEGREE_THROUGH_RING_THICKNESS + 1)
         Values of the shape functions at the points, and their derivatives by xi.
     """
 
@@ -518,19 +531,21 @@ class _ThroughRing(NamedTuple):
     slope: Floats
 
 
-def _shape_functions_through_ring() -> _ThroughRing:
+def _shape_functions_through_ring() -> _ShapeFunctionsThroughRingThickness:
     """The shape functions of a ring through its thickness: Lagrange polynomials.
 
     Their nodes are Chebyshev points. The polynomials are written as sums of Legendre polynomials.
     """
-    x = -np.cos(math.pi * np.arange(RING_DEGREE + 1) / RING_DEGREE)
-    V = np.linalg.inv(np.polynomial.legendre.legvander(x, RING_DEGREE))
-    xi, w = np.polynomial.legendre.leggauss(RING_DEGREE + 2)
-    psi = np.polynomial.legendre.legvander(xi, RING_DEGREE) @ V
+    x = -np.cos(
+        math.pi * np.arange(DEGREE_THROUGH_RING_THICKNESS + 1) / DEGREE_THROUGH_RING_THICKNESS
+    )
+    V = np.linalg.inv(np.polynomial.legendre.legvander(x, DEGREE_THROUGH_RING_THICKNESS))
+    xi, w = np.polynomial.legendre.leggauss(DEGREE_THROUGH_RING_THICKNESS + 2)
+    psi = np.polynomial.legendre.legvander(xi, DEGREE_THROUGH_RING_THICKNESS) @ V
     slope = np.array(
         [np.polynomial.legendre.legval(xi, np.polynomial.legendre.legder(c)) for c in V.T]
     ).T
-    return _ThroughRing(xi, w, psi, slope)
+    return _ShapeFunctionsThroughRingThickness(xi, w, psi, slope)
 
 
 def _ring_stiffness_of_each_mode(
@@ -559,7 +574,9 @@ def _ring_stiffness_of_each_mode(
     n = modes[:, None, None]
     # Strains (m, q, 2 nodes) at q Gauss points under unit nodal displacements: radial strain,
     # strain around the drum, and shear strain.
-    e_r = np.broadcast_to(np.hstack([d, zero]), (len(modes), len(r), 2 * (RING_DEGREE + 1)))
+    e_r = np.broadcast_to(
+        np.hstack([d, zero]), (len(modes), len(r), 2 * (DEGREE_THROUGH_RING_THICKNESS + 1))
+    )
     e_t = np.concatenate([over + 0 * n, n * over], axis=2)
     g = np.concatenate([-n * over, d - over + 0 * n], axis=2)
     weight = (through.weights * abs(half) * r)[:, None] * E / (1 - nu**2)
@@ -579,13 +596,13 @@ def _ring_stiffness_of_each_mode(
     )
 
 
-def _displacement_constraints_at_ring_rim_by_mode(ring: Ring, modes: Ints) -> Floats:
+def _displacement_constraints_at_ring_rim_by_mode(ring: DrumRing, modes: Ints) -> Floats:
     """The constraints (m, 2 n, 2) on the displacements U and V of n nodes, for each of m modes.
 
     A fixed rim does not move. Of a free rim the rigid-body modes k = 0 (rotation) and k = 1
     (translation) are suppressed. A constraint whose coefficients are all zero is inactive.
     """
-    size, rim = RING_DEGREE + 1, RING_DEGREE
+    size, rim = DEGREE_THROUGH_RING_THICKNESS + 1, DEGREE_THROUGH_RING_THICKNESS
     hold = np.zeros((len(modes), 2 * size, 2))
     if ring.support == "fixed":
         hold[:, rim, 0] = hold[:, size + rim, 1] = 1.0

@@ -6,8 +6,8 @@ computed wear is. They treat brakes that run in from new (`table_row_and_wear_ru
 (`row_comparing_run_with_halved_wear_steps`), wear laws with exponents of the pressure
 (`table_row_of_run_in_at_pressure_exponent`), a drum that turns both ways
 (`wear_brake_with_drum_reversals`), and implicit against explicit steps
-(`rows_and_ends_of_wear_runs_in_equal_steps`). Sliding distances are in units of 1/(k K), with the
-stiffness K = E/t of the lining and the wear coefficient k.
+(`rows_and_last_states_of_wear_runs_in_equal_steps`). Sliding distances are in units of 1/(k K),
+with the stiffness K = E/t of the lining and the wear coefficient k.
 """
 
 import math
@@ -25,13 +25,16 @@ from drumlin.base.arrays import Floats
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import vary
-from drumlin.fem.analysis.fields import Fields, stress_and_displacement_fields_of_shoe
+from drumlin.fem.analysis.fields import (
+    StressAndDisplacementFields,
+    stress_and_displacement_fields_of_shoe,
+)
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import make_prepared_model
-from drumlin.fem.preparation.scene import PreparedModel, reason_why_brake_is_not_modelled
+from drumlin.fem.preparation.scene import PreparedModel, reason_against_finite_element_model
 from drumlin.laws import hinged, solve_brake_by_its_rigid_shoe_law
 from drumlin.lining_wear.archard import (
-    DEFAULT_WEAR_STEP_ERROR,
+    DEFAULT_PRESSURE_ERROR_OF_WEAR_STEP,
     WearLaw,
     WearState,
     interpolate_wear_state_at_distance,
@@ -47,7 +50,7 @@ from drumlin.lining_wear.linings import (
 )
 from drumlin.lining_wear.run_in import (
     DEFAULT_WEAR_COEFFICIENT,
-    WearTarget,
+    FinalWearPressureAndTorque,
     brake_with_worn_linings,
     compute_checks_of_wear_run,
     compute_life_of_linings,
@@ -59,14 +62,14 @@ from drumlin.lining_wear.run_in import (
 )
 from drumlin.response.norms import relative_error_of_number
 
-ARCHARD = WearLaw(DEFAULT_WEAR_COEFFICIENT)
+ARCHARD_WEAR_LAW = WearLaw(DEFAULT_WEAR_COEFFICIENT)
 """Archard's law: wear in proportion to pressure and sliding distance. All brakes of this module
 wear by this law unless an exponent of the pressure is given."""
-SPENT_WITHIN = 0.01
+RUN_IN_TOLERANCE_FROM_LAW = 0.01
 """Relative difference of pressure or torque from the rigid-shoe law, below which a brake counts as
 run in.
 """
-AT_LAW = "at the law"
+STATUS_OF_RUN_ENDING_AT_LAW = "at the law"
 """Status of a brake whose pressure and torque end, after wear, at the values of its rigid-shoe law.
 """
 PRESSURE_AT_LAW, TORQUE_AT_LAW = 0.01, 0.001
@@ -75,7 +78,7 @@ worn-in brake counts as "at the law"."""
 
 
 @dataclass(frozen=True)
-class Run:
+class WearRunUntilPressureSettles:
     """The wear of a brake from new linings until the pressure no longer changes.
 
     Attributes
@@ -86,7 +89,7 @@ class Run:
         The linings, with the equations of their contact.
     states : list of WearState
         Wear and pressure at growing sliding distances.
-    goal : WearTarget
+    goal : FinalWearPressureAndTorque
         The pressure and the torque of the rigid-shoe law, which the brake approaches as it wears.
     unit : float
         The sliding distance 1/(k K) [m].
@@ -95,7 +98,7 @@ class Run:
     name: str
     setup: WearSetup
     states: list[WearState]
-    goal: WearTarget
+    goal: FinalWearPressureAndTorque
     unit: float
 
     def sliding_distances_of_run_states(self) -> list[float]:
@@ -116,8 +119,8 @@ class Run:
 
 
 def wear_brake_until_pressure_settles(
-    name: str, setup: WearSetup, law: WearLaw = ARCHARD, **options: Any
-) -> Run:
+    name: str, setup: WearSetup, law: WearLaw = ARCHARD_WEAR_LAW, **options: Any
+) -> WearRunUntilPressureSettles:
     """The run of a brake until the pressure of its linings no longer changes.
 
     Parameters
@@ -133,7 +136,9 @@ def wear_brake_until_pressure_settles(
     """
     states = wear_brake_linings_until_worn_in(setup, law, **options)
     goal = final_wear_pressure_and_torque_by_rigid_shoe_law(setup, law, options.get("torque"))
-    return Run(name, setup, states, goal, sliding_distance_of_e_fold_pressure_change(setup, law))
+    return WearRunUntilPressureSettles(
+        name, setup, states, goal, sliding_distance_of_e_fold_pressure_change(setup, law)
+    )
 
 
 def list_wear_models_and_reason_against_finite_elements(
@@ -146,7 +151,7 @@ def list_wear_models_and_reason_against_finite_elements(
     with the opposite rotation. With two shoes this is not needed, because one shoe leads and the
     other trails. A brake with rigid external shoes also runs in with its shoes on guides.
     """
-    found, reason = list[tuple[str, str, Brake]](), reason_why_brake_is_not_modelled(brake)
+    found, reason = list[tuple[str, str, Brake]](), reason_against_finite_element_model(brake)
     if reason is None:
         found.append(("", "fem", brake))
         if len(brake.shoes) == 1:
@@ -194,7 +199,7 @@ def worn_in_pressure_formula_and_law_torque(model: str, brake: Brake) -> tuple[s
 
 def table_row_and_wear_run_of_brake(
     name: str, model: str, brake: Brake, elements: int
-) -> tuple[dict[str, Any], Run | None]:
+) -> tuple[dict[str, Any], WearRunUntilPressureSettles | None]:
     """The table row of a brake that runs in, and its run.
 
     Where the model has no answer, the run is None and the `status` of the row gives the reason.
@@ -223,12 +228,12 @@ def table_row_and_wear_run_of_brake(
         **table_row_of_wear_run_until_settled(one),
         "seconds": time.perf_counter() - begin,
     }
-    if row["status"] == AT_LAW and abs(row["target"]) > TORQUE_AT_LAW:
+    if row["status"] == STATUS_OF_RUN_ENDING_AT_LAW and abs(row["target"]) > TORQUE_AT_LAW:
         row["status"] = "at its own limit, which is not the law"
     return row, one
 
 
-def table_row_of_wear_run_until_settled(one: Run) -> dict[str, Any]:
+def table_row_of_wear_run_until_settled(one: WearRunUntilPressureSettles) -> dict[str, Any]:
     """The table row of a run, in which a brake wears until its pressure no longer changes.
 
     The row has the distances of pressure and torque from the law for new linings ("new_") and after
@@ -244,9 +249,11 @@ def table_row_of_wear_run_until_settled(one: Run) -> dict[str, Any]:
     )
     # Shares of the lining's life that pass while pressure or torque is more than 1 %, and more than
     # 0.1 %, off the law.
-    spent = compute_life_of_linings(setup, states, goal, ARCHARD, within=SPENT_WITHIN)
-    close = compute_life_of_linings(setup, states, goal, ARCHARD, within=TORQUE_AT_LAW)
-    balance = compute_checks_of_wear_run(setup, states, ARCHARD)
+    spent = compute_life_of_linings(
+        setup, states, goal, ARCHARD_WEAR_LAW, within=RUN_IN_TOLERANCE_FROM_LAW
+    )
+    close = compute_life_of_linings(setup, states, goal, ARCHARD_WEAR_LAW, within=TORQUE_AT_LAW)
+    balance = compute_checks_of_wear_run(setup, states, ARCHARD_WEAR_LAW)
     holds = end.pressure <= PRESSURE_AT_LAW and abs(end.torque) <= TORQUE_AT_LAW
     return {
         "new_pressure": new.pressure,
@@ -266,7 +273,7 @@ def table_row_of_wear_run_until_settled(one: Run) -> dict[str, Any]:
         "energy": balance.energy,
         "ripple": one.largest_relative_pressure_alternation_between_nodes(states[-1]),
         "steps": len(states) - 1,
-        "status": AT_LAW if holds else "short of the law",
+        "status": STATUS_OF_RUN_ENDING_AT_LAW if holds else "short of the law",
     }
 
 
@@ -287,7 +294,7 @@ def table_row_of_run_in_at_modulus_ratio(
     }
 
 
-def row_comparing_run_with_halved_wear_steps(one: Run) -> dict[str, Any]:
+def row_comparing_run_with_halved_wear_steps(one: WearRunUntilPressureSettles) -> dict[str, Any]:
     """The row that compares a wear run with the same run in steps of half the size.
 
     `pressure`, `torque` and `depth` are the largest relative differences between both runs.
@@ -298,9 +305,9 @@ def row_comparing_run_with_halved_wear_steps(one: Run) -> dict[str, Any]:
     # The run is repeated with a further state in the middle of each step. Every second state of the
     # new run then has the sliding distance of a state of the old run.
     middles = [(a + b) / 2 for a, b in pairwise(s)]
-    halved = wear_linings_in_given_steps(one.setup.interfaces, ARCHARD, sorted([*s[1:], *middles]))[
-        ::2
-    ]
+    halved = wear_linings_in_given_steps(
+        one.setup.interfaces, ARCHARD_WEAR_LAW, sorted([*s[1:], *middles])
+    )[::2]
     area = np.concatenate([interface.area for interface in one.setup.interfaces])
 
     def pressure_norm_over_linings(p: Floats) -> float:
@@ -309,11 +316,11 @@ def row_comparing_run_with_halved_wear_steps(one: Run) -> dict[str, Any]:
 
     # Pairs of states, one of each run, at the same sliding distance.
     pairs = list(zip(one.states, halved, strict=True))
-    long = wear_brake_linings_until_worn_in(one.setup, ARCHARD, distance=10 * s[-1])
+    long = wear_brake_linings_until_worn_in(one.setup, ARCHARD_WEAR_LAW, distance=10 * s[-1])
     after = relative_differences_from_end_of_wear(one.setup, long[-1], one.goal)
     return {
         "brake": one.name,
-        "asked": DEFAULT_WEAR_STEP_ERROR,
+        "asked": DEFAULT_PRESSURE_ERROR_OF_WEAR_STEP,
         "pressure": max(
             pressure_norm_over_linings(a.pressure - b.pressure)
             / pressure_norm_over_linings(b.pressure)
@@ -352,7 +359,7 @@ def table_row_of_run_in_at_pressure_exponent(setup: WearSetup, m: float) -> dict
 
 
 @dataclass(frozen=True)
-class Reversals:
+class WearWithRegularDrumReversals:
     """The wear of a brake whose drum reverses its sense of rotation at regular sliding distances.
 
     Attributes
@@ -388,7 +395,7 @@ class Reversals:
 
 def wear_brake_with_drum_reversals(
     scene: PreparedModel, brake: Brake, every: float, turns: int
-) -> Reversals:
+) -> WearWithRegularDrumReversals:
     """The wear of a brake over several reversals of the drum.
 
     Parameters
@@ -411,10 +418,10 @@ def wear_brake_with_drum_reversals(
         sense: final_wear_pressure_and_torque_by_rigid_shoe_law(setup)
         for sense, setup in setups.items()
     }
-    size = every * sliding_distance_of_e_fold_pressure_change(setups[True], ARCHARD)
+    size = every * sliding_distance_of_e_fold_pressure_change(setups[True], ARCHARD_WEAR_LAW)
     states = wear_brake_linings_until_worn_in(
         setups[True],
-        ARCHARD,
+        ARCHARD_WEAR_LAW,
         backward=setups[False],
         reverse=size,
         distance=turns * size,
@@ -432,9 +439,9 @@ def wear_brake_with_drum_reversals(
     # The depth worn in the last two runs between reversals, one in each direction, is compared
     # with the depth by Archard's law under the worn-in pressures of both directions.
     worn_off = turned[-1].depth - turned[-3].depth
-    law = ARCHARD.coefficient * size * (goals[True].pressure + goals[False].pressure)
+    law = ARCHARD_WEAR_LAW.coefficient * size * (goals[True].pressure + goals[False].pressure)
     mean = _largest_relative_difference_on_linings(setups[True], worn_off, law)
-    return Reversals(every, states, far, mean)
+    return WearWithRegularDrumReversals(every, states, far, mean)
 
 
 def _largest_relative_difference_on_linings(
@@ -462,7 +469,7 @@ def _largest_relative_difference_on_linings(
 
 
 @dataclass(frozen=True)
-class EqualStepsEnd:
+class LastStateOfEqualWearSteps:
     """The last state of a brake whose linings have worn in steps of equal size.
 
     Attributes
@@ -480,16 +487,16 @@ class EqualStepsEnd:
     ripple: float
 
 
-def rows_and_ends_of_wear_runs_in_equal_steps(
-    one: Run, end: float, steps: Sequence[float]
-) -> tuple[list[dict[str, Any]], list[EqualStepsEnd]]:
+def rows_and_last_states_of_wear_runs_in_equal_steps(
+    one: WearRunUntilPressureSettles, end: float, steps: Sequence[float]
+) -> tuple[list[dict[str, Any]], list[LastStateOfEqualWearSteps]]:
     """Table rows and last states of wear runs in steps of equal size, implicit and explicit ones.
 
     The torque of each run is compared with the torque of a run in fine steps of controlled error.
 
     Parameters
     ----------
-    one : Run
+    one : WearRunUntilPressureSettles
         A run of the brake, whose linings and unit of distance are used.
     end : float
         Sliding distance of the runs, in units of 1/(k K).
@@ -500,11 +507,13 @@ def rows_and_ends_of_wear_runs_in_equal_steps(
     # estimated error.
     length = end * one.unit
     exact = interpolate_wear_state_at_distance(
-        wear_brake_linings_until_worn_in(one.setup, ARCHARD, distance=length, tolerance=1e-4),
+        wear_brake_linings_until_worn_in(
+            one.setup, ARCHARD_WEAR_LAW, distance=length, tolerance=1e-4
+        ),
         length,
     )
-    rows, boards = list[dict[str, Any]](), list[EqualStepsEnd]()
-    for way, size, run in _list_implicit_and_explicit_runs(one, end, steps):
+    rows, boards = list[dict[str, Any]](), list[LastStateOfEqualWearSteps]()
+    for way, size, run in _list_implicit_and_explicit_wear_runs(one, end, steps):
         row: dict[str, Any] = {"way": way, "step": size}
         try:
             last = run()[-1]
@@ -516,12 +525,14 @@ def rows_and_ends_of_wear_runs_in_equal_steps(
         row["torque"] = last.torque
         row["torque_error"] = relative_error_of_number(last.torque, exact.torque)
         rows.append({**row, "status": "ended"})
-        boards.append(EqualStepsEnd(f"{way}\nsteps of {size:g}/(k K)", last, row["ripple"]))
+        boards.append(
+            LastStateOfEqualWearSteps(f"{way}\nsteps of {size:g}/(k K)", last, row["ripple"])
+        )
     return rows, boards
 
 
-def _list_implicit_and_explicit_runs(
-    one: Run, end: float, steps: Sequence[float]
+def _list_implicit_and_explicit_wear_runs(
+    one: WearRunUntilPressureSettles, end: float, steps: Sequence[float]
 ) -> Iterator[tuple[str, float, Callable[[], list[WearState]]]]:
     """For each size of wear step an implicit and an explicit run: name, step size, and function.
 
@@ -534,22 +545,26 @@ def _list_implicit_and_explicit_runs(
         yield (
             "implicit",
             size,
-            partial(wear_linings_in_given_steps, one.setup.interfaces, ARCHARD, stations),
+            partial(wear_linings_in_given_steps, one.setup.interfaces, ARCHARD_WEAR_LAW, stations),
         )
         yield (
             "explicit",
             size,
-            partial(wear_linings_by_explicit_euler, one.setup.interfaces, ARCHARD, ds, count),
+            partial(
+                wear_linings_by_explicit_euler, one.setup.interfaces, ARCHARD_WEAR_LAW, ds, count
+            ),
         )
 
 
-def wear_run_whose_new_linings_touch_least(runs: Iterable[Run]) -> Run:
+def wear_run_whose_new_linings_touch_least(
+    runs: Iterable[WearRunUntilPressureSettles],
+) -> WearRunUntilPressureSettles:
     """The run whose new linings touch the drum with the smallest fraction of their nodes."""
     return min(runs, key=lambda one: float((one.states[0].pressure > 0).mean()))
 
 
 @dataclass(frozen=True)
-class RunFrame:
+class AnimationFrameOfWearRun:
     """A moment of a run: the wear state, and for each shoe its fields and its turn.
 
     The fields are displacements and stresses inside the shoe. The turn is the angle [rad] by which
@@ -557,21 +572,23 @@ class RunFrame:
     """
 
     state: WearState
-    fields: Sequence[Fields]
+    fields: Sequence[StressAndDisplacementFields]
     turns: Sequence[float]
 
 
-def animation_frames_of_run(scene: PreparedModel, one: Run, count: int) -> list[RunFrame]:
-    """Moments of a run with the fields of its shoes, for an animation.
+def animation_frames_of_run(
+    scene: PreparedModel, one: WearRunUntilPressureSettles, count: int
+) -> list[AnimationFrameOfWearRun]:
+    """The frames of an animation of a run-in, each with the stress fields of the shoes.
 
-    At the first moment the linings are new. The other moments are evenly spaced in the logarithm of
+    In the first frame the linings are new. The other frames are evenly spaced in the logarithm of
     the sliding distance.
 
     Parameters
     ----------
     scene : PreparedModel
         The prepared model of the brake.
-    one : Run
+    one : WearRunUntilPressureSettles
         The run.
     count : int
         Number of moments.
@@ -587,5 +604,7 @@ def animation_frames_of_run(scene: PreparedModel, one: Run, count: int) -> list[
             stress_and_displacement_fields_of_shoe(scene, brake, response, i)
             for i in range(len(brake.shoes))
         ]
-        moments.append(RunFrame(state, shown, [shoe.turn or 0.0 for shoe in response.shoes]))
+        moments.append(
+            AnimationFrameOfWearRun(state, shown, [shoe.turn or 0.0 for shoe in response.shoes])
+        )
     return moments

@@ -15,7 +15,7 @@ from drumlin.brake.brake import Brake
 from drumlin.brake.file import vary
 from drumlin.contact.self_locking import (
     FrictionDependentProblem,
-    FrictionLimit,
+    LargestFrictionWithEquilibrium,
     compare_solutions_from_starting_contact_sets,
     find_largest_friction_with_equilibrium,
     smallest_friction_that_makes_any_contact_set_singular,
@@ -32,43 +32,44 @@ from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.laws import self_locking_friction_of_hinged_shoe, solve_brake_by_sine_law
 from drumlin_studies.random_brake import draw_random_brake
 
-FARTHEST_FRICTION = 3.0
+LARGEST_SEARCHED_LOCKING_FRICTION = 3.0
 """Largest coefficient of friction up to which the self-locking of a brake is searched for."""
-FARTHEST_RANDOM_FRICTION = 100.0
+LARGEST_SEARCHED_FRICTION_OF_RANDOM_BRAKE = 100.0
 """Largest coefficient of friction up to which the self-locking of a random brake is searched for.
 """
-LARGEST_FRICTION = 1.0
+LARGEST_FRICTION_CHECKED_FOR_UNIQUENESS = 1.0
 """Largest coefficient of friction at which the uniqueness of an answer is checked.
 
 It takes the place of the friction limit if a shoe locks itself at a larger friction or never.
 """
-LIMIT_FRACTIONS = (0.1, 0.3, 0.5, 0.7, 0.9, 0.99)
+FRACTIONS_OF_LOCKING_FRICTION_WITH_ONE_ANSWER = (0.1, 0.3, 0.5, 0.7, 0.9, 0.99)
 """Fractions of the friction limit (where the brake locks itself) at which it must have exactly one
 answer.
 """
-BEYOND_LIMIT = (1 + 1e-6, 1.01, 1.1, 1.5, 2.0, 3.0)
+MULTIPLES_OF_LOCKING_FRICTION_WITHOUT_ANSWER = (1 + 1e-6, 1.01, 1.1, 1.5, 2.0, 3.0)
 """Multiples of the friction limit (where the brake locks itself) at which it should have no answer.
 """
-RANDOM_STARTS = 5
+NUMBER_OF_RANDOM_STARTING_CONTACT_SETS = 5
 """Number of random contact sets from which the contact iteration is started."""
-LOCKING_ELEMENTS = 16
+ELEMENTS_PER_LINING_OF_UNIQUENESS_CHECK = 16
 """Elements along a lining of the random brakes whose answers are checked for uniqueness."""
-ALL_SETS_ELEMENTS = 4
+ELEMENTS_PER_LINING_IF_ALL_CONTACT_SETS_ARE_TRIED = 4
 """Elements along a lining of the brakes for which all possible contact sets are tried. There must
 be few, because the number of sets doubles with each node.
 """
-START_SEED = 7
+SEED_OF_RANDOM_STARTING_CONTACT_SETS = 7
 """Seed of the random contact sets; it is used together with the seed of the brake."""
-AGREEMENT_COUNTS = ("starts", "same", "others", "unstable", "lost")
+ATTRIBUTES_THAT_COUNT_HOW_CONTACT_ITERATIONS_END = ("starts", "same", "others", "unstable", "lost")
 """Attributes of the result of `compare_solutions_from_starting_contact_sets`. They count how
-contact iterations from several starting sets end, and are summed over LIMIT_FRACTIONS.
+contact iterations from several starting sets end, and are summed over
+FRACTIONS_OF_LOCKING_FRICTION_WITH_ONE_ANSWER.
 """
 
-Row = dict[str, Any]
+SelfLockingRow = dict[str, Any]
 """A row of a table: its values by key."""
 
 
-def row_of_self_locking_friction(brake: Brake, elements: int) -> Row:
+def row_of_self_locking_friction(brake: Brake, elements: int) -> SelfLockingRow:
     """A row with the friction at which a brake locks itself, by finite elements and by sine law.
 
     Of several groups of shoes, the group that locks at the lowest friction counts.
@@ -77,7 +78,9 @@ def row_of_self_locking_friction(brake: Brake, elements: int) -> Row:
     """
     scene = make_prepared_model(brake, elements=elements)
     found = min(
-        self_locking_friction_of_shoe_groups(scene, brake, FARTHEST_FRICTION).values(),
+        self_locking_friction_of_shoe_groups(
+            scene, brake, LARGEST_SEARCHED_LOCKING_FRICTION
+        ).values(),
         key=lambda end: end.friction,
     )
     law = _lowest_locking_friction_by_law(brake)
@@ -93,7 +96,7 @@ def row_of_self_locking_friction(brake: Brake, elements: int) -> Row:
     }
 
 
-def row_of_torque_curves_by_friction(brake: Brake, name: str, elements: int) -> Row:
+def row_of_torque_curves_by_friction(brake: Brake, name: str, elements: int) -> SelfLockingRow:
     """A row with the curves of torque [N m] over friction, by finite elements and by the sine law.
 
     Each curve ends just before the friction at which the brake locks itself by the same model.
@@ -110,7 +113,9 @@ def row_of_torque_curves_by_friction(brake: Brake, name: str, elements: int) -> 
     scene = make_prepared_model(brake, elements=elements)
     end = min(
         found.friction
-        for found in self_locking_friction_of_shoe_groups(scene, brake, FARTHEST_FRICTION).values()
+        for found in self_locking_friction_of_shoe_groups(
+            scene, brake, LARGEST_SEARCHED_LOCKING_FRICTION
+        ).values()
     )
     law = _lowest_locking_friction_by_law(brake)
     # Friction coefficients of the curve: even steps up to 0.9 of the limit, then distances from the
@@ -136,7 +141,9 @@ def _lowest_locking_friction_by_law(brake: Brake) -> float:
     return min(self_locking_friction_of_hinged_shoe(brake, shoe) for shoe in brake.shoes)
 
 
-def torque_times_distance_to_locking_friction_and_its_change(row: Row) -> tuple[float, float]:
+def torque_times_distance_to_locking_friction_and_its_change(
+    row: SelfLockingRow,
+) -> tuple[float, float]:
     """The product T (mu_lock - mu) [N m] at the friction limit, and its change near the limit.
 
     If the torque T has a pole at the friction mu_lock, the product is constant near mu_lock. The
@@ -153,7 +160,7 @@ def torque_times_distance_to_locking_friction_and_its_change(row: Row) -> tuple[
     return products[-1], abs(near[-1] / near[0] - 1)
 
 
-def row_on_uniqueness_of_contact_solutions(seed: int, way: str) -> Row:
+def row_on_uniqueness_of_contact_solutions(seed: int, way: str) -> SelfLockingRow:
     """A row on whether a random brake has one answer below its friction limit and none beyond it.
 
     The contact iteration starts from all nodes in contact, from no node in contact, and from random
@@ -167,14 +174,16 @@ def row_on_uniqueness_of_contact_solutions(seed: int, way: str) -> Row:
     seed : int
         Seed of the brake.
     way : str
-        Kind of the brake, one of `random_brake.LOCKING_KINDS`.
+        Kind of the brake, one of `random_brake.KINDS_THAT_LOCK_OR_NEVER_LOCK_WITH_FRICTION`.
     """
     brake = draw_random_brake(seed, way)
-    scene = make_prepared_model(brake, elements=LOCKING_ELEMENTS)
+    scene = make_prepared_model(brake, elements=ELEMENTS_PER_LINING_OF_UNIQUENESS_CHECK)
     problems = ShoeGroup(scene, brake, (0,)).contact_problem_as_function_of_friction
-    end = find_largest_friction_with_equilibrium(problems, FARTHEST_RANDOM_FRICTION)
+    end = find_largest_friction_with_equilibrium(
+        problems, LARGEST_SEARCHED_FRICTION_OF_RANDOM_BRAKE
+    )
     starts = _starting_contact_sets(len(problems.frictionless.q), seed)
-    top = min(end.friction, LARGEST_FRICTION)
+    top = min(end.friction, LARGEST_FRICTION_CHECKED_FOR_UNIQUENESS)
     counts, disagreeing = _agreement_counts_and_disagreeing_friction_fractions(
         problems, top, starts
     )
@@ -182,7 +191,7 @@ def row_on_uniqueness_of_contact_solutions(seed: int, way: str) -> Row:
     # drumlin should raise NoAnswer.
     beyond = answered = None
     if end.friction <= 10:
-        mu_beyond = [end.friction * x for x in BEYOND_LIMIT]
+        mu_beyond = [end.friction * x for x in MULTIPLES_OF_LOCKING_FRICTION_WITHOUT_ANSWER]
         beyond = _count_stable_answers_beyond_friction_limit(problems, end, mu_beyond, starts)
         answered = sum(
             _is_brake_solvable_with_exact_contact(scene, vary(brake, {"friction": mu}))
@@ -213,7 +222,7 @@ def _smallest_singular_friction_on_coarse_mesh(brake: Brake) -> float:
 
     All contact sets are tried, which is possible because a coarse mesh has few of them.
     """
-    coarse = make_prepared_model(brake, elements=ALL_SETS_ELEMENTS)
+    coarse = make_prepared_model(brake, elements=ELEMENTS_PER_LINING_IF_ALL_CONTACT_SETS_ARE_TRIED)
     return smallest_friction_that_makes_any_contact_set_singular(
         ShoeGroup(coarse, brake, (0,)).contact_problem_as_function_of_friction
     )
@@ -221,14 +230,14 @@ def _smallest_singular_friction_on_coarse_mesh(brake: Brake) -> float:
 
 def _starting_contact_sets(n: int, seed: int) -> list[Bools]:
     """Contact sets (n,) to start the iteration from: all nodes, no node, random sets by a seed."""
-    rng = np.random.default_rng([START_SEED, seed])
-    random_sets = [rng.random(n) < 0.5 for _ in range(RANDOM_STARTS)]
+    rng = np.random.default_rng([SEED_OF_RANDOM_STARTING_CONTACT_SETS, seed])
+    random_sets = [rng.random(n) < 0.5 for _ in range(NUMBER_OF_RANDOM_STARTING_CONTACT_SETS)]
     return [np.ones(n, bool), np.zeros(n, bool), *random_sets]
 
 
 def _count_stable_answers_beyond_friction_limit(
     problems: FrictionDependentProblem,
-    end: FrictionLimit,
+    end: LargestFrictionWithEquilibrium,
     frictions: list[float],
     starts: list[Bools],
 ) -> int:
@@ -238,7 +247,7 @@ def _count_stable_answers_beyond_friction_limit(
     ----------
     problems : FrictionDependentProblem
         The contact problem as a function of friction.
-    end : FrictionLimit
+    end : LargestFrictionWithEquilibrium
         The friction limit, with the contact set just below it.
     frictions : list of float
         Friction coefficients beyond the limit.
@@ -250,14 +259,14 @@ def _count_stable_answers_beyond_friction_limit(
         problem = problems.contact_problem_at_friction_coefficient(mu)
         count += compare_solutions_from_starting_contact_sets(
             problem, end.last_contact, starts, 0.0
-        ).others
+        ).sets_with_other_stable_solution
     return count
 
 
 def _agreement_counts_and_disagreeing_friction_fractions(
     problems: FrictionDependentProblem, top: float, starts: list[Bools]
-) -> tuple[Row, list[float]]:
-    """Sums of AGREEMENT_COUNTS over LIMIT_FRACTIONS of a friction; fractions with a disagreement.
+) -> tuple[SelfLockingRow, list[float]]:
+    """Counts of how contact iterations end, summed over fractions of a locking friction.
 
     At a fraction with a disagreement an iteration from one of the contact sets does not end in the
     answer that is followed from zero friction. The counts also have the largest `difference`
@@ -268,23 +277,25 @@ def _agreement_counts_and_disagreeing_friction_fractions(
     problems : FrictionDependentProblem
         The contact problem of a shoe as a function of friction.
     top : float
-        Friction that is multiplied by LIMIT_FRACTIONS.
+        Friction that is multiplied by FRACTIONS_OF_LOCKING_FRICTION_WITH_ONE_ANSWER.
     starts : list of array (n,)
         Contact sets from which the iteration starts: whether each of the n nodes touches.
     """
-    counts: Row = dict.fromkeys(AGREEMENT_COUNTS, 0) | {"difference": 0.0}
+    counts: SelfLockingRow = dict.fromkeys(ATTRIBUTES_THAT_COUNT_HOW_CONTACT_ITERATIONS_END, 0) | {
+        "difference": 0.0
+    }
     disagreeing = []
-    for fraction in LIMIT_FRACTIONS:
+    for fraction in FRACTIONS_OF_LOCKING_FRICTION_WITH_ONE_ANSWER:
         mu = fraction * top
         found = compare_solutions_from_starting_contact_sets(
             problems.contact_problem_at_friction_coefficient(mu),
             find_largest_friction_with_equilibrium(problems, mu).last_contact,
             starts,
         )
-        for key in AGREEMENT_COUNTS:
+        for key in ATTRIBUTES_THAT_COUNT_HOW_CONTACT_ITERATIONS_END:
             counts[key] += getattr(found, key)
-        counts["difference"] = max(counts["difference"], found.difference)
-        if found.same < found.starts:
+        counts["difference"] = max(counts["difference"], found.largest_pressure_difference)
+        if found.sets_with_known_solution < found.number_of_start_sets:
             disagreeing.append(fraction)
     return counts, disagreeing
 
@@ -304,7 +315,9 @@ def _kind_of_first_lining_clearance(brake: Brake) -> str:
     return "uneven" if isinstance(given, tuple) else "none" if given == 0 else "even"
 
 
-def rows_of_torque_slopes_and_differences(brake: Brake, name: str, penalty: float) -> list[Row]:
+def rows_of_torque_slopes_and_differences(
+    brake: Brake, name: str, penalty: float
+) -> list[SelfLockingRow]:
     """A row for each slope of the brake's torque, beside the difference quotient of two solves.
 
     The first row also has the sensitivity S = (mu/T) dT/dmu to friction, by finite elements and by

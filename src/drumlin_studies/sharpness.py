@@ -28,83 +28,104 @@ from scipy.stats import binom
 from drumlin.base.errors import NoAnswer
 from drumlin.base.files import write_text
 from drumlin.brake.brake import Brake
-from drumlin.fem.error_control.adapt import DEFAULT_TOLERANCE, Tolerance, solve_brake_to_tolerance
+from drumlin.fem.error_control.adapt import (
+    DEFAULT_TOLERANCES_OF_PRESSURE_AND_TORQUE,
+    TolerancesOfPressureAndTorque,
+    solve_brake_to_tolerance,
+)
 from drumlin.fem.error_control.levels import SolvedLevel, solve_brake_on_finer_and_finer_mesh_levels
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.response.response import Response
-from drumlin_studies.stated_true import JUDGED_QUANTITIES as QUANTITIES
+from drumlin_studies.stated_true import (
+    QUANTITIES_WHOSE_STATED_ERRORS_ARE_JUDGED as QUANTITIES_WITH_STATED_ERROR,
+)
 from drumlin_studies.stated_true import stated_over_true_error_of_row, true_errors_of_response
-from drumlin_studies.stored_truth import CERTAIN, StoredTruth, read_stored_fine_solution
+from drumlin_studies.stored_truth import (
+    LEAST_USABLE_TRUE_ERROR_OVER_ITS_UNCERTAINTY,
+    StoredTruth,
+    read_stored_fine_solution,
+)
 
-ASKED = {"default": DEFAULT_TOLERANCE, "1e-3": Tolerance(1e-3, 1e-3), "1e-4": Tolerance(1e-4, 1e-4)}
+TOLERANCES_OF_SOLVES_BY_NAME = {
+    "default": DEFAULT_TOLERANCES_OF_PRESSURE_AND_TORQUE,
+    "1e-3": TolerancesOfPressureAndTorque(1e-3, 1e-3),
+    "1e-4": TolerancesOfPressureAndTorque(1e-4, 1e-4),
+}
 """The tolerances to which the brakes are solved, by name: the default one and two smaller ones."""
 
-SMALLEST_TOLERANCE = "1e-4"
-"""Name of the smallest tolerance of ASKED, at which a solve takes longest."""
+NAME_OF_SMALLEST_TOLERANCE_OF_SOLVES = "1e-4"
+"""Name of the smallest tolerance of TOLERANCES_OF_SOLVES_BY_NAME, at which a solve takes
+longest.
+"""
 
-PROMISED = 0.01
+PROMISED_FRACTION_OF_TOO_SMALL_ERRORS = 0.01
 """Largest fraction of stated errors that may be below the true errors, as README promises.
 """
 
-SURE = 0.95
-"""Probability that the test passes if the fraction PROMISED of all stated errors is too small.
+PASS_PROBABILITY_AT_PROMISED_FRACTION = 0.95
+"""Probability that the test passes if just the promised fraction of errors is too small.
+
+The fraction is PROMISED_FRACTION_OF_TOO_SMALL_ERRORS of all stated errors.
 
 From this probability follows how many of the judged errors may be too small. Without this allowance
 a test on few errors would fail by chance although the promise is kept.
 """
 
-ALLOWED_DRIFT = 0.3
-"""Largest relative difference between a number of `Spread` and its value in FILE.
+ALLOWED_RELATIVE_CHANGE_OF_SPREAD = 0.3
+"""Largest relative difference between a number of a spread and its value in the stored file.
 
-A change of the levels of refinement alone can move these numbers by half of ALLOWED_DRIFT. With a
-limit twice as large, a test would overlook a change of the stated errors by a factor of two.
-ALLOWED_DRIFT also limits the growth of the median true errors.
+The file is SPREADS_AND_COSTS_FILE_NAME.
+
+A change of the levels of refinement alone can move these numbers by half of
+ALLOWED_RELATIVE_CHANGE_OF_SPREAD. With a limit twice as large, a test would overlook a change of
+the stated errors by a factor of two. ALLOWED_RELATIVE_CHANGE_OF_SPREAD also limits the growth of
+the median true errors.
 """
 
-MORE = 0.1
+ALLOWED_GROWTH_OF_ALL_UNKNOWNS = 0.1
 """Fraction by which the number of unknowns of all answers together may grow since the last fit. The
 time of a solve grows a little faster than the number of unknowns, and a user would just notice a
 tenth more time.
 """
 
-MUCH_MORE = 1.4
+ALLOWED_GROWTH_FACTOR_OF_BRAKE_UNKNOWNS = 1.4
 """Factor by which the number of unknowns of a single brake may grow since the last fit. A change in
 round-off can cost one more solve on a level of refinement, in addition to the four or more that a
 brake needs.
 """
 
-QUICK = 100_000
+MOST_UNKNOWNS_OF_QUICK_BRAKE = 100_000
 """Largest number of unknowns of a brake that counts as quickly solved, in at most half a second.
 
 The unknowns of all meshes up to the answer at the smallest tolerance are added. The fast tests
 judge only the brakes within this limit.
 """
 
-FILE = "sharpness.json"
-"""Name of the file with all `Spread` and `AccuracyAndCost` at the last fit of the error estimate.
+SPREADS_AND_COSTS_FILE_NAME = "sharpness.json"
+"""Name of the file with all spreads and costs at the last fit of the error estimate.
 
 The file is in the folder of the stored truths.
 """
 
 
-SHARPNESS_KEY = "sharpness"
-"""Key of FILE for the spreads of all brakes."""
+FILE_KEY_OF_SPREADS_OF_ALL_BRAKES = "sharpness"
+"""Key of SPREADS_AND_COSTS_FILE_NAME for the spreads of all brakes."""
 
-QUICK_SHARPNESS_KEY = "sharpness of quick brakes"
-"""Key of FILE for the spreads of the brakes that are quickly solved."""
+FILE_KEY_OF_SPREADS_OF_QUICK_BRAKES = "sharpness of quick brakes"
+"""Key of SPREADS_AND_COSTS_FILE_NAME for the spreads of the brakes that are quickly solved."""
 
 
 class StatedTrueErrors(NamedTuple):
-    """Stated and true errors of one brake at one tolerance of ASKED.
+    """Stated and true errors of one brake at one tolerance of TOLERANCES_OF_SOLVES_BY_NAME.
 
     Attributes
     ----------
     name : name of the brake
     asked : name of the tolerance
-    stated : relative errors that the solve states, by QUANTITIES
-    true : relative errors against the stored far finer solution, by QUANTITIES
-    unsure : uncertainties of the true errors, by QUANTITIES
+    stated : relative errors that the solve states, by QUANTITIES_WITH_STATED_ERROR
+    true : relative errors against the stored far finer solution, by QUANTITIES_WITH_STATED_ERROR
+    unsure : uncertainties of the true errors, by QUANTITIES_WITH_STATED_ERROR
     unknowns : number of unknowns, summed over all meshes that were solved up to the answer
     """
 
@@ -131,10 +152,14 @@ class StatedTrueErrors(NamedTuple):
 
         A stated error of 1 means that the quantity is not known. It is not judged.
         """
-        return self.true[quantity] > CERTAIN * self.unsure[quantity] and self.stated[quantity] < 1.0
+        return (
+            self.true[quantity]
+            > LEAST_USABLE_TRUE_ERROR_OVER_ITS_UNCERTAINTY * self.unsure[quantity]
+            and self.stated[quantity] < 1.0
+        )
 
 
-class Spread(NamedTuple):
+class StatedOverTrueSpread(NamedTuple):
     """Two numbers on the ratios of stated to true error of a quantity.
 
     Attributes
@@ -147,8 +172,8 @@ class Spread(NamedTuple):
     tenth: float
 
 
-class AccuracyAndCost(NamedTuple):
-    """Accuracy and cost of the answers of all brakes at one tolerance of ASKED.
+class MedianErrorsAndUnknownsOfAllBrakes(NamedTuple):
+    """Accuracy and cost of the answers of all brakes at one tolerance.
 
     Attributes
     ----------
@@ -166,7 +191,7 @@ class AccuracyAndCost(NamedTuple):
 def stated_and_true_errors_of_stored_brake(
     name: str, stored: StoredTruth
 ) -> list[StatedTrueErrors]:
-    """Stated and true errors of a brake, for each tolerance of ASKED that it reaches.
+    """Stated and true errors of a brake, for each tolerance that it reaches.
 
     Each level of refinement is solved once and used for all tolerances.
 
@@ -184,10 +209,13 @@ def stated_and_true_errors_of_stored_brake(
 
     # All tolerances read the same sequence of solved levels, so that each level is solved once.
     sequences: tuple[Iterable[SolvedLevel], ...] = tee(
-        solve_brake_on_finer_and_finer_mesh_levels(brake, solve_and_count_unknowns), len(ASKED)
+        solve_brake_on_finer_and_finer_mesh_levels(brake, solve_and_count_unknowns),
+        len(TOLERANCES_OF_SOLVES_BY_NAME),
     )
     found = []
-    for (asked, tolerance), sequence in zip(ASKED.items(), sequences, strict=True):
+    for (asked, tolerance), sequence in zip(
+        TOLERANCES_OF_SOLVES_BY_NAME.items(), sequences, strict=True
+    ):
         response = _response_within_tolerance_or_none(brake, tolerance, sequence)
         if response is not None:
             true = true_errors_of_response(brake, response.shoes, stored.true.shoes)
@@ -199,7 +227,7 @@ def stated_and_true_errors_of_stored_brake(
 
 
 def _response_within_tolerance_or_none(
-    brake: Brake, tolerance: Tolerance, sequence: Iterable[SolvedLevel]
+    brake: Brake, tolerance: TolerancesOfPressureAndTorque, sequence: Iterable[SolvedLevel]
 ) -> Response | None:
     """The response of a brake to a tolerance, or None where no level reaches the tolerance.
 
@@ -210,7 +238,7 @@ def _response_within_tolerance_or_none(
             brake,
             tolerance,
             solve_prepared_model,
-            must=tolerance != DEFAULT_TOLERANCE,
+            must=tolerance != DEFAULT_TOLERANCES_OF_PRESSURE_AND_TORQUE,
             levels=sequence,
         ).response
     except NoAnswer:
@@ -233,60 +261,74 @@ def stated_and_true_errors_of_folder(
     return found
 
 
-def names_of_quickly_solved_brakes(worths: Mapping[str, AccuracyAndCost]) -> set[str]:
-    """Names of the brakes that reach the smallest tolerance with at most QUICK unknowns.
+def names_of_quickly_solved_brakes(
+    worths: Mapping[str, MedianErrorsAndUnknownsOfAllBrakes],
+) -> set[str]:
+    """Names of the brakes that reach the smallest tolerance with few unknowns.
 
-    `worths` are accuracy and cost of the answers of all brakes, by tolerance of ASKED.
+    These are at most MOST_UNKNOWNS_OF_QUICK_BRAKE unknowns.
+
+    `worths` are accuracy and cost of the answers of all brakes, by tolerance of
+    TOLERANCES_OF_SOLVES_BY_NAME.
     """
-    unknowns = worths[SMALLEST_TOLERANCE].unknowns
-    return {name for name, count in unknowns.items() if count <= QUICK}
+    unknowns = worths[NAME_OF_SMALLEST_TOLERANCE_OF_SOLVES].unknowns
+    return {name for name, count in unknowns.items() if count <= MOST_UNKNOWNS_OF_QUICK_BRAKE}
 
 
 def list_files_of_stored_fine_solutions(folder: Path) -> list[Path]:
     """The files of far finer solutions in a folder, in the order of their names."""
-    return sorted(path for path in folder.glob("*.json") if path.name != FILE)
+    return sorted(
+        path for path in folder.glob("*.json") if path.name != SPREADS_AND_COSTS_FILE_NAME
+    )
 
 
-def spreads_of_stated_over_true_errors(rows: Sequence[StatedTrueErrors]) -> dict[str, Spread]:
-    """The `Spread` of the ratios of stated to true error over all brakes, for each quantity.
+def spreads_of_stated_over_true_errors(
+    rows: Sequence[StatedTrueErrors],
+) -> dict[str, StatedOverTrueSpread]:
+    """The spread of the ratios of stated to true error over all brakes, for each quantity.
 
     Only ratios with a certain true error count.
     """
     found = {}
-    for quantity in QUANTITIES:
+    for quantity in QUANTITIES_WITH_STATED_ERROR:
         seen = [
             one.stated[quantity] / one.true[quantity]
             for one in rows
             if one.is_true_error_certain(quantity)
         ]
-        found[quantity] = Spread(float(np.median(seen)), float(np.quantile(seen, 0.1)))
+        found[quantity] = StatedOverTrueSpread(
+            float(np.median(seen)), float(np.quantile(seen, 0.1))
+        )
     return found
 
 
-def accuracy_and_cost_by_tolerance(rows: Sequence[StatedTrueErrors]) -> dict[str, AccuracyAndCost]:
-    """Accuracy and cost of the answers of all brakes, for each tolerance of ASKED."""
+def median_errors_and_unknowns_by_tolerance(
+    rows: Sequence[StatedTrueErrors],
+) -> dict[str, MedianErrorsAndUnknownsOfAllBrakes]:
+    """Accuracy and cost of the answers of all brakes, for each tolerance of the solves."""
     found = {}
-    for asked, tolerance in ASKED.items():
+    for asked, tolerance in TOLERANCES_OF_SOLVES_BY_NAME.items():
         own = [one for one in rows if one.asked == asked]
         reached = [one for one in own if one.stated["pressure"] <= tolerance.pressure]
         pressure = float(np.median([one.true["pressure"] for one in own]))
         torque = float(np.median([one.true["torque"] for one in own]))
         unknowns = {one.name: one.unknowns for one in own}
-        found[asked] = AccuracyAndCost(len(reached), pressure, torque, unknowns)
+        found[asked] = MedianErrorsAndUnknownsOfAllBrakes(len(reached), pressure, torque, unknowns)
     return found
 
 
-def describe_worsened_accuracies_and_costs(
-    rows: Sequence[StatedTrueErrors], written: Mapping[str, AccuracyAndCost]
+def describe_growth_of_median_errors_and_unknowns(
+    rows: Sequence[StatedTrueErrors], written: Mapping[str, MedianErrorsAndUnknownsOfAllBrakes]
 ) -> list[str]:
     """Lines of text, one for each accuracy or cost that has become worse.
 
     Each value is compared with its value at the last fit of the error estimate's factors.
 
-    written : accuracy and cost of the answers at the last fit, by the keys of ASKED
+    written : accuracy and cost of the answers at the last fit, by the keys of
+        TOLERANCES_OF_SOLVES_BY_NAME
     """
     found = []
-    for asked, now in accuracy_and_cost_by_tolerance(rows).items():
+    for asked, now in median_errors_and_unknowns_by_tolerance(rows).items():
         # Two ways to become worse: fewer brakes reach the tolerance, or the median true errors are
         # larger.
         before = written[asked]
@@ -294,30 +336,32 @@ def describe_worsened_accuracies_and_costs(
             found.append(f"{asked}: {now.answers} brakes reach it, {before.answers} did")
         for quantity in ("pressure", "torque"):
             error, known = getattr(now, quantity), getattr(before, quantity)
-            if error > (1 + ALLOWED_DRIFT) * known:
+            if error > (1 + ALLOWED_RELATIVE_CHANGE_OF_SPREAD) * known:
                 found.append(f"{asked}: true error of {quantity} {error:.1e}, was {known:.1e}")
         # A third way to become worse: more unknowns, of all brakes together or of a single brake.
         both = now.unknowns.keys() & before.unknowns.keys()
         more = sum(now.unknowns[name] for name in both)
         most = sum(before.unknowns[name] for name in both)
-        if more > (1 + MORE) * most:
+        if more > (1 + ALLOWED_GROWTH_OF_ALL_UNKNOWNS) * most:
             found.append(f"{asked}: {more} unknowns in all, were {most}")
         for name in sorted(both):
-            if now.unknowns[name] > MUCH_MORE * before.unknowns[name]:
+            if now.unknowns[name] > ALLOWED_GROWTH_FACTOR_OF_BRAKE_UNKNOWNS * before.unknowns[name]:
                 was = before.unknowns[name]
                 found.append(f"{asked}: {name} takes {now.unknowns[name]} unknowns, took {was}")
     return found
 
 
 def describe_faults_of_stated_errors(
-    rows: Sequence[StatedTrueErrors], written: Mapping[str, Spread]
+    rows: Sequence[StatedTrueErrors], written: Mapping[str, StatedOverTrueSpread]
 ) -> list[str]:
     """Lines of text, one for each fault of the stated errors.
 
-    A fault is a quantity with too many stated errors below true errors, or a number of `Spread`
-    that differs from the last fit by more than ALLOWED_DRIFT.
+    A fault is a quantity with too many stated errors below true errors, or a number of
+    `StatedOverTrueSpread` that differs from the last fit by more than
+    ALLOWED_RELATIVE_CHANGE_OF_SPREAD.
 
-    rows : stated and true errors of all brakes; written : `Spread` at the last fit, by quantity
+    rows : stated and true errors of all brakes; written : `StatedOverTrueSpread` at the last fit,
+        by quantity
     """
     found = []
     for quantity, spread in spreads_of_stated_over_true_errors(rows).items():
@@ -325,15 +369,19 @@ def describe_faults_of_stated_errors(
         known = [(value, one) for value, one in ratios if not math.isnan(value)]
         small = [f"{one.name} at {one.asked} ({value:.2f})" for value, one in known if value < 1]
         # The allowed number of too small errors is a quantile of the binomial distribution.
-        if len(small) > binom.ppf(SURE, len(known), PROMISED):
+        if len(small) > binom.ppf(
+            PASS_PROBABILITY_AT_PROMISED_FRACTION, len(known), PROMISED_FRACTION_OF_TOO_SMALL_ERRORS
+        ):
             found.append(
                 f"{quantity}: {len(small)} of {len(known)} stated errors are too small: "
                 f"{', '.join(small)}"
             )
         # The median of the ratios, and the ratio below which a tenth lies, must stay near their
         # values at the last fit.
-        for which, value, before in zip(Spread._fields, spread, written[quantity], strict=True):
-            if abs(value / before - 1) > ALLOWED_DRIFT:
+        for which, value, before in zip(
+            StatedOverTrueSpread._fields, spread, written[quantity], strict=True
+        ):
+            if abs(value / before - 1) > ALLOWED_RELATIVE_CHANGE_OF_SPREAD:
                 found.append(
                     f"{quantity}: {which} of stated over true error {value:.2f}, was {before:.2f}"
                 )
@@ -349,37 +397,47 @@ def rows_with_scaled_stated_errors(
     ]
 
 
-class Written(NamedTuple):
-    """The contents of FILE.
+class StoredErrorRatioSpreadsAndCosts(NamedTuple):
+    """The contents of SPREADS_AND_COSTS_FILE_NAME.
 
     Attributes
     ----------
     spreads : spreads of the ratios of stated to true error of all brakes, by quantity
     quick_spreads : spreads of the ratios of the brakes that are quickly solved, by quantity
-    worths : accuracy and cost of the answers of all brakes, by tolerance of ASKED
+    worths : accuracy and cost of the answers of all brakes, by tolerance of
+        TOLERANCES_OF_SOLVES_BY_NAME
     """
 
-    spreads: dict[str, Spread]
-    quick_spreads: dict[str, Spread]
-    worths: dict[str, AccuracyAndCost]
+    spreads: dict[str, StatedOverTrueSpread]
+    quick_spreads: dict[str, StatedOverTrueSpread]
+    worths: dict[str, MedianErrorsAndUnknownsOfAllBrakes]
 
 
-def read_stored_spreads_of_stated_errors(folder: Path) -> Written:
-    """The contents of FILE in a folder of far finer solutions: the numbers at the last fit."""
-    data = json.loads((folder / FILE).read_text(encoding="utf-8"))
-    spreads = {of: Spread(**values) for of, values in data[SHARPNESS_KEY].items()}
-    quick_spreads = {of: Spread(**values) for of, values in data[QUICK_SHARPNESS_KEY].items()}
-    worths = {asked: AccuracyAndCost(**values) for asked, values in data["worth"].items()}
-    return Written(spreads, quick_spreads, worths)
+def read_stored_spreads_of_stated_errors(folder: Path) -> StoredErrorRatioSpreadsAndCosts:
+    """The spreads and costs at the last fit, from the file in a folder of far finer solutions."""
+    data = json.loads((folder / SPREADS_AND_COSTS_FILE_NAME).read_text(encoding="utf-8"))
+    spreads = {
+        of: StatedOverTrueSpread(**values)
+        for of, values in data[FILE_KEY_OF_SPREADS_OF_ALL_BRAKES].items()
+    }
+    quick_spreads = {
+        of: StatedOverTrueSpread(**values)
+        for of, values in data[FILE_KEY_OF_SPREADS_OF_QUICK_BRAKES].items()
+    }
+    worths = {
+        asked: MedianErrorsAndUnknownsOfAllBrakes(**values)
+        for asked, values in data["worth"].items()
+    }
+    return StoredErrorRatioSpreadsAndCosts(spreads, quick_spreads, worths)
 
 
 def _rounded_spreads_of_stated_over_true_errors(
     rows: Sequence[StatedTrueErrors],
 ) -> dict[str, dict[str, float]]:
-    """The `Spread` of the ratios of stated to true error, rounded to the digits of FILE.
+    """The spread of the ratios of stated to true error, rounded as in the stored file.
 
     The first key is the quantity, such as "pressure". The inner keys are the names of the numbers
-    in `Spread`.
+    in `StatedOverTrueSpread`.
     """
     rounded = {}
     for quantity, spread in spreads_of_stated_over_true_errors(rows).items():
@@ -388,9 +446,9 @@ def _rounded_spreads_of_stated_over_true_errors(
 
 
 def main(folder: str) -> None:
-    """Judge the stated errors of all brakes in a folder by true errors, and write FILE there."""
+    """Judge the stated errors of all brakes in a folder by true errors, and write them."""
     rows = stated_and_true_errors_of_folder(Path(folder))
-    worths = accuracy_and_cost_by_tolerance(rows)
+    worths = median_errors_and_unknowns_by_tolerance(rows)
     quick = names_of_quickly_solved_brakes(worths)
     spreads = _rounded_spreads_of_stated_over_true_errors(rows)
     quick_spreads = _rounded_spreads_of_stated_over_true_errors(
@@ -405,8 +463,12 @@ def main(folder: str) -> None:
         }
         for asked, of in worths.items()
     }
-    data = {SHARPNESS_KEY: spreads, QUICK_SHARPNESS_KEY: quick_spreads, "worth": worth}
-    write_text(Path(folder) / FILE, json.dumps(data, indent=1) + "\n")
+    data = {
+        FILE_KEY_OF_SPREADS_OF_ALL_BRAKES: spreads,
+        FILE_KEY_OF_SPREADS_OF_QUICK_BRAKES: quick_spreads,
+        "worth": worth,
+    }
+    write_text(Path(folder) / SPREADS_AND_COSTS_FILE_NAME, json.dumps(data, indent=1) + "\n")
     sys.stdout.write(f"{json.dumps(spreads)}\n")
 
 

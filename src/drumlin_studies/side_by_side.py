@@ -9,21 +9,21 @@ from contextlib import nullcontext
 from multiprocessing import get_context
 from typing import Any
 
-from drumlin.base.journal import Journal
+from drumlin.base.journal import JournalOfCaseResults
 
-PROCESSES = 2
+NUMBER_OF_PROCESSES_OF_STUDY = 2
 """Number of processes of a study. Studies are made for machines with two cores."""
 
-Case = Mapping[str, Any]
+ComputationInput = Mapping[str, Any]
 """The input of one computation: plain data by name."""
 
 
 def compute_cases_in_parallel_with_journal(
-    cases: Sequence[Case],
-    work: Callable[[Case], dict[str, Any]],
-    journal: Journal,
+    cases: Sequence[ComputationInput],
+    work: Callable[[ComputationInput], dict[str, Any]],
+    journal: JournalOfCaseResults,
     say: Callable[[str], None] = lambda _: None,
-    processes: int = PROCESSES,
+    processes: int = NUMBER_OF_PROCESSES_OF_STUDY,
     what: str = "cases",
 ) -> list[dict[str, Any]]:
     """The results of all cases, in the order of the cases.
@@ -35,7 +35,7 @@ def compute_cases_in_parallel_with_journal(
     work : function
         Returns the result of a case. It must be a function of a module, so that other processes
         can import it.
-    journal : Journal
+    journal : JournalOfCaseResults
         Finished results. Cases that it contains are not computed again; new results are added.
     say : function
         Is called with a line of text on the progress.

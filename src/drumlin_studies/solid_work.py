@@ -3,7 +3,8 @@
 A plane model can be exact for plane stress and still miss the real shoe, whose pressure varies over
 its width. Each row therefore has two errors: against the solid truth, and against the truth in
 plane stress. The solid truth is a solution by functions across the width that are graded to the
-sides of all parts. The truth in plane stress is the solution on the level FINE_PLANE_LEVEL.
+sides of all parts. The truth in plane stress is the solution on the level
+LEVEL_NUMBER_OF_PLANE_STRESS_TRUTH.
 """
 
 import math
@@ -15,8 +16,11 @@ from typing import NamedTuple
 
 from drumlin.base.errors import DrumlinError
 from drumlin.brake.brake import Brake
-from drumlin.fem.error_control.adapt import Tolerance
-from drumlin.fem.error_control.levels import LEVELS, solve_brake_on_finer_and_finer_mesh_levels
+from drumlin.fem.error_control.adapt import TolerancesOfPressureAndTorque
+from drumlin.fem.error_control.levels import (
+    REFINEMENT_LEVELS_FROM_COARSE_TO_FINE,
+    solve_brake_on_finer_and_finer_mesh_levels,
+)
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.width.error import relative_distance_of_plane_stress_from_width_solution
 from drumlin.fem.width.ladder import (
@@ -26,20 +30,23 @@ from drumlin.fem.width.ladder import (
 from drumlin.models import model_with_name_that_applies_to_brake, reasons_why_models_do_not_apply
 from drumlin.peers.solid_deck import solve_solid_by_calculix
 from drumlin.response.response import Response
-from drumlin_studies.solid_error import GRADED_DEGREE, response_with_width_functions_graded_to_sides
-from drumlin_studies.work_precision import LEAST_SAMPLE
+from drumlin_studies.solid_error import (
+    DEGREE_OF_POLYNOMIAL_PIECES_ACROSS_TRUTH_WIDTH,
+    response_with_width_functions_graded_to_sides,
+)
+from drumlin_studies.work_precision import LEAST_SECONDS_OF_ONE_REPEAT
 
-FINE_PLANE_LEVEL = 5
+LEVEL_NUMBER_OF_PLANE_STRESS_TRUTH = 5
 """Number of the refinement level on which the truth in plane stress is solved. All compared levels
 are coarser.
 """
-FAST = 1.0
+LONGEST_SECONDS_OF_REPEATED_SOLVE = 1.0
 """Processor time [s] up to which a solve is repeated; the median of its times is then taken."""
-REPEATS = 3
+NUMBER_OF_TIMED_REPEATS_OF_FAST_SOLVE = 3
 """Number of timed repeats of a fast solve, after a first solve that is not counted."""
 
 
-class SolidTruth(NamedTuple):
+class FineSolidSolutionWithUncertainty(NamedTuple):
     """A fine solution with solid shoes that serves as the truth, and its uncertainty.
 
     Attributes
@@ -60,7 +67,7 @@ class SolidTruth(NamedTuple):
     coarser: Response
 
 
-class SolidWorkRow(NamedTuple):
+class RunTimeAndErrorsOfModelOnBrake(NamedTuple):
     """The run time of a model on a brake, and its two errors.
 
     Attributes
@@ -86,7 +93,7 @@ class SolidWorkRow(NamedTuple):
     plane_pressure: float
 
 
-class TimedModel(NamedTuple):
+class ModelWithFunctionToTime(NamedTuple):
     """A model with its setting, and a function without arguments that returns its response."""
 
     family: str
@@ -94,7 +101,7 @@ class TimedModel(NamedTuple):
     solve: Callable[[], Response]
 
 
-class SolidSetting(NamedTuple):
+class SettingsOfSolidComparisonSolves(NamedTuple):
     """The settings of the solves that are compared.
 
     Attributes
@@ -119,22 +126,31 @@ class SolidSetting(NamedTuple):
     elements: tuple[int, ...]
 
 
-def solve_fine_reference_of_solid_shoes(brake: Brake, level: int) -> SolidTruth:
+def solve_fine_reference_of_solid_shoes(
+    brake: Brake, level: int
+) -> FineSolidSolutionWithUncertainty:
     """The solid truth of a brake on a refinement level, and responses that show its uncertainty.
 
     level : number of the level, at least 2, because the next coarser level is solved as well.
     """
-    fine, coarse = LEVELS[level - 1], LEVELS[level - 2]
-    return SolidTruth(
+    fine, coarse = (
+        REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[level - 1],
+        REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[level - 2],
+    )
+    return FineSolidSolutionWithUncertainty(
         level,
         response_with_width_functions_graded_to_sides(brake, fine),
-        response_with_width_functions_graded_to_sides(brake, fine, GRADED_DEGREE - 1),
-        response_with_width_functions_graded_to_sides(brake, coarse, GRADED_DEGREE - 1),
+        response_with_width_functions_graded_to_sides(
+            brake, fine, DEGREE_OF_POLYNOMIAL_PIECES_ACROSS_TRUTH_WIDTH - 1
+        ),
+        response_with_width_functions_graded_to_sides(
+            brake, coarse, DEGREE_OF_POLYNOMIAL_PIECES_ACROSS_TRUTH_WIDTH - 1
+        ),
     )
 
 
 def relative_uncertainty_of_solid_shoe_reference(
-    brake: Brake, truth: SolidTruth
+    brake: Brake, truth: FineSolidSolutionWithUncertainty
 ) -> dict[str, float]:
     """The relative uncertainty of the torque and the mean pressure of a solid truth.
 
@@ -150,28 +166,36 @@ def relative_uncertainty_of_solid_shoe_reference(
     return {name: by_degree[name] + by_level[name] for name in ("torque", "pressure")}
 
 
-def list_models_compared_with_solid_shoes(brake: Brake, setting: SolidSetting) -> list[TimedModel]:
+def list_models_compared_with_solid_shoes(
+    brake: Brake, setting: SettingsOfSolidComparisonSolves
+) -> list[ModelWithFunctionToTime]:
     """All models of a brake, from the laws to CalculiX, with their settings."""
     models = []
     refused = reasons_why_models_do_not_apply(brake)
     for law in ("sine", "cosine", "uniform"):
         if law not in refused:
             answer = partial(model_with_name_that_applies_to_brake(law, brake).solve, brake)
-            models.append(TimedModel("law", law, answer))
+            models.append(ModelWithFunctionToTime("law", law, answer))
     if "foundation" not in refused:
         foundation = model_with_name_that_applies_to_brake("foundation", brake).solve
-        models.append(TimedModel("foundation", "lifted", partial(foundation, brake, lift=["all"])))
+        models.append(
+            ModelWithFunctionToTime(
+                "foundation", "lifted", partial(foundation, brake, lift=["all"])
+            )
+        )
     for degree in (0, *setting.degrees):
         for number in range(1, setting.levels + 1):
             answer = partial(_solve_mesh_level_with_degree_across_width, brake, number, degree)
-            models.append(TimedModel(f"degree {degree}", f"level {number}", answer))
+            models.append(ModelWithFunctionToTime(f"degree {degree}", f"level {number}", answer))
     for tolerance in setting.tolerances:
         models.append(
-            TimedModel(
+            ModelWithFunctionToTime(
                 "error stated",
                 f"to {tolerance:.2g}",
                 partial(
-                    solve_brake_with_widths_to_tolerance, brake, Tolerance(tolerance, tolerance)
+                    solve_brake_with_widths_to_tolerance,
+                    brake,
+                    TolerancesOfPressureAndTorque(tolerance, tolerance),
                 ),
             )
         )
@@ -190,23 +214,30 @@ def _solve_mesh_level_with_degree_across_width(brake: Brake, number: int, degree
     number : number of the level, from 1
     degree : degree across the width
     """
-    levels = LEVELS[:1] if degree or number == 1 else (LEVELS[0], LEVELS[number - 1])
+    levels = (
+        REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[:1]
+        if degree or number == 1
+        else (
+            REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[0],
+            REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[number - 1],
+        )
+    )
     *_, solved = solve_brake_on_finer_and_finer_mesh_levels(
         brake, solve_prepared_model, levels=levels
     )
     if degree == 0:
         return solved.response
     return solve_cross_section_mesh_with_width_degree(
-        brake, LEVELS[number - 1], degree, solved.response
+        brake, REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[number - 1], degree, solved.response
     ).response
 
 
 def measure_models_against_solid_shoes(
     brake: Brake,
-    setting: SolidSetting,
+    setting: SettingsOfSolidComparisonSolves,
     solid: Response,
     say: Callable[[str], None] = lambda _: None,
-) -> list[SolidWorkRow]:
+) -> list[RunTimeAndErrorsOfModelOnBrake]:
     """Run times of all models on a brake, and errors against the solid and the plane truth.
 
     Models that give no answer have no row.
@@ -218,7 +249,7 @@ def measure_models_against_solid_shoes(
     solid : response of the solid truth
     say : is called with a line of text on the progress
     """
-    plane = _solve_mesh_level_with_degree_across_width(brake, FINE_PLANE_LEVEL, 0)
+    plane = _solve_mesh_level_with_degree_across_width(brake, LEVEL_NUMBER_OF_PLANE_STRESS_TRUTH, 0)
     rows = []
     for model in list_models_compared_with_solid_shoes(brake, setting):
         say(f"{model.family}, {model.name}")
@@ -230,7 +261,7 @@ def measure_models_against_solid_shoes(
     for elements in setting.elements:
         say(f"CalculiX, {elements} elements")
         peer = solve_solid_by_calculix(brake, elements=elements)
-        model = TimedModel("CalculiX", f"{elements} elements", lambda: solid)
+        model = ModelWithFunctionToTime("CalculiX", f"{elements} elements", lambda: solid)
         timed = TimedResponse(peer.response, peer.seconds)
         rows.append(_row_of_timed_response(brake, model, timed, (solid, plane)))
     return rows
@@ -246,16 +277,17 @@ class TimedResponse(NamedTuple):
 def solve_and_measure_processor_time(solve_once: Callable[[], Response]) -> TimedResponse:
     """The response of a solve, with its processor time.
 
-    The time of a solve that takes at most FAST is the median of REPEATS repeats.
+    The time of a solve that takes at most LONGEST_SECONDS_OF_REPEATED_SOLVE is the median of
+    NUMBER_OF_TIMED_REPEATS_OF_FAST_SOLVE repeats.
     """
     start = time.process_time()
     response = solve_once()
     first = time.process_time() - start
-    if first > FAST:
+    if first > LONGEST_SECONDS_OF_REPEATED_SOLVE:
         return TimedResponse(response, first)
-    loops = max(1, math.ceil(LEAST_SAMPLE / max(first, 1e-6)))
+    loops = max(1, math.ceil(LEAST_SECONDS_OF_ONE_REPEAT / max(first, 1e-6)))
     samples = []
-    for _ in range(REPEATS):
+    for _ in range(NUMBER_OF_TIMED_REPEATS_OF_FAST_SOLVE):
         start = time.process_time()
         for _ in range(loops):
             solve_once()
@@ -264,8 +296,11 @@ def solve_and_measure_processor_time(solve_once: Callable[[], Response]) -> Time
 
 
 def _row_of_timed_response(
-    brake: Brake, model: TimedModel, timed: TimedResponse, truths: tuple[Response, Response]
-) -> SolidWorkRow:
+    brake: Brake,
+    model: ModelWithFunctionToTime,
+    timed: TimedResponse,
+    truths: tuple[Response, Response],
+) -> RunTimeAndErrorsOfModelOnBrake:
     """The row of run time and errors of a model, from its timed response.
 
     `truths` are the solid truth and the truth in plane stress.
@@ -276,4 +311,4 @@ def _row_of_timed_response(
             brake, timed.response, truth
         ).brake
         errors += [true["torque"], true["pressure"]]
-    return SolidWorkRow(model.family, model.name, timed.seconds, *errors)
+    return RunTimeAndErrorsOfModelOnBrake(model.family, model.name, timed.seconds, *errors)

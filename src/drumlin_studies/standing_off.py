@@ -14,19 +14,19 @@ from drumlin.brake.brake import Brake
 from drumlin.brake.plane_brake import make_drum_or_plane_brake_from_data
 from drumlin.laws import solve_brake_by_its_rigid_shoe_law
 from drumlin_studies.random_kinds import (
-    HOLDING_ATTEMPTS,
-    HOLDING_KINDS,
-    Rng,
+    FUNCTIONS_THAT_DRAW_BRAKE_DATA_BY_SUPPORT_KIND,
+    MOST_BRAKES_OF_SUPPORT_KIND_DRAWN_PER_SEED,
+    RandomNumberGenerator,
     draw_number_uniform_in_logarithm,
     mirror_shoe_data_to_other_drum_side,
     mirror_turn_and_shift_brake,
 )
 
-LINING_MODULI = 3e8, 1e11
+RANGE_OF_LINING_MODULUS = 3e8, 1e11
 """Smallest and largest Young's modulus of the linings [Pa]."""
-CLEARANCE_FRACTIONS = 1e-4, 1 / 300
+RANGE_OF_RELATIVE_CLEARANCE = 1e-4, 1 / 300
 """Smallest and largest clearance, as a fraction of the drum's radius or of a pad's length."""
-FORCE_DIVISORS = 1.0, 300.0
+RANGE_OF_FORCE_DIVISOR = 1.0, 300.0
 """Smallest and largest number by which the force of a brake of `random_kinds` is divided."""
 
 
@@ -40,20 +40,21 @@ def draw_random_brake_with_clearances(seed: int, kind: str | None = None) -> Bra
     seed : int
         The same seed always gives the same brake.
     kind : str, optional
-        One of HOLDING_KINDS. By default the seed modulo their number chooses the kind.
+        One of FUNCTIONS_THAT_DRAW_BRAKE_DATA_BY_SUPPORT_KIND. By default the seed modulo their
+        number chooses the kind.
 
     Raises
     ------
     NoAnswer
-        No brake of the kind passes in HOLDING_ATTEMPTS draws.
+        No brake of the kind passes in MOST_BRAKES_OF_SUPPORT_KIND_DRAWN_PER_SEED draws.
     """
-    names = list(HOLDING_KINDS)
+    names = list(FUNCTIONS_THAT_DRAW_BRAKE_DATA_BY_SUPPORT_KIND)
     kind = names[seed % len(names)] if kind is None else kind
-    for attempt in range(HOLDING_ATTEMPTS):
+    for attempt in range(MOST_BRAKES_OF_SUPPORT_KIND_DRAWN_PER_SEED):
         rng = np.random.default_rng([seed, names.index(kind), attempt, 1])
-        data = _brake_data_with_clearances_and_less_force(rng, HOLDING_KINDS[kind](rng)) | {
-            "title": f"standing off {kind} {seed}"
-        }
+        data = _brake_data_with_clearances_and_less_force(
+            rng, FUNCTIONS_THAT_DRAW_BRAKE_DATA_BY_SUPPORT_KIND[kind](rng)
+        ) | {"title": f"standing off {kind} {seed}"}
         data["friction"] = round(float(rng.uniform(0.03, 0.5)), 4)
         turn, mirrored = float(rng.uniform(-3, 3)), bool(rng.random() < 0.5)
         try:
@@ -64,10 +65,15 @@ def draw_random_brake_with_clearances(seed: int, kind: str | None = None) -> Bra
                 return brake
         except (BadInput, NoAnswer):
             continue
-    raise NoAnswer(f"no brake of kind {kind} from seed {seed} in {HOLDING_ATTEMPTS} attempts")
+    raise NoAnswer(
+        f"no brake of kind {kind} from seed {seed} in "
+        f"{MOST_BRAKES_OF_SUPPORT_KIND_DRAWN_PER_SEED} attempts"
+    )
 
 
-def _brake_data_with_clearances_and_less_force(rng: Rng, data: dict[str, Any]) -> dict[str, Any]:
+def _brake_data_with_clearances_and_less_force(
+    rng: RandomNumberGenerator, data: dict[str, Any]
+) -> dict[str, Any]:
     """The data of a brake, changed to have clearances, other lining moduli and smaller forces.
 
     The two shoes of a cam become mirror images of each other. A cam moves the loaded ends of both
@@ -75,7 +81,7 @@ def _brake_data_with_clearances_and_less_force(rng: Rng, data: dict[str, Any]) -
     the drum.
     """
     # All forces of the brake are divided by the same number.
-    divisor = draw_number_uniform_in_logarithm(rng, *FORCE_DIVISORS)
+    divisor = draw_number_uniform_in_logarithm(rng, *RANGE_OF_FORCE_DIVISOR)
     shoes = [
         _shoe_data_with_clearance_and_less_force(rng, shoe, data.get("drum"), divisor)
         for shoe in data["shoe"]
@@ -90,7 +96,7 @@ def _brake_data_with_clearances_and_less_force(rng: Rng, data: dict[str, Any]) -
 
 
 def _shoe_data_with_clearance_and_less_force(
-    rng: Rng, shoe: dict[str, Any], drum: dict[str, Any] | None, divisor: float
+    rng: RandomNumberGenerator, shoe: dict[str, Any], drum: dict[str, Any] | None, divisor: float
 ) -> dict[str, Any]:
     """The data of a shoe, changed to a clearance, another lining modulus and a smaller force.
 
@@ -98,9 +104,9 @@ def _shoe_data_with_clearance_and_less_force(
     """
     lining = {key: value for key, value in shoe["lining"].items() if key != "misfit"}
     size = lining["end"] - lining["start"] if drum is None else drum["radius"]
-    lining["clearance"] = size * draw_number_uniform_in_logarithm(rng, *CLEARANCE_FRACTIONS)
+    lining["clearance"] = size * draw_number_uniform_in_logarithm(rng, *RANGE_OF_RELATIVE_CLEARANCE)
     lining["material"] = lining["material"] | {
-        "E": draw_number_uniform_in_logarithm(rng, *LINING_MODULI)
+        "E": draw_number_uniform_in_logarithm(rng, *RANGE_OF_LINING_MODULUS)
     }
     result = shoe | {"lining": lining}
     if "actuation" in shoe:

@@ -5,9 +5,10 @@ curved triangles, a method that shares only the brake with the judged hp element
 elements that are some two levels finer, with exact contact. The uncertainty of the truth is the
 remaining distance from the limit of its sequence of meshes, plus the round-off of its elimination.
 
-All errors are relative. The error of the pressure p is an L2 norm that leaves out EDGE_ZONE at the
-lining's ends. The errors of the pressure, of the peak pressure and of the hinge reaction are the
-largest over all shoes. The error of the torque belongs to the torque of the whole brake.
+All errors are relative. The error of the pressure p is an L2 norm that leaves out
+UNCOMPARED_EDGE_ZONE_IN_RADIANS at the lining's ends. The errors of the pressure, of the peak
+pressure and of the hinge reaction are the largest over all shoes. The error of the torque belongs
+to the torque of the whole brake.
 """
 
 import math
@@ -24,13 +25,13 @@ from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.comparison import length_of_uncompared_zone_at_lining_end
 from drumlin.fem.error_control.levels import solve_brake_on_finer_and_finer_mesh_levels
-from drumlin.fem.hp.corner import NodalPressure
+from drumlin.fem.hp.corner import PressureAtNodesOfShoe
 from drumlin.fem.model import solve_prepared_model
 from drumlin.response.response import (
-    EDGE_ZONE,
-    NO_CHANGE,
+    UNCOMPARED_EDGE_ZONE_IN_RADIANS,
+    ZERO_CHANGES_OF_SHOE_RESULTS,
+    RelativeChangesOfShoeResults,
     Response,
-    ShoeChange,
     ShoeResponse,
     length_of_edge_zone_left_out_of_peak_search,
     reference_force_of_reaction_errors,
@@ -38,9 +39,9 @@ from drumlin.response.response import (
 from drumlin.response.resultants import length_of_edge_zone_left_out_of_pressure_errors
 from drumlin.verification import triangles
 
-JUDGED_QUANTITIES = ("pressure", "torque", "peak", "reaction")
+QUANTITIES_WHOSE_STATED_ERRORS_ARE_JUDGED = ("pressure", "torque", "peak", "reaction")
 """Quantities whose stated errors are compared with true errors."""
-RELEVANT = 1e-6
+SMALLEST_RELEVANT_TRUE_ERROR = 1e-6
 """Relative true error below which any stated error counts as large enough.
 
 The calibration fits no factor to smaller errors: nobody asks for so small an error of the pressure,
@@ -50,24 +51,24 @@ JUDGED_TOLERANCES = (1e-2, 1e-3, 1e-4)
 """Relative tolerances to which each brake is solved before its stated errors are judged."""
 GAUSS_POINTS, GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(8)
 """Gauss points in [-1, 1] and their weights, for integrals between two nodes of a pressure."""
-TRUTH_FINENESS = 0.1
+LARGEST_PRESSURE_CHANGE_OF_TRUTH_OVER_TOLERANCE = 0.1
 """Fraction of the tolerance by which the pressure may still change on the last level of the truth.
 
 The truth is solved on finer and finer levels until the pressure changes by less than this.
 """
-PEAK_ANGLES = 4001
+NUMBER_OF_PEAK_SEARCH_ANGLES = 4001
 """Number of evenly spaced angles at which the peak pressure is searched, in addition to the nodes.
 """
 
 
-class PressureField(NodalPressure, Protocol):
+class PressureFromNodesAtAnyAngle(PressureAtNodesOfShoe, Protocol):
     """A pressure that is given at nodes and can be computed at any angle."""
 
     def pressure_at(self, theta: Floats) -> Floats:
         """The pressure [Pa] at angles theta [rad]."""
 
 
-class TrueShoe(PressureField, Protocol):
+class FarFinerSolutionOfShoe(PressureFromNodesAtAnyAngle, Protocol):
     """The far finer solution of a shoe, against which true errors are taken."""
 
     @property
@@ -84,26 +85,26 @@ class TrueShoe(PressureField, Protocol):
 
 
 @dataclass(frozen=True)
-class Truth:
+class FarFinerSolutionOfBrake:
     """A far finer solution of a brake, against which true errors are taken, and its uncertainty.
 
     Attributes
     ----------
-    shoes : sequence of TrueShoe
+    shoes : sequence of FarFinerSolutionOfShoe
         The solution of each shoe on the finest mesh of a sequence.
     unsure : mapping
-        Relative uncertainty by JUDGED_QUANTITIES: the estimated distance from the limit of the
-        sequence, plus the round-off of the elimination.
+        Relative uncertainty by QUANTITIES_WHOSE_STATED_ERRORS_ARE_JUDGED: the estimated distance
+        from the limit of the sequence, plus the round-off of the elimination.
     seconds : float
         Processor time of the sequence [s].
     """
 
-    shoes: Sequence[TrueShoe]
+    shoes: Sequence[FarFinerSolutionOfShoe]
     unsure: Mapping[str, float]
     seconds: float
 
 
-def solve_fine_reference_by_triangles(brake: Brake) -> Truth:
+def solve_fine_reference_by_triangles(brake: Brake) -> FarFinerSolutionOfBrake:
     """The far finer solution of a brake by curved triangles.
 
     Raises BadInput if triangles cannot mesh the brake, and NoAnswer if the brake has no solution.
@@ -114,12 +115,13 @@ def solve_fine_reference_by_triangles(brake: Brake) -> Truth:
     )
 
 
-def solve_fine_reference_by_hp_elements(brake: Brake, tolerance: float) -> Truth:
+def solve_fine_reference_by_hp_elements(brake: Brake, tolerance: float) -> FarFinerSolutionOfBrake:
     """The far finer solution of a brake by hp elements on finer and finer levels, exact contact.
 
-    The brake is solved on finer levels until the pressure changes by less than TRUTH_FINENESS of
-    the tolerance, or on all levels. The level that changed the pressure least becomes the truth. It
-    need not be the finest level, on which round-off may add more error than the refinement removes.
+    The brake is solved on finer levels until the pressure changes by less than
+    LARGEST_PRESSURE_CHANGE_OF_TRUTH_OVER_TOLERANCE of the tolerance, or on all levels. The level
+    that changed the pressure least becomes the truth. It need not be the finest level, on which
+    round-off may add more error than the refinement removes.
 
     Raises NoAnswer where fewer than three levels have an answer.
     """
@@ -135,7 +137,10 @@ def solve_fine_reference_by_hp_elements(brake: Brake, tolerance: float) -> Truth
                 change = true_errors_of_response(brake, solutions[-1], response.shoes)["pressure"]
             changes.append(change)
             solutions.append(response.shoes)
-            if len(solutions) > 2 and change <= TRUTH_FINENESS * tolerance:
+            if (
+                len(solutions) > 2
+                and change <= LARGEST_PRESSURE_CHANGE_OF_TRUTH_OVER_TOLERANCE * tolerance
+            ):
                 break
     except NoAnswer:
         # A fine level may have no answer, because of round-off, although the coarser levels have
@@ -151,15 +156,20 @@ def solve_fine_reference_by_hp_elements(brake: Brake, tolerance: float) -> Truth
     )
 
 
-def largest_round_off_errors_of_shoes(shoes: Sequence[ShoeResponse]) -> ShoeChange:
+def largest_round_off_errors_of_shoes(
+    shoes: Sequence[ShoeResponse],
+) -> RelativeChangesOfShoeResults:
     """Relative round-off errors of static condensation, by quantity: the largest over all shoes."""
     by_quantity = zip(*(shoe.lost for shoe in shoes), strict=True)
-    return ShoeChange(*(max(parts) for parts in by_quantity))
+    return RelativeChangesOfShoeResults(*(max(parts) for parts in by_quantity))
 
 
 def reference_from_last_three_meshes(
-    brake: Brake, last: Sequence[Sequence[TrueShoe]], begin: float, lost: ShoeChange = NO_CHANGE
-) -> Truth:
+    brake: Brake,
+    last: Sequence[Sequence[FarFinerSolutionOfShoe]],
+    begin: float,
+    lost: RelativeChangesOfShoeResults = ZERO_CHANGES_OF_SHOE_RESULTS,
+) -> FarFinerSolutionOfBrake:
     """The last solution of a sequence of finer and finer meshes, with its uncertainty.
 
     The uncertainty follows from the last three solutions.
@@ -168,11 +178,11 @@ def reference_from_last_three_meshes(
     ----------
     brake : Brake
         The brake of the sequence.
-    last : sequence of three sequences of TrueShoe
+    last : sequence of three sequences of FarFinerSolutionOfShoe
         The shoes of the last three solutions, coarse to fine.
     begin : float
         Processor time at which the sequence began [s].
-    lost : ShoeChange
+    lost : RelativeChangesOfShoeResults
         Relative round-off errors of the finest solution, which are added to the uncertainty.
     """
     early = true_errors_of_response(brake, last[0], last[1])
@@ -180,9 +190,9 @@ def reference_from_last_three_meshes(
     digits = lost._asdict() | {"peak": max(lost.pressure, lost.peak)}
     unsure = {
         name: estimate_distance_of_last_value_from_limit(early[name], late[name]) + digits[name]
-        for name in JUDGED_QUANTITIES
+        for name in QUANTITIES_WHOSE_STATED_ERRORS_ARE_JUDGED
     }
-    return Truth(last[2], unsure, time.process_time() - begin)
+    return FarFinerSolutionOfBrake(last[2], unsure, time.process_time() - begin)
 
 
 def estimate_distance_of_last_value_from_limit(early: float, late: float) -> float:
@@ -200,9 +210,9 @@ def estimate_distance_of_last_value_from_limit(early: float, late: float) -> flo
 
 
 def true_errors_of_response(
-    brake: Brake, found: Sequence[Any], true: Sequence[TrueShoe]
+    brake: Brake, found: Sequence[Any], true: Sequence[FarFinerSolutionOfShoe]
 ) -> dict[str, float]:
-    """The true relative errors of a response, by JUDGED_QUANTITIES.
+    """The true relative errors of a response, by QUANTITIES_WHOSE_STATED_ERRORS_ARE_JUDGED.
 
     Parameters
     ----------
@@ -210,7 +220,7 @@ def true_errors_of_response(
         The brake that was solved.
     found : sequence of ShoeResponse or ShoeSolution
         The shoes that are judged.
-    true : sequence of TrueShoe
+    true : sequence of FarFinerSolutionOfShoe
         The shoes that serve as the truth.
     """
     trios = list(zip(brake.shoes, found, true, strict=True))
@@ -223,20 +233,23 @@ def true_errors_of_response(
         ),
         "torque": abs(torque_error) / true_torque if true_torque else 0.0,
         "peak": max(
-            _relative_peak_pressure_error(shoe, brake.scale_factor, a, b) for shoe, a, b in trios
+            _relative_peak_pressure_error(shoe, brake.length_per_surface_coordinate, a, b)
+            for shoe, a, b in trios
         ),
         "reaction": max(_relative_hinge_reaction_error(a, b) for _, a, b in trios),
     }
 
 
-def _relative_hinge_reaction_error(found: Any, true: TrueShoe) -> float:
+def _relative_hinge_reaction_error(found: Any, true: FarFinerSolutionOfShoe) -> float:
     """Error of the hinge reaction of a shoe, relative to the size of the true reaction."""
     size = reference_force_of_reaction_errors(true.hinge_reaction, true.normal_force)
     return math.dist(found.hinge_reaction, true.hinge_reaction) / size
 
 
 def relative_pressure_error_of_shoe(
-    found: PressureField, true: TrueShoe, edge: float = EDGE_ZONE
+    found: PressureFromNodesAtAnyAngle,
+    true: FarFinerSolutionOfShoe,
+    edge: float = UNCOMPARED_EDGE_ZONE_IN_RADIANS,
 ) -> float:
     """L2 norm of the error of a shoe's pressure, relative to the L2 norm of the true pressure.
 
@@ -266,7 +279,7 @@ def relative_pressure_error_of_shoe(
 
 
 def computed_peak_outside_edge_zones(
-    shoe: Shoe, scale_factor: float, found: PressureField
+    shoe: Shoe, length_per_surface_coordinate: float, found: PressureFromNodesAtAnyAngle
 ) -> float:
     """Largest pressure [Pa] of a shoe outside the edge zones at the lining's ends.
 
@@ -276,37 +289,37 @@ def computed_peak_outside_edge_zones(
     ----------
     shoe : Shoe
         The shoe of the brake.
-    scale_factor : float
-        Metres per unit of the lining's coordinate (`Brake.scale_factor`).
-    found : PressureField
+    length_per_surface_coordinate : float
+        Metres per unit of the lining's coordinate (`Brake.length_per_surface_coordinate`).
+    found : PressureFromNodesAtAnyAngle
         The pressure of the shoe.
     """
     zone = length_of_edge_zone_left_out_of_pressure_errors(
         found.theta,
         found.pressure,
         found.order,
-        length_of_edge_zone_left_out_of_peak_search(shoe, scale_factor),
+        length_of_edge_zone_left_out_of_peak_search(shoe, length_per_surface_coordinate),
     )
     start, end = shoe.lining.start + zone, shoe.lining.end - zone
     inside = found.theta[(found.theta > start) & (found.theta < end)]
-    angles = np.concatenate([inside, np.linspace(start, end, PEAK_ANGLES)])
+    angles = np.concatenate([inside, np.linspace(start, end, NUMBER_OF_PEAK_SEARCH_ANGLES)])
     return float(found.pressure_at(angles).max())
 
 
 def _relative_peak_pressure_error(
-    shoe: Shoe, scale_factor: float, found: Any, true: TrueShoe
+    shoe: Shoe, length_per_surface_coordinate: float, found: Any, true: FarFinerSolutionOfShoe
 ) -> float:
     """Relative error of the peak pressure of a shoe; nan if the shoe does not press on the drum.
 
     A response of drumlin states its peak pressure. The peak of another solution, for example by
     triangles, is found by `computed_peak_outside_edge_zones`.
     """
-    true_peak = computed_peak_outside_edge_zones(shoe, scale_factor, true)
+    true_peak = computed_peak_outside_edge_zones(shoe, length_per_surface_coordinate, true)
     states_peak = hasattr(found, "peak_pressure")
     found_peak = (
         float(found.peak_pressure)
         if states_peak
-        else computed_peak_outside_edge_zones(shoe, scale_factor, found)
+        else computed_peak_outside_edge_zones(shoe, length_per_surface_coordinate, found)
     )
     return abs(found_peak / true_peak - 1) if true_peak else math.nan
 
@@ -315,14 +328,15 @@ def row_of_stated_and_true_errors(
     brake: Brake,
     tolerance: float,
     solve: Callable[..., Response],
-    true: Truth | None,
+    true: FarFinerSolutionOfBrake | None,
     failure: str = "",
 ) -> dict[str, Any]:
     """A row with the stated and the true errors of a brake that is solved to a tolerance.
 
-    The keys are JUDGED_QUANTITIES with "stated_", "true_" or "unsure_" before them; "unsure_" is
-    the uncertainty of the true error. A value that is not known has no key. `outcome` is "reached",
-    "not reached", "no truth" or "failed", and `reason` is a line of text on a failure.
+    The keys are QUANTITIES_WHOSE_STATED_ERRORS_ARE_JUDGED with "stated_", "true_" or "unsure_"
+    before them; "unsure_" is the uncertainty of the true error. A value that is not known has no
+    key. `outcome` is "reached", "not reached", "no truth" or "failed", and `reason` is a line of
+    text on a failure.
 
     Parameters
     ----------
@@ -332,7 +346,7 @@ def row_of_stated_and_true_errors(
         Relative tolerance of the solve.
     solve : function
         Solves a brake with the keyword `tolerance`.
-    true : Truth or None
+    true : FarFinerSolutionOfBrake or None
         The far finer solution of the brake; None where it has no answer.
     failure : str
         Reason why there is no far finer solution.
@@ -349,14 +363,16 @@ def row_of_stated_and_true_errors(
         )
     base["seconds"] = time.process_time() - begin
     stated = response.error or {}
-    for name in JUDGED_QUANTITIES:
+    for name in QUANTITIES_WHOSE_STATED_ERRORS_ARE_JUDGED:
         base[f"stated_{name}"] = float(stated.get(name, math.nan))
     if true is None:
         return base | {"outcome": "no truth"}
     errors = true_errors_of_response(brake, response.shoes, true.shoes)
     base["outcome"] = "reached"
-    base |= {f"true_{name}": errors[name] for name in JUDGED_QUANTITIES}
-    base |= {f"unsure_{name}": true.unsure[name] for name in JUDGED_QUANTITIES}
+    base |= {f"true_{name}": errors[name] for name in QUANTITIES_WHOSE_STATED_ERRORS_ARE_JUDGED}
+    base |= {
+        f"unsure_{name}": true.unsure[name] for name in QUANTITIES_WHOSE_STATED_ERRORS_ARE_JUDGED
+    }
     return base
 
 
@@ -374,7 +390,8 @@ def stated_over_true_error_of_row(one: Mapping[str, Any], name: str) -> float:
     The result is nan where the row lacks one of the errors, and inf where the true error is not
     larger than its uncertainty.
 
-    one : a row of `row_of_stated_and_true_errors`; name : one of JUDGED_QUANTITIES.
+    one : a row of `row_of_stated_and_true_errors`; name : one of
+        QUANTITIES_WHOSE_STATED_ERRORS_ARE_JUDGED.
     """
     stated = float(one.get(f"stated_{name}", math.nan))
     true = float(one.get(f"true_{name}", math.nan))
@@ -395,13 +412,17 @@ def summary_rows_of_stated_errors(rows: Sequence[Mapping[str, Any]]) -> list[dic
     its uncertainty is above twice the stated error; `smallest`: smallest ratio of stated to true
     error; `median`: median of this ratio over the brakes whose true error is more than four times
     its uncertainty; `median_relevant`: the same median over brakes whose true error is also at
-    least RELEVANT; `missed`: share whose true error minus its uncertainty is above the tolerance.
+    least SMALLEST_RELEVANT_TRUE_ERROR; `missed`: share whose true error minus its uncertainty is
+    above the tolerance.
     """
     table = []
     for tolerance in sorted({one["tolerance"] for one in rows}, reverse=True):
         own = [one for one in rows if one["tolerance"] == tolerance]
         own = [one for one in own if one["outcome"] != "no truth"]
-        table += [_summary_row_of_quantity(own, tolerance, name) for name in JUDGED_QUANTITIES]
+        table += [
+            _summary_row_of_quantity(own, tolerance, name)
+            for name in QUANTITIES_WHOSE_STATED_ERRORS_ARE_JUDGED
+        ]
     return table
 
 
@@ -418,7 +439,9 @@ def _summary_row_of_quantity(
     # Medians are taken over the rows whose true error is well above its uncertainty.
     well_known = [one for one in judged_rows if one[true] > 4 * one[unsure]]
     known_ratios = [one[stated] / one[true] for one in well_known]
-    relevant_ratios = [one[stated] / one[true] for one in well_known if one[true] >= RELEVANT]
+    relevant_ratios = [
+        one[stated] / one[true] for one in well_known if one[true] >= SMALLEST_RELEVANT_TRUE_ERROR
+    ]
     missed = sum(one.get(true, 0.0) - one.get(unsure, 0.0) > tolerance for one in rows)
     brakes, judged = max(1, len(rows)), max(1, len(judged_rows))
     return {

@@ -9,25 +9,30 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from drumlin.base.arrays import Floats
-from drumlin.report.figures import STYLE, draw_legend_below_figure, make_figure_for_print
+from drumlin.report.figures import (
+    MATPLOTLIB_SETTINGS_FOR_PRINT,
+    draw_legend_below_figure,
+    make_figure_for_print,
+)
 from drumlin.report.palette import BLUE, GREEN, INK, PURPLE, RED
 
-PANEL_TITLES = {
+PANEL_TITLES_BY_QUANTITY = {
     "pressure": "pressure p (L2)",
     "torque": "torque",
     "peak": "peak pressure",
     "reaction": "hinge reaction",
 }
 """Titles of the panels of a figure, by the quantity that a panel shows."""
-PANEL_MARKS = (("o", BLUE), ("s", RED), ("D", PURPLE), ("^", GREEN))
+MARK_AND_COLOUR_OF_EACH_TOLERANCE = (("o", BLUE), ("s", RED), ("D", PURPLE), ("^", GREEN))
 """Mark and colour of the points of each tolerance, from the largest tolerance on."""
-WELL_KNOWN = 4.0
+LEAST_ERROR_OVER_UNCERTAINTY_OF_DARK_POINT = 4.0
 """Ratio of a true error to its uncertainty above which the true error counts as well known.
 
 Points below this ratio are drawn pale.
 """
 PALE_POINTS_NOTE = (
-    f"pale: the true error is less than {WELL_KNOWN:g} times the uncertainty of the reference "
+    f"pale: the true error is less than {LEAST_ERROR_OVER_UNCERTAINTY_OF_DARK_POINT:g} times "
+    "the uncertainty of the reference "
     "solution\npeak pressure, points on a falling line: drumlin states 100 %, the peak is not known"
 )
 """Note above a figure that explains its pale points and its errors of 100 %."""
@@ -41,14 +46,14 @@ def plot_stated_over_true_errors(rows: Sequence[Mapping[str, Any]]) -> Figure:
 
     rows : rows of `stated_true.row_of_stated_and_true_errors`.
     """
-    with mpl.rc_context(STYLE):
+    with mpl.rc_context(MATPLOTLIB_SETTINGS_FOR_PRINT):
         figure = make_figure_for_print(5.0)
         drawn = None
-        for axes, name in zip(figure.subplots(2, 2).flat, PANEL_TITLES, strict=True):
+        for axes, name in zip(figure.subplots(2, 2).flat, PANEL_TITLES_BY_QUANTITY, strict=True):
             if _plot_error_points_and_return_whether_any_exist(axes, rows, name):
                 drawn = axes
             axes.axhline(1.0, color=INK, lw=1)
-            axes.set_title(PANEL_TITLES[name])
+            axes.set_title(PANEL_TITLES_BY_QUANTITY[name])
             axes.set_xlabel("true error [%]")
             axes.set_ylabel("stated over true error")
         if drawn is not None:
@@ -63,7 +68,9 @@ def _plot_error_points_and_return_whether_any_exist(
     """Draw the points of one quantity into a panel, and return whether there is a point."""
     tolerances = sorted({row["tolerance"] for row in rows}, reverse=True)
     drawn = False
-    for tolerance, (mark, color) in zip(tolerances, PANEL_MARKS, strict=False):
+    for tolerance, (mark, color) in zip(
+        tolerances, MARK_AND_COLOUR_OF_EACH_TOLERANCE, strict=False
+    ):
         # Errors that are known well are drawn in full colour and get a label; the others are drawn
         # pale.
         own = [row for row in rows if row["tolerance"] == tolerance]
@@ -101,7 +108,10 @@ def _true_error_and_stated_ratio_of_row(
     stated = float(row.get(f"stated_{name}", math.nan))
     true = float(row.get(f"true_{name}", math.nan))
     unsure = float(row.get(f"unsure_{name}", math.nan))
-    if not (stated > 0 and true > 0) or (true > WELL_KNOWN * unsure) != known:
+    if (
+        not (stated > 0 and true > 0)
+        or (true > LEAST_ERROR_OVER_UNCERTAINTY_OF_DARK_POINT * unsure) != known
+    ):
         return None
     return true, stated / true
 
@@ -113,13 +123,17 @@ def plot_cumulative_shares_of_stated_over_true_ratios(ratios: Mapping[str, Float
 
     ratios : the ratios (n,) of stated to true error for each quantity.
     """
-    with mpl.rc_context(STYLE):
+    with mpl.rc_context(MATPLOTLIB_SETTINGS_FOR_PRINT):
         figure = make_figure_for_print(3.6)
         axes = figure.subplots()
-        for (name, values), (_, color) in zip(ratios.items(), PANEL_MARKS, strict=True):
+        for (name, values), (_, color) in zip(
+            ratios.items(), MARK_AND_COLOUR_OF_EACH_TOLERANCE, strict=True
+        ):
             # The percentage of ratios up to each sorted ratio is the cumulative distribution.
             percent = np.linspace(0, 100, len(values))
-            axes.semilogx(np.sort(values), percent, color=color, label=PANEL_TITLES[name])
+            axes.semilogx(
+                np.sort(values), percent, color=color, label=PANEL_TITLES_BY_QUANTITY[name]
+            )
         axes.axvline(1.0, color=INK, lw=1)
         axes.set_xlabel("stated over true error")
         axes.set_ylabel("share of the levels [%]")
@@ -134,7 +148,7 @@ def plot_errors_over_unknowns_of_levels(rows: Sequence[Mapping[str, Any]]) -> Fi
 
     rows : rows of `orders.error_rows_of_hp_levels`.
     """
-    with mpl.rc_context(STYLE):
+    with mpl.rc_context(MATPLOTLIB_SETTINGS_FOR_PRINT):
         figure = make_figure_for_print(3.6)
         axes = figure.subplots()
         x = [row["root"] for row in rows]

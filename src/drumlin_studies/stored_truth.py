@@ -10,11 +10,12 @@ computes the solutions of some forty brakes of every kind once, and the tests re
 also holds the brake, so that the file does not depend on how random brakes are drawn.
 
 Brakes on a drum are solved by the curved triangles of `drumlin.verification.triangles`, with one
-mesh more than a study uses (`TRIANGLES`). This method shares only the brake with the judged hp
-elements. The triangles do not cover brakes on a plane and some wheel cylinders. These brakes are
-solved by hp elements of a higher degree with exact contact (`FINER`), which are smaller at every
-singular point than the elements on any level of a solve. The last three meshes of either sequence
-give the uncertainty that is stored with the solution.
+mesh more than a study uses (`TRIANGLE_MESHES_OF_STORED_TRUTH`). This method shares only the brake
+with the judged hp elements. The triangles do not cover brakes on a plane and some wheel cylinders.
+These brakes are solved by hp elements of a higher degree with exact contact
+(`HP_MESHES_OF_STORED_TRUTH`), which are smaller at every singular point than the elements on any
+level of a solve. The last three meshes of either sequence give the uncertainty that is stored with
+the solution.
 """
 
 import json
@@ -35,70 +36,82 @@ from drumlin.brake import clearance
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import vary
 from drumlin.brake.plane_brake import make_drum_or_plane_brake_from_data
-from drumlin.fem.error_control.levels import DEG, solve_brake_on_finer_and_finer_mesh_levels
+from drumlin.fem.error_control.levels import (
+    DEGREE_IN_RADIANS,
+    solve_brake_on_finer_and_finer_mesh_levels,
+)
 from drumlin.fem.hp.corner import (
     corners_with_unbounded_pressure,
     nodes_and_pressures_with_power_law_at_corner,
     remaining_pressure_error_at_lining_corners,
 )
-from drumlin.fem.hp.division import Level
+from drumlin.fem.hp.division import RefinementLevel
 from drumlin.fem.model import solve_prepared_model
 from drumlin.verification import triangles
-from drumlin.verification.triangles.levels import TRIANGLE_LEVELS
-from drumlin.verification.triangles.outline import TriangleLevel
+from drumlin.verification.triangles.levels import TRIANGLE_MESH_LEVELS_FROM_COARSE_TO_FINE
+from drumlin.verification.triangles.outline import DegreeAndGradingOfTriangleMesh
 from drumlin.verification.triangles.solution import ShoeSolution
-from drumlin_studies.random_brake import SHAPE_KINDS as DRAWN_KINDS
+from drumlin_studies.random_brake import FUNCTIONS_THAT_DRAW_BRAKE_DATA_BY_SHAPE_KIND as DRAWN_KINDS
 from drumlin_studies.random_brake import draw_random_brake
-from drumlin_studies.random_corners import CORNER_KINDS as CORNERS
+from drumlin_studies.random_corners import WAYS_TO_DRAW_BRAKES_BY_CORNER_KIND as CORNERS
 from drumlin_studies.random_corners import draw_random_brake_pressing_with_corner_or_kink
 from drumlin_studies.random_kinds import draw_random_brake_of_support_kind
-from drumlin_studies.stated_true import TrueShoe as Solved
 from drumlin_studies.stated_true import (
-    Truth,
+    FarFinerSolutionOfBrake,
     largest_round_off_errors_of_shoes,
     reference_from_last_three_meshes,
 )
+from drumlin_studies.stated_true import FarFinerSolutionOfShoe as Solved
 
-TRIANGLES = (*TRIANGLE_LEVELS, TriangleLevel(6, 17, 0.7, 0.8))
+TRIANGLE_MESHES_OF_STORED_TRUTH = (
+    *TRIANGLE_MESH_LEVELS_FROM_COARSE_TO_FINE,
+    DegreeAndGradingOfTriangleMesh(6, 17, 0.7, 0.8),
+)
 """Meshes of curved triangles, coarse to fine.
 
-The arguments of TriangleLevel are degree, halvings, steep and size. The last mesh is not used in
-the studies. It has a higher degree, and its triangles are halved more often towards the singular
-points. On four brakes this mesh lowered the uncertainty of the pressure from 1e-5 to 2e-6 and of
-the torque from 1e-10 to 1e-11. A further mesh lowered neither.
+The arguments of DegreeAndGradingOfTriangleMesh are degree, halvings, longest_over_corner_distance
+and size. The last mesh is not used in the studies. It has a higher degree, and its triangles are
+halved more often towards the singular points. On four brakes this mesh lowered the uncertainty of
+the pressure from 1e-5 to 2e-6 and of the torque from 1e-10 to 1e-11. A further mesh lowered
+neither.
 """
 
-FINER = (
+HP_MESHES_OF_STORED_TRUTH = (
     # The arguments are degree, zone, edge, end, ratio, opening, largest, back, hinge, through: see
-    # `Level`.
-    Level(6, 0.02, 0.01, 0.0008, 0.42, 0.25, 15 * DEG, 0.02, 0.012, 0.2),
-    Level(7, 0.006, 0.004, 0.0003, 0.45, 0.27, 13 * DEG, 0.007, 0.004, 0.24),
-    Level(8, 0.002, 0.0015, 0.0001, 0.48, 0.3, 11 * DEG, 0.0025, 0.0014, 0.28),
+    # `RefinementLevel`.
+    RefinementLevel(6, 0.02, 0.01, 0.0008, 0.42, 0.25, 15 * DEGREE_IN_RADIANS, 0.02, 0.012, 0.2),
+    RefinementLevel(
+        7, 0.006, 0.004, 0.0003, 0.45, 0.27, 13 * DEGREE_IN_RADIANS, 0.007, 0.004, 0.24
+    ),
+    RefinementLevel(
+        8, 0.002, 0.0015, 0.0001, 0.48, 0.3, 11 * DEGREE_IN_RADIANS, 0.0025, 0.0014, 0.28
+    ),
 )
 """Meshes of hp elements, coarse to fine, finer than every level of a solve.
 
 On 20 brakes these hp elements were compared with the curved triangles. The pressures differ by at
 most 2e-5, or 1e-4 where the lining presses with its corner, and the torques by at most 2e-7."""
 
-DEEP = (
-    TriangleLevel(4, 14, 0.7, 0.8),
-    TriangleLevel(5, 18, 0.7, 0.8),
-    TriangleLevel(6, 22, 0.7, 0.8),
+TRIANGLE_MESHES_FOR_PRESSED_CORNER = (
+    DegreeAndGradingOfTriangleMesh(4, 14, 0.7, 0.8),
+    DegreeAndGradingOfTriangleMesh(5, 18, 0.7, 0.8),
+    DegreeAndGradingOfTriangleMesh(6, 22, 0.7, 0.8),
 )
 """Meshes of curved triangles for brakes that press only by a corner of the lining."""
-DEEPEST = (
-    TriangleLevel(4, 16, 0.7, 0.8),
-    TriangleLevel(5, 21, 0.7, 0.8),
-    TriangleLevel(6, 26, 0.7, 0.8),
+TRIANGLE_MESHES_FOR_PRESSED_TIP = (
+    DegreeAndGradingOfTriangleMesh(4, 16, 0.7, 0.8),
+    DegreeAndGradingOfTriangleMesh(5, 21, 0.7, 0.8),
+    DegreeAndGradingOfTriangleMesh(6, 26, 0.7, 0.8),
 )
 """Meshes of curved triangles for brakes that press only by a tip, a kink that points to the drum.
 
-The smallest triangles have sizes of 2e-7 (DEEP) and 1e-8 (DEEPEST) of the lining's thickness. In
-some brakes round-off turns triangles of DEEPEST inside out. DEEP is then used for a tip too, with
-an uncertainty of the pressure of 1e-4 to 6e-4 in place of 1e-5 to 2e-4.
+The smallest triangles have sizes of 2e-7 (TRIANGLE_MESHES_FOR_PRESSED_CORNER) and 1e-8
+(TRIANGLE_MESHES_FOR_PRESSED_TIP) of the lining's thickness. In some brakes round-off turns
+triangles of TRIANGLE_MESHES_FOR_PRESSED_TIP inside out. TRIANGLE_MESHES_FOR_PRESSED_CORNER is then
+used for a tip too, with an uncertainty of the pressure of 1e-4 to 6e-4 in place of 1e-5 to 2e-4.
 """
 
-GIVE_WAY = 2e-3
+POWER_LAW_LENGTH_OVER_CONTACT_LENGTH = 2e-3
 """Length of the region next to a pressed corner in which the power law of the corner replaces the
 computed pressure, divided by the length of the contact.
 
@@ -106,14 +119,14 @@ Some ten triangles lie in this region. With 14 triangles in it the pressure chan
 on two brakes.
 """
 
-CERTAIN = 4.0
+LEAST_USABLE_TRUE_ERROR_OVER_ITS_UNCERTAINTY = 4.0
 """Smallest ratio of a true error to its uncertainty with which the true error is used to judge the
 stated error.
 
 At smaller ratios the difference between answer and truth may be an error of the truth.
 """
 
-STORED_DIGITS = 10
+SIGNIFICANT_DIGITS_OF_STORED_PRESSURES = 10
 """Significant digits with which pressures are stored. Their uncertainty is 1e-7 at best."""
 
 
@@ -131,10 +144,10 @@ class StoredTruth(NamedTuple):
     covers: str
     brake: Brake
     by: str
-    true: Truth
+    true: FarFinerSolutionOfBrake
 
 
-class DrawnBrake(NamedTuple):
+class KindSeedAndChangesOfStoredBrake(NamedTuple):
     """How a brake is drawn whose far finer solution is stored in a file.
 
     Attributes
@@ -162,129 +175,217 @@ class DrawnBrake(NamedTuple):
         return vary(found, dict(self.changes)) if self.changes else found
 
 
-SEED = 70_000
+FIRST_SEED_OF_STORED_BRAKES = 70_000
 """Seed of the first random brake of each kind.
 
 The safety factors of the error estimate are fitted on brakes of other seeds, from
 `calibration.FIRST_SEED` on. The stored brakes are therefore an independent test of these factors.
 """
 
-TIP = ((1.756715664026018, 1e-5), (2.3, 0.0), (3.440991216768881, 1.5e-5))
+CLEARANCE_TABLE_WITH_TIP = ((1.756715664026018, 1e-5), (2.3, 0.0), (3.440991216768881, 1.5e-5))
 """Clearance table with a tip, a kink that points to the drum, for the brake
-`draw_random_brake_of_support_kind(SEED + 1, "hinge")`.
+`draw_random_brake_of_support_kind(FIRST_SEED_OF_STORED_BRAKES + 1, "hinge")`.
 
 The rows are an angle theta [rad] and a clearance [m]. The tip is in the middle row. It is about as
 high as the lining's compression by the force, so that nearly the whole lining presses on the drum.
 """
 
-STORED_BRAKES: dict[str, DrawnBrake] = {
-    "arc": DrawnBrake("elastic arc on a hinge, partial contact", "arc", SEED + 0),
-    "arc_second": DrawnBrake("elastic arc on a hinge", "arc", SEED + 1),
-    "arc_incompressible": DrawnBrake(
-        "Poisson's ratio 0.49", "arc", SEED + 2, {"shoe[0].lining.material.nu": 0.49}
+HOW_STORED_BRAKES_ARE_DRAWN_BY_FILE_NAME: dict[str, KindSeedAndChangesOfStoredBrake] = {
+    "arc": KindSeedAndChangesOfStoredBrake(
+        "elastic arc on a hinge, partial contact", "arc", FIRST_SEED_OF_STORED_BRAKES + 0
     ),
-    "arc_stiff_friction": DrawnBrake("elastic arc, much friction", "arc", SEED + 3),
-    "backed_corner": DrawnBrake(
+    "arc_second": KindSeedAndChangesOfStoredBrake(
+        "elastic arc on a hinge", "arc", FIRST_SEED_OF_STORED_BRAKES + 1
+    ),
+    "arc_incompressible": KindSeedAndChangesOfStoredBrake(
+        "Poisson's ratio 0.49",
+        "arc",
+        FIRST_SEED_OF_STORED_BRAKES + 2,
+        {"shoe[0].lining.material.nu": 0.49},
+    ),
+    "arc_stiff_friction": KindSeedAndChangesOfStoredBrake(
+        "elastic arc, much friction", "arc", FIRST_SEED_OF_STORED_BRAKES + 3
+    ),
+    "backed_corner": KindSeedAndChangesOfStoredBrake(
         "lining on a backing, pressed with its corner: unbounded p at the lining's end",
         "backed",
-        SEED + 0,
+        FIRST_SEED_OF_STORED_BRAKES + 0,
     ),
-    "backed": DrawnBrake("lining on a backing", "backed", SEED + 1),
-    "rigid": DrawnBrake("rigid shoe", "rigid", SEED + 0),
-    "rigid_second": DrawnBrake("rigid shoe", "rigid", SEED + 2),
-    "post": DrawnBrake("straight post with a block", "post", SEED + 0),
-    "post_second": DrawnBrake("straight post with a block", "post", SEED + 1),
-    "post_on_free_ring": DrawnBrake(
-        "post on an elastic ring with a free rim, no friction", "post on ring", SEED + 1
+    "backed": KindSeedAndChangesOfStoredBrake(
+        "lining on a backing", "backed", FIRST_SEED_OF_STORED_BRAKES + 1
     ),
-    "post_on_fixed_ring": DrawnBrake(
-        "post on an elastic ring with a fixed rim", "post on ring", SEED + 2
+    "rigid": KindSeedAndChangesOfStoredBrake(
+        "rigid shoe", "rigid", FIRST_SEED_OF_STORED_BRAKES + 0
     ),
-    "arc_on_fixed_ring": DrawnBrake(
-        "arc on an elastic ring with a fixed rim", "arc on ring", SEED + 1
+    "rigid_second": KindSeedAndChangesOfStoredBrake(
+        "rigid shoe", "rigid", FIRST_SEED_OF_STORED_BRAKES + 2
     ),
-    "arc_on_free_ring": DrawnBrake(
-        "arc on an elastic ring with a free rim", "arc on ring", SEED + 2
+    "post": KindSeedAndChangesOfStoredBrake(
+        "straight post with a block", "post", FIRST_SEED_OF_STORED_BRAKES + 0
     ),
-    "linings_on_fixed_ring": DrawnBrake(
-        "two shoes on one elastic ring with a fixed rim", "linings on ring", SEED + 2
+    "post_second": KindSeedAndChangesOfStoredBrake(
+        "straight post with a block", "post", FIRST_SEED_OF_STORED_BRAKES + 1
     ),
-    "linings_on_free_ring": DrawnBrake(
-        "two shoes on one elastic ring with a free rim", "linings on ring", SEED + 3
+    "post_on_free_ring": KindSeedAndChangesOfStoredBrake(
+        "post on an elastic ring with a free rim, no friction",
+        "post on ring",
+        FIRST_SEED_OF_STORED_BRAKES + 1,
     ),
-    "blocks": DrawnBrake("lining of three blocks of unlike height on a post", "misfit", SEED + 0),
-    "clearance_table": DrawnBrake("clearance given as a table of two rows", "misfit", SEED + 1),
-    "radius_without_friction": DrawnBrake(
-        "lining ground to another radius, no friction", "misfit", SEED + 2
+    "post_on_fixed_ring": KindSeedAndChangesOfStoredBrake(
+        "post on an elastic ring with a fixed rim", "post on ring", FIRST_SEED_OF_STORED_BRAKES + 2
     ),
-    "clearance": DrawnBrake("even clearance under a post", "misfit", SEED + 3),
-    "clearance_arc": DrawnBrake("even clearance under an arc, much friction", "misfit", SEED + 4),
-    "radius": DrawnBrake("lining ground to another radius, on a post", "misfit", SEED + 5),
-    "out_of_round": DrawnBrake("drum out of round", "out of round", SEED + 0),
-    "out_of_round_second": DrawnBrake(
-        "drum out of round, an opening in the contact", "out of round", SEED + 1
+    "arc_on_fixed_ring": KindSeedAndChangesOfStoredBrake(
+        "arc on an elastic ring with a fixed rim", "arc on ring", FIRST_SEED_OF_STORED_BRAKES + 1
     ),
-    "short_contact": DrawnBrake(
-        "short contact of a lining of another radius", "small contact", SEED + 0, {"friction": 0.2}
+    "arc_on_free_ring": KindSeedAndChangesOfStoredBrake(
+        "arc on an elastic ring with a free rim", "arc on ring", FIRST_SEED_OF_STORED_BRAKES + 2
     ),
-    "short_contact_second": DrawnBrake(
-        "short contact of a lining of another radius", "small contact", SEED + 3
+    "linings_on_fixed_ring": KindSeedAndChangesOfStoredBrake(
+        "two shoes on one elastic ring with a fixed rim",
+        "linings on ring",
+        FIRST_SEED_OF_STORED_BRAKES + 2,
     ),
-    "extreme": DrawnBrake(
-        "stiffnesses and thicknesses far apart", "extreme", SEED + 0, {"friction": 0.2}
+    "linings_on_free_ring": KindSeedAndChangesOfStoredBrake(
+        "two shoes on one elastic ring with a free rim",
+        "linings on ring",
+        FIRST_SEED_OF_STORED_BRAKES + 3,
     ),
-    "hinge": DrawnBrake("drum brake shoe on a hinge", "hinge", SEED + 0),
-    "tip": DrawnBrake(
+    "blocks": KindSeedAndChangesOfStoredBrake(
+        "lining of three blocks of unlike height on a post",
+        "misfit",
+        FIRST_SEED_OF_STORED_BRAKES + 0,
+    ),
+    "clearance_table": KindSeedAndChangesOfStoredBrake(
+        "clearance given as a table of two rows", "misfit", FIRST_SEED_OF_STORED_BRAKES + 1
+    ),
+    "radius_without_friction": KindSeedAndChangesOfStoredBrake(
+        "lining ground to another radius, no friction", "misfit", FIRST_SEED_OF_STORED_BRAKES + 2
+    ),
+    "clearance": KindSeedAndChangesOfStoredBrake(
+        "even clearance under a post", "misfit", FIRST_SEED_OF_STORED_BRAKES + 3
+    ),
+    "clearance_arc": KindSeedAndChangesOfStoredBrake(
+        "even clearance under an arc, much friction", "misfit", FIRST_SEED_OF_STORED_BRAKES + 4
+    ),
+    "radius": KindSeedAndChangesOfStoredBrake(
+        "lining ground to another radius, on a post", "misfit", FIRST_SEED_OF_STORED_BRAKES + 5
+    ),
+    "out_of_round": KindSeedAndChangesOfStoredBrake(
+        "drum out of round", "out of round", FIRST_SEED_OF_STORED_BRAKES + 0
+    ),
+    "out_of_round_second": KindSeedAndChangesOfStoredBrake(
+        "drum out of round, an opening in the contact",
+        "out of round",
+        FIRST_SEED_OF_STORED_BRAKES + 1,
+    ),
+    "short_contact": KindSeedAndChangesOfStoredBrake(
+        "short contact of a lining of another radius",
+        "small contact",
+        FIRST_SEED_OF_STORED_BRAKES + 0,
+        {"friction": 0.2},
+    ),
+    "short_contact_second": KindSeedAndChangesOfStoredBrake(
+        "short contact of a lining of another radius",
+        "small contact",
+        FIRST_SEED_OF_STORED_BRAKES + 3,
+    ),
+    "extreme": KindSeedAndChangesOfStoredBrake(
+        "stiffnesses and thicknesses far apart",
+        "extreme",
+        FIRST_SEED_OF_STORED_BRAKES + 0,
+        {"friction": 0.2},
+    ),
+    "hinge": KindSeedAndChangesOfStoredBrake(
+        "drum brake shoe on a hinge", "hinge", FIRST_SEED_OF_STORED_BRAKES + 0
+    ),
+    "tip": KindSeedAndChangesOfStoredBrake(
         "tip of the gap towards the drum",
         "hinge",
-        SEED + 1,
-        {"shoe[0].lining.clearance": TIP},
+        FIRST_SEED_OF_STORED_BRAKES + 1,
+        {"shoe[0].lining.clearance": CLEARANCE_TABLE_WITH_TIP},
     ),
-    "abutment": DrawnBrake("shoe that slides on an abutment", "abutment", SEED + 0),
-    "rough_abutment": DrawnBrake("shoe on an abutment with friction", "rough abutment", SEED + 2),
-    "pivot": DrawnBrake("shoe on a pivot of a lever", "pivot", SEED + 0),
-    "guide": DrawnBrake("shoe in a guide", "guide", SEED + 1),
-    "cylinder": DrawnBrake("two shoes under a wheel cylinder", "cylinder", SEED + 0),
-    "cam": DrawnBrake("two shoes under an S-cam", "cam", SEED + 0),
-    "cam_second": DrawnBrake("two shoes under an S-cam", "cam", SEED + 1),
-    "strut": DrawnBrake("two shoes joined by a strut", "strut", SEED + 0),
-    "pad_on_a_hinge": DrawnBrake("pad on a plane, on a hinge", "pad on a hinge", SEED + 1),
-    "pad_on_a_pivot": DrawnBrake("pad on a plane, on a pivot", "pad on a pivot", SEED + 1),
-    "pad_on_a_guide": DrawnBrake("pad on a plane, in a guide", "pad on a guide", SEED + 0),
-    "pad_on_an_abutment": DrawnBrake(
-        "pad on a plane, on an abutment", "pad on an abutment", SEED + 2
+    "abutment": KindSeedAndChangesOfStoredBrake(
+        "shoe that slides on an abutment", "abutment", FIRST_SEED_OF_STORED_BRAKES + 0
     ),
-    "table": DrawnBrake("T-section: table and web", "table", SEED + 0),
-    "table_second": DrawnBrake("T-section: table and web", "table", SEED + 1),
-    "grip": DrawnBrake("body held over a length of its back", "grip", SEED + 0),
-    "chain": DrawnBrake("blocks linked by straps", "chain", SEED + 0),
-    "corner_little_friction": DrawnBrake(
-        "rigid shoe that presses with a corner", "corner of a rigid shoe", SEED + 0
+    "rough_abutment": KindSeedAndChangesOfStoredBrake(
+        "shoe on an abutment with friction", "rough abutment", FIRST_SEED_OF_STORED_BRAKES + 2
     ),
-    "corner_dragged_inwards": DrawnBrake(
+    "pivot": KindSeedAndChangesOfStoredBrake(
+        "shoe on a pivot of a lever", "pivot", FIRST_SEED_OF_STORED_BRAKES + 0
+    ),
+    "guide": KindSeedAndChangesOfStoredBrake(
+        "shoe in a guide", "guide", FIRST_SEED_OF_STORED_BRAKES + 1
+    ),
+    "cylinder": KindSeedAndChangesOfStoredBrake(
+        "two shoes under a wheel cylinder", "cylinder", FIRST_SEED_OF_STORED_BRAKES + 0
+    ),
+    "cam": KindSeedAndChangesOfStoredBrake(
+        "two shoes under an S-cam", "cam", FIRST_SEED_OF_STORED_BRAKES + 0
+    ),
+    "cam_second": KindSeedAndChangesOfStoredBrake(
+        "two shoes under an S-cam", "cam", FIRST_SEED_OF_STORED_BRAKES + 1
+    ),
+    "strut": KindSeedAndChangesOfStoredBrake(
+        "two shoes joined by a strut", "strut", FIRST_SEED_OF_STORED_BRAKES + 0
+    ),
+    "pad_on_a_hinge": KindSeedAndChangesOfStoredBrake(
+        "pad on a plane, on a hinge", "pad on a hinge", FIRST_SEED_OF_STORED_BRAKES + 1
+    ),
+    "pad_on_a_pivot": KindSeedAndChangesOfStoredBrake(
+        "pad on a plane, on a pivot", "pad on a pivot", FIRST_SEED_OF_STORED_BRAKES + 1
+    ),
+    "pad_on_a_guide": KindSeedAndChangesOfStoredBrake(
+        "pad on a plane, in a guide", "pad on a guide", FIRST_SEED_OF_STORED_BRAKES + 0
+    ),
+    "pad_on_an_abutment": KindSeedAndChangesOfStoredBrake(
+        "pad on a plane, on an abutment", "pad on an abutment", FIRST_SEED_OF_STORED_BRAKES + 2
+    ),
+    "table": KindSeedAndChangesOfStoredBrake(
+        "T-section: table and web", "table", FIRST_SEED_OF_STORED_BRAKES + 0
+    ),
+    "table_second": KindSeedAndChangesOfStoredBrake(
+        "T-section: table and web", "table", FIRST_SEED_OF_STORED_BRAKES + 1
+    ),
+    "grip": KindSeedAndChangesOfStoredBrake(
+        "body held over a length of its back", "grip", FIRST_SEED_OF_STORED_BRAKES + 0
+    ),
+    "chain": KindSeedAndChangesOfStoredBrake(
+        "blocks linked by straps", "chain", FIRST_SEED_OF_STORED_BRAKES + 0
+    ),
+    "corner_little_friction": KindSeedAndChangesOfStoredBrake(
+        "rigid shoe that presses with a corner",
+        "corner of a rigid shoe",
+        FIRST_SEED_OF_STORED_BRAKES + 0,
+    ),
+    "corner_dragged_inwards": KindSeedAndChangesOfStoredBrake(
         "corner that friction drags into the lining: p as x^-0.21",
         "corner of a rigid shoe",
-        SEED + 1,
+        FIRST_SEED_OF_STORED_BRAKES + 1,
         {"friction": 0.2, "shoe[0].actuation.force": 708.0},
     ),
-    "corner_dragged_outwards": DrawnBrake(
-        "elastic shoe that presses with its trailing corner", "corner", SEED + 3
+    "corner_dragged_outwards": KindSeedAndChangesOfStoredBrake(
+        "elastic shoe that presses with its trailing corner",
+        "corner",
+        FIRST_SEED_OF_STORED_BRAKES + 3,
     ),
-    "tip_short": DrawnBrake(
-        "short contact under a tip of the gap", "tip of a rigid shoe", SEED + 1
+    "tip_short": KindSeedAndChangesOfStoredBrake(
+        "short contact under a tip of the gap",
+        "tip of a rigid shoe",
+        FIRST_SEED_OF_STORED_BRAKES + 1,
     ),
 }
 """The brakes whose far finer solutions are stored, by the name of the file without its suffix."""
 
 
 def solve_stored_brake_on_far_finer_meshes(name: str) -> StoredTruth:
-    """Solve a brake of STORED_BRAKES on far finer meshes than `solve` uses.
+    """Solve a stored brake on far finer meshes than `solve` uses.
 
     A brake that presses only by a corner of the lining or by a kink that points to the drum is
-    solved on the meshes DEEP or DEEPEST. Other brakes are solved by the triangles, or by finer hp
-    elements where the triangles have no answer. Raises NoAnswer where no solver has an answer.
+    solved on the meshes TRIANGLE_MESHES_FOR_PRESSED_CORNER or TRIANGLE_MESHES_FOR_PRESSED_TIP.
+    Other brakes are solved by the triangles, or by finer hp elements where the triangles have no
+    answer. Raises NoAnswer where no solver has an answer.
     """
-    drawn = STORED_BRAKES[name]
+    drawn = HOW_STORED_BRAKES_ARE_DRAWN_BY_FILE_NAME[name]
     brake = drawn.brake()
     if drawn.kind in CORNERS:
         return StoredTruth(
@@ -304,35 +405,43 @@ def solve_stored_brake_on_far_finer_meshes(name: str) -> StoredTruth:
     return StoredTruth(drawn.covers, brake, by, true)
 
 
-def solve_brake_by_fine_triangles(brake: Brake) -> Truth:
-    """The far finer solution of a brake on a drum by the last three meshes of TRIANGLES.
+def solve_brake_by_fine_triangles(brake: Brake) -> FarFinerSolutionOfBrake:
+    """The far finer solution of a brake on a drum by the last three meshes of triangles.
 
     Raises BadInput if triangles cannot mesh the brake, and NoAnswer if the brake has no solution.
     """
     begin = time.process_time()
     return reference_from_last_three_meshes(
-        brake, triangles.solve_brake_on_sequence_of_triangle_meshes(brake, TRIANGLES)[-3:], begin
+        brake,
+        triangles.solve_brake_on_sequence_of_triangle_meshes(
+            brake, TRIANGLE_MESHES_OF_STORED_TRUTH
+        )[-3:],
+        begin,
     )
 
 
-def solve_brake_on_corner_or_kink_by_fine_triangles(brake: Brake) -> Truth:
+def solve_brake_on_corner_or_kink_by_fine_triangles(brake: Brake) -> FarFinerSolutionOfBrake:
     """The far finer solution of a brake that presses only by a corner or a tip of the lining.
 
-    A tip is a kink of the lining that points to the drum. The meshes are DEEPEST for a tip and DEEP
-    for a corner. Next to a corner in contact the pressure has no bound, and no triangle is small
-    enough for it. A power law replaces the computed pressure there, and the error of this power law
-    is added to the uncertainty. Raises BadInput if triangles cannot mesh the brake, and NoAnswer if
-    the brake has no solution.
+    A tip is a kink of the lining that points to the drum. The meshes are
+    TRIANGLE_MESHES_FOR_PRESSED_TIP for a tip and TRIANGLE_MESHES_FOR_PRESSED_CORNER for a corner.
+    Next to a corner in contact the pressure has no bound, and no triangle is small enough for it. A
+    power law replaces the computed pressure there, and the error of this power law is added to the
+    uncertainty. Raises BadInput if triangles cannot mesh the brake, and NoAnswer if the brake has
+    no solution.
     """
     begin = time.process_time()
-    # An AssertionError means that round-off has turned triangles of DEEPEST inside out.
+    # An AssertionError means that round-off has turned triangles of TRIANGLE_MESHES_FOR_PRESSED_TIP
+    # inside out.
     try:
         sharp = any(clearance.gap_kinks_that_point_to_drum(shoe.lining) for shoe in brake.shoes)
         meshes = triangles.solve_brake_on_sequence_of_triangle_meshes(
-            brake, DEEPEST if sharp else DEEP
+            brake, TRIANGLE_MESHES_FOR_PRESSED_TIP if sharp else TRIANGLE_MESHES_FOR_PRESSED_CORNER
         )
     except AssertionError:
-        meshes = triangles.solve_brake_on_sequence_of_triangle_meshes(brake, DEEP)
+        meshes = triangles.solve_brake_on_sequence_of_triangle_meshes(
+            brake, TRIANGLE_MESHES_FOR_PRESSED_CORNER
+        )
     found = []
     for solutions in meshes:
         corrected = [
@@ -364,24 +473,26 @@ def _shoe_solution_with_power_law_at_corner(
             found.pressure,
             found.order,
             corner,
-            reach=GIVE_WAY * arc,
+            reach=POWER_LAW_LENGTH_OVER_CONTACT_LENGTH * arc,
         )
         found = replace(found, theta=theta, pressure=pressure)
     return found
 
 
-def solve_brake_by_finer_hp_meshes(brake: Brake) -> Truth:
-    """The far finer solution of a brake by the hp meshes FINER, with exact contact.
+def solve_brake_by_finer_hp_meshes(brake: Brake) -> FarFinerSolutionOfBrake:
+    """The far finer solution of a brake by HP_MESHES_OF_STORED_TRUTH, with exact contact.
 
     Raises NoAnswer where a mesh has no answer.
     """
     begin = time.process_time()
     answers = solve_brake_on_finer_and_finer_mesh_levels(
-        brake, partial(solve_prepared_model, penalty=math.inf), levels=FINER
+        brake, partial(solve_prepared_model, penalty=math.inf), levels=HP_MESHES_OF_STORED_TRUTH
     )
     found = [step.response.shoes for step in answers]
-    if len(found) < len(FINER):
-        raise NoAnswer(f"only {len(found)} of {len(FINER)} divisions have an answer")
+    if len(found) < len(HP_MESHES_OF_STORED_TRUTH):
+        raise NoAnswer(
+            f"only {len(found)} of {len(HP_MESHES_OF_STORED_TRUTH)} divisions have an answer"
+        )
     return reference_from_last_three_meshes(
         brake, found, begin, largest_round_off_errors_of_shoes(found[-1])
     )
@@ -390,7 +501,8 @@ def solve_brake_by_finer_hp_meshes(brake: Brake) -> Truth:
 def stored_fine_solution_as_json(stored: StoredTruth) -> str:
     """A brake and its far finer solution as the text of a JSON file.
 
-    Numbers are in SI units, pressures have STORED_DIGITS significant digits.
+    Numbers are in SI units, pressures have SIGNIFICANT_DIGITS_OF_STORED_PRESSURES significant
+    digits.
     """
     data = {
         "covers": stored.covers,
@@ -411,7 +523,9 @@ def _shoe_solution_as_plain_data(shoe: Solved) -> dict[str, Any]:
         "normal_force": shoe.normal_force,
         "hinge_reaction": [float(part) for part in shoe.hinge_reaction],
         "theta": [float(f"{angle:.17g}") for angle in shoe.theta],
-        "pressure": [float(f"{p:.{STORED_DIGITS}g}") for p in shoe.pressure],
+        "pressure": [
+            float(f"{p:.{SIGNIFICANT_DIGITS_OF_STORED_PRESSURES}g}") for p in shoe.pressure
+        ],
     }
 
 
@@ -419,7 +533,7 @@ def read_stored_fine_solution(path: Path) -> StoredTruth:
     """The brake and its far finer solution in a file that `main` wrote."""
     data = json.loads(path.read_text(encoding="utf-8"))
     shoes = [_shoe_solution_from_plain_data(shoe) for shoe in data["shoes"]]
-    true = Truth(shoes, data["uncertainty"], data["seconds"])
+    true = FarFinerSolutionOfBrake(shoes, data["uncertainty"], data["seconds"])
     return StoredTruth(
         data["covers"], make_drum_or_plane_brake_from_data(data["brake"]), data["by"], true
     )
@@ -443,11 +557,12 @@ def _shoe_solution_from_plain_data(data: Mapping[str, Any]) -> ShoeSolution:
 
 
 def main(folder: str, *names: str) -> None:
-    """Solve brakes of STORED_BRAKES on far finer meshes than `solve` uses, and write their files.
+    """Solve stored brakes on far finer meshes than `solve` uses, and write their files.
 
-    folder : folder of the files; names : names of the brakes, by default all of STORED_BRAKES.
+    folder : folder of the files; names : names of the brakes, by default all of
+        HOW_STORED_BRAKES_ARE_DRAWN_BY_FILE_NAME.
     """
-    for name in names or STORED_BRAKES:
+    for name in names or HOW_STORED_BRAKES_ARE_DRAWN_BY_FILE_NAME:
         stored = solve_stored_brake_on_far_finer_meshes(name)
         write_text(Path(folder) / f"{name}.json", stored_fine_solution_as_json(stored))
         unsure = ", ".join(

@@ -18,12 +18,15 @@ import numpy as np
 
 from drumlin.base.arrays import Floats
 from drumlin.base.errors import NoAnswer
-from drumlin.base.journal import Journal
-from drumlin.sweeps.cases import Row, SweepCase, solve_all_cases_of_sweep
+from drumlin.base.journal import JournalOfCaseResults
+from drumlin.sweeps.cases import CaseResultsByName, SweepCase, solve_all_cases_of_sweep
 from drumlin.sweeps.sample import solve_sample_cases_and_then_all_others
-from drumlin.sweeps.workers import Workers, provide_workers_for_cases_of_sweep
+from drumlin.sweeps.workers import WorkersOfSweep, provide_workers_for_cases_of_sweep
 
-KEEP = {"MALLOC_TRIM_THRESHOLD_": str(2**28), "MALLOC_MMAP_THRESHOLD_": str(2**25)}
+ENVIRONMENT_THAT_KEEPS_FREED_MEMORY = {
+    "MALLOC_TRIM_THRESHOLD_": str(2**28),
+    "MALLOC_MMAP_THRESHOLD_": str(2**25),
+}
 """Environment variables that make the C library glibc keep freed memory for later use.
 
 Freed memory up to these sizes [bytes] is kept. Dask sets the first variable to a small value, and
@@ -31,7 +34,7 @@ this also turns off glibc's automatic choice of the second one. Both are therefo
 """
 
 
-class Throughput(NamedTuple):
+class MeasuredTimeOfSweep(NamedTuple):
     """The measured time of a sweep.
 
     Attributes
@@ -56,7 +59,7 @@ class Throughput(NamedTuple):
     cases: int
     started: float
     seconds: float
-    rows: list[Row]
+    rows: list[CaseResultsByName]
     processor: float = 0.0
 
     @property
@@ -67,41 +70,43 @@ class Throughput(NamedTuple):
 
 def measure_time_of_sweep_by_processes(
     cases: Sequence[SweepCase], workers: int, sample: Sequence[int] = ()
-) -> Throughput:
+) -> MeasuredTimeOfSweep:
     """The measured time of a sweep by processes of this machine.
 
     `sample` are the numbers of the cases that are solved on all levels; the stated errors of the
     other cases follow from them. Without a sample each case states its own errors.
     """
-    start, before = time.perf_counter(), _processor_time_of_all_processes()
+    start, before = time.perf_counter(), _processor_time_with_ended_child_processes()
     with provide_workers_for_cases_of_sweep(workers) as found:
         made = _measure_time_of_sweep_by_started_workers("processes", cases, found, start, sample)
-    return made._replace(processor=_processor_time_of_all_processes() - before)
+    return made._replace(processor=_processor_time_with_ended_child_processes() - before)
 
 
-def measure_time_of_sweep_by_dask_workers(cases: Sequence[SweepCase], workers: int) -> Throughput:
+def measure_time_of_sweep_by_dask_workers(
+    cases: Sequence[SweepCase], workers: int
+) -> MeasuredTimeOfSweep:
     """The measured time of a sweep by Dask workers.
 
     Each worker is a process of one thread on this machine.
     """
-    return _measure_time_of_sweep_with_environment("Dask workers", cases, workers, {})
+    return _measure_time_of_dask_sweep_with_environment("Dask workers", cases, workers, {})
 
 
 def measure_time_of_sweep_by_dask_keeping_memory(
     cases: Sequence[SweepCase], workers: int
-) -> Throughput:
+) -> MeasuredTimeOfSweep:
     """The measured time of a sweep by Dask workers that keep freed memory for later use.
 
     By default a Dask worker returns freed memory to the system at once.
     """
-    return _measure_time_of_sweep_with_environment(
-        "Dask workers that keep memory", cases, workers, KEEP
+    return _measure_time_of_dask_sweep_with_environment(
+        "Dask workers that keep memory", cases, workers, ENVIRONMENT_THAT_KEEPS_FREED_MEMORY
     )
 
 
-def _measure_time_of_sweep_with_environment(
+def _measure_time_of_dask_sweep_with_environment(
     by: str, cases: Sequence[SweepCase], workers: int, environment: dict[str, str]
-) -> Throughput:
+) -> MeasuredTimeOfSweep:
     """The measured time of a sweep by Dask workers.
 
     Parameters
@@ -116,7 +121,7 @@ def _measure_time_of_sweep_with_environment(
         Environment variables that are set while the workers start.
     """
     distributed: Any = importlib.import_module("distributed")
-    start, before = time.perf_counter(), _processor_time_of_all_processes()
+    start, before = time.perf_counter(), _processor_time_with_ended_child_processes()
     with (
         _set_environment_variables(environment),
         distributed.LocalCluster(
@@ -129,7 +134,7 @@ def _measure_time_of_sweep_with_environment(
         provide_workers_for_cases_of_sweep(scheduler=cluster.scheduler_address) as found,
     ):
         made = _measure_time_of_sweep_by_started_workers(by, cases, found, start)
-    return made._replace(processor=_processor_time_of_all_processes() - before)
+    return made._replace(processor=_processor_time_with_ended_child_processes() - before)
 
 
 @contextmanager
@@ -148,7 +153,7 @@ def _set_environment_variables(more: dict[str, str]) -> Iterator[None]:
         os.environ.update(before)
 
 
-def _processor_time_of_all_processes() -> float:
+def _processor_time_with_ended_child_processes() -> float:
     """Processor time [s] of this process and of its child processes that have ended."""
     return sum(os.times()[:4])
 
@@ -156,10 +161,10 @@ def _processor_time_of_all_processes() -> float:
 def _measure_time_of_sweep_by_started_workers(
     by: str,
     cases: Sequence[SweepCase],
-    found: Workers,
+    found: WorkersOfSweep,
     start: float,
     sample: Sequence[int] = (),
-) -> Throughput:
+) -> MeasuredTimeOfSweep:
     """The measured time of a sweep by workers that have been started.
 
     The workers first solve some cases by the sine law, so that all of them are ready. The time to
@@ -171,7 +176,7 @@ def _measure_time_of_sweep_by_started_workers(
         Kind of the workers, in words.
     cases : sequence of SweepCase
         The cases of the sweep.
-    found : Workers
+    found : WorkersOfSweep
         The started workers.
     start : float
         Clock reading at which the start of the workers began [s].
@@ -187,10 +192,10 @@ def _measure_time_of_sweep_by_started_workers(
         cases, sample, executor=found.executor, workers=found.workers
     )
     spent = time.perf_counter() - ready
-    return Throughput(by, found.workers, len(cases), ready - start, spent, solved.rows)
+    return MeasuredTimeOfSweep(by, found.workers, len(cases), ready - start, spent, solved.rows)
 
 
-def rows_of_cases_per_second(measured: Sequence[Throughput]) -> list[Row]:
+def rows_of_cases_per_second(measured: Sequence[MeasuredTimeOfSweep]) -> list[CaseResultsByName]:
     """A table row for each measured sweep, with the speed of its workers.
 
     `rate` is the number of cases per second. `gain` is this rate divided by the rate of the first
@@ -211,9 +216,9 @@ def rows_of_cases_per_second(measured: Sequence[Throughput]) -> list[Row]:
     return found
 
 
-def rows_of_times_certified_by_sample(
-    full: Sequence[Throughput], sampled: Sequence[Throughput]
-) -> list[Row]:
+def rows_of_sweep_times_with_and_without_sample(
+    full: Sequence[MeasuredTimeOfSweep], sampled: Sequence[MeasuredTimeOfSweep]
+) -> list[CaseResultsByName]:
     """A table row for each number of workers: the time of a sweep with and without a sample.
 
     `gain` is the time without a sample divided by the time with it. In the sweep with a sample,
@@ -244,14 +249,14 @@ def rows_of_times_certified_by_sample(
     return found
 
 
-def torques_of_solved_sweep_cases(rows: Sequence[Row]) -> Floats:
+def torques_of_solved_sweep_cases(rows: Sequence[CaseResultsByName]) -> Floats:
     """The torques (n,) [N m] of the n cases that were solved."""
     return np.array([row["torque"] for row in rows if row["status"] == "solved"])
 
 
 def time_and_error_rows_of_coarser_meshes(
     cases: Sequence[SweepCase], elements: Sequence[int | None], fine: int
-) -> list[Row]:
+) -> list[CaseResultsByName]:
     """A row for each mesh with the processor time per case and the largest error of the torque.
 
     Parameters
@@ -282,7 +287,7 @@ def time_and_error_rows_of_coarser_meshes(
     return rows
 
 
-def row_of_torque_distribution(rows: Sequence[Row]) -> Row:
+def row_of_torque_distribution(rows: Sequence[CaseResultsByName]) -> CaseResultsByName:
     """A row with mean, relative standard deviation, 2.5 and 97.5 percentile of the torque [N m].
 
     The row also has the number of cases and the number of cases without an answer.
@@ -299,7 +304,7 @@ def row_of_torque_distribution(rows: Sequence[Row]) -> Row:
     }
 
 
-class Kill(NamedTuple):
+class KilledSweepRun(NamedTuple):
     """A run of a sweep that was killed.
 
     Attributes
@@ -320,7 +325,7 @@ def kill_and_finish_sweep(
     kills: int,
     seed: int,
     say: Callable[[str], None] = lambda _: None,
-) -> tuple[list[Kill], list[Row]]:
+) -> tuple[list[KilledSweepRun], list[CaseResultsByName]]:
     """Kill several runs of a sweep at random moments, then let the sweep finish.
 
     Each run is a process of its own, which is ended by SIGKILL. The results are the kills and the
@@ -367,9 +372,9 @@ def kill_and_finish_sweep(
             # the number of the signal, which is not the same on all systems.
             if process.exitcode >= 0:
                 raise NoAnswer("killed: the run ended before it could be killed; take more cases")
-        done.append(Kill(found, _count_finished_cases_in_journal(path)))
+        done.append(KilledSweepRun(found, _count_finished_cases_in_journal(path)))
     # The last run is not killed and finishes the sweep from the journal.
-    with Journal(path) as journal:
+    with JournalOfCaseResults(path) as journal:
         return done, solve_all_cases_of_sweep(cases, journal=journal)
 
 
@@ -386,7 +391,7 @@ def _run_process_during_block(process: Any) -> Iterator[Any]:
 
 def _solve_remaining_sweep_cases_with_journal(cases: Sequence[SweepCase], path: Path) -> None:
     """Solve the cases of a sweep that are not yet in the journal at `path`, and add them to it."""
-    with Journal(path) as journal:
+    with JournalOfCaseResults(path) as journal:
         solve_all_cases_of_sweep(cases, journal=journal)
 
 

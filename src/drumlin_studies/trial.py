@@ -1,6 +1,6 @@
 """Trials: solves of the extreme brakes of `extreme_cases`, each with a verdict on its outcome.
 
-Every trial ends in one of TRIAL_OUTCOMES. An answer is right under three conditions: its forces
+Every trial ends in one of ALL_TRIAL_OUTCOMES. An answer is right under three conditions: its forces
 balance, pressure times gap is zero at each node to 1e-8, and six digits of its torque agree with
 the refined solution. The refined solution solves the whole system of equations in extended
 precision (`drumlin.fem.error_control.refinement`). Fewer digits must agree if the condition number
@@ -20,8 +20,8 @@ from drumlin.brake.brake import Brake
 from drumlin.contact.equations import condition_number_on_contact_set
 from drumlin.fem.equilibrium.group import ShoeGroup, divide_pressed_shoes_into_groups
 from drumlin.fem.model import (
-    DOUBLE_SPACING,
-    REFINED_REMARK,
+    ITERATIVE_REFINEMENT_REMARK,
+    RELATIVE_SPACING_OF_DOUBLES,
     solve_full_system_of_group_by_refinement,
     solve_prepared_model,
 )
@@ -29,11 +29,11 @@ from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.response.response import Response
 from drumlin_studies import pointwise
-from drumlin_studies.extreme_cases import KnobCase
+from drumlin_studies.extreme_cases import ExtremeCase
 
-ANSWERS = ("answer", "no contact")
+TRIAL_OUTCOMES_WITH_ANSWER = ("answer", "no contact")
 """Outcomes in which a solve gives an answer."""
-REFUSALS = {
+REFUSAL_OUTCOMES_BY_MESSAGE_WORDS = {
     "self-locking": "self-locking",
     "to touch the drum": "out of reach",
     "ever touching": "out of reach",
@@ -43,38 +43,43 @@ REFUSALS = {
     "singular stiffness": "arithmetic",
 }
 """Outcome of a trial that a solve refuses, by words in the error message."""
-TRIAL_FAULTS = ("not converged", "traceback", "inaccurate")
+TRIAL_OUTCOMES_THAT_ARE_FAULTS_OF_DRUMLIN = ("not converged", "traceback", "inaccurate")
 """Outcomes of a trial that are faults of drumlin and must not occur."""
-TRIAL_OUTCOMES = (*ANSWERS, *dict.fromkeys(REFUSALS.values()), "bad input", *TRIAL_FAULTS)
+ALL_TRIAL_OUTCOMES = (
+    *TRIAL_OUTCOMES_WITH_ANSWER,
+    *dict.fromkeys(REFUSAL_OUTCOMES_BY_MESSAGE_WORDS.values()),
+    "bad input",
+    *TRIAL_OUTCOMES_THAT_ARE_FAULTS_OF_DRUMLIN,
+)
 """All outcomes of a trial: answers, refusals with a reason, bad input, and faults."""
-LARGEST_RESIDUAL = 1e-8
+LARGEST_RELATIVE_RESIDUAL_OF_RIGHT_ANSWER = 1e-8
 """Largest relative residual of a right answer, in the balances of forces and moments and in the
 products of pressure and gap.
 """
-TORQUE_DIGITS = 6
+TORQUE_DIGITS_THAT_AGREE_WITH_REFINED_SOLUTION = 6
 """Number of digits of the torque that must agree with the refined solution."""
-OTHER_ORDER = "MMD_AT_PLUS_A"
+ELIMINATION_ORDER_OF_REFINED_SOLUTION = "MMD_AT_PLUS_A"
 """Name, in the library SuperLU, of the order in which the refined solution eliminates its unknowns.
 
 It differs from the order that the model uses, so that both solutions have different round-off.
 """
-STIFFEST_PENALTY = 1e16
+LARGEST_FACTOR_OF_POINTWISE_PENALTY = 1e16
 """Largest penalty factor of the pointwise penalty; it also replaces an infinite factor."""
-POINTWISE_REFUSALS = {"repeats": "cycles", "singular": "singular"}
+POINTWISE_REFUSAL_OUTCOMES_BY_WORDS = {"repeats": "cycles", "singular": "singular"}
 """Outcome of a trial without an answer by the pointwise penalty, by words in the error message."""
-LARGEST_POINTWISE = 12_000
+MOST_UNKNOWNS_FOR_POINTWISE_PENALTY = 12_000
 """Largest number of unknowns of a shoe for which the pointwise penalty is tried.
 
 The method factorises the whole system up to 60 times.
 """
-POINTWISE_AGREEMENT = 1e-2
+LARGEST_TORQUE_DIFFERENCE_FROM_POINTWISE_PENALTY = 1e-2
 """Relative difference below which the torques of drumlin and of the pointwise penalty agree.
 
 A smaller difference can be due to discretisation errors.
 """
 
 
-def solve_and_judge_case(case: KnobCase) -> dict[str, Any]:
+def solve_and_judge_case(case: ExtremeCase) -> dict[str, Any]:
     """Solve a case and return its row: outcome, reason, times, and the accuracy of an answer."""
     row: dict[str, Any] = {
         "knob": case.knob,
@@ -105,7 +110,9 @@ def solve_and_judge_case(case: KnobCase) -> dict[str, Any]:
         row |= _row_with_accuracy_of_answer(row, scene, brake, response, case.penalty)
     # The pointwise penalty is tried as well, unless its system would be too large.
     if brake is not None and scene is not None:
-        too_large = max(body.unknowns for body in scene.bodies) > LARGEST_POINTWISE
+        too_large = (
+            max(body.unknowns for body in scene.bodies) > MOST_UNKNOWNS_FOR_POINTWISE_PENALTY
+        )
         not_tried = {"pointwise": "not tried: too large"}
         row |= not_tried if too_large else compare_with_pointwise_penalty(case, brake, response)
     return row
@@ -116,7 +123,11 @@ def _outcome_and_reason_of_failed_case(error: Exception) -> dict[str, str]:
     if isinstance(error, BadInput):
         return {"outcome": "bad input", "reason": str(error)}
     if isinstance(error, NoAnswer):
-        outcomes = (outcome for words, outcome in REFUSALS.items() if words in str(error))
+        outcomes = (
+            outcome
+            for words, outcome in REFUSAL_OUTCOMES_BY_MESSAGE_WORDS.items()
+            if words in str(error)
+        )
         return {"outcome": next(outcomes, "not converged"), "reason": str(error)}
     return {"outcome": "traceback", "reason": f"{type(error).__name__}: {error}"}
 
@@ -145,16 +156,16 @@ def _row_with_accuracy_of_answer(
         "torque": response.torque,
         "steps": response.iterations,
         "balance": max(response.balance.force, response.balance.moment),
-        "refined": any(REFINED_REMARK in note for note in response.notes),
+        "refined": any(ITERATIVE_REFINEMENT_REMARK in note for note in response.notes),
     }
     if row["outcome"] == "answer":
-        row |= accuracy_of_answer_of_all_groups(scene, brake, response, penalty)
+        row |= worst_numerical_accuracy_of_shoe_groups(scene, brake, response, penalty)
         if not is_answer_accurate(row):
             row |= {"outcome": "inaccurate"}
     return row
 
 
-def text_of_changed_quantities(case: KnobCase) -> str:
+def text_of_changed_quantities(case: ExtremeCase) -> str:
     """Names and values of the quantities ("knobs") that a case changes, as text."""
     words = []
     for key, value in case.parameters_changed_from_default_case.items():
@@ -165,16 +176,18 @@ def text_of_changed_quantities(case: KnobCase) -> str:
 def is_answer_accurate(row: dict[str, Any]) -> bool:
     """Whether the answer of a row is right.
 
-    Its residuals must be small, and TORQUE_DIGITS of its torque must be correct, or as many as the
-    condition number of the problem allows.
+    Its residuals must be small, and TORQUE_DIGITS_THAT_AGREE_WITH_REFINED_SOLUTION of its torque
+    must be correct, or as many as the condition number of the problem allows.
     """
     if row["digits"] is None:
         return False
     residual = max(row["balance"], row["complementarity"])
-    return residual <= LARGEST_RESIDUAL and row["digits"] >= min(TORQUE_DIGITS, row["allowed"])
+    return residual <= LARGEST_RELATIVE_RESIDUAL_OF_RIGHT_ANSWER and row["digits"] >= min(
+        TORQUE_DIGITS_THAT_AGREE_WITH_REFINED_SOLUTION, row["allowed"]
+    )
 
 
-def accuracy_of_answer_of_all_groups(
+def worst_numerical_accuracy_of_shoe_groups(
     scene: PreparedModel, brake: Brake, response: Response, penalty: float
 ) -> dict[str, Any]:
     """Residuals, condition numbers and correct digits of an answer: the worst of all shoe groups.
@@ -213,7 +226,7 @@ def accuracy_of_answer_of_all_groups(
 
 
 def _accuracy_of_answer_of_group(response: Response, group: ShoeGroup) -> dict[str, Any]:
-    """The values of `accuracy_of_answer_of_all_groups`, by key, for one group of coupled shoes.
+    """The values of `worst_numerical_accuracy_of_shoe_groups` for one group of coupled shoes.
 
     `whole` is the reason why the refined solution of the group failed, or empty.
     """
@@ -231,7 +244,9 @@ def _accuracy_of_answer_of_group(response: Response, group: ShoeGroup) -> dict[s
     row |= {"digits": None, "whole": ""}
     start = time.perf_counter()
     try:
-        refined = solve_full_system_of_group_by_refinement(group, active, OTHER_ORDER)
+        refined = solve_full_system_of_group_by_refinement(
+            group, active, ELIMINATION_ORDER_OF_REFINED_SOLUTION
+        )
     except NoAnswer as error:
         return row | {"whole": str(error), "seconds_whole": time.perf_counter() - start}
     row["seconds_whole"] = time.perf_counter() - start
@@ -239,19 +254,23 @@ def _accuracy_of_answer_of_group(response: Response, group: ShoeGroup) -> dict[s
     torque = sum(shoe.torque for shoe in shoes) / size
     off = abs(torque - refined.torque) / refined.torque if refined.torque else 0.0
     exact = np.concatenate(refined.p)
-    products = np.abs(refined.gap) * p
-    known_condition = not math.isnan(refined.condition)
+    products = np.abs(refined.scaled_weighted_gaps) * p
+    known_condition = not math.isnan(refined.condition_number_of_torque)
     return row | {
-        "complementarity": float(max(-refined.gap.min(), products.max() / p.max())),
+        "complementarity": float(
+            max(-refined.scaled_weighted_gaps.min(), products.max() / p.max())
+        ),
         "digits": min(
             correct_decimal_digits_at_relative_error(off),
             correct_decimal_digits_at_relative_error(refined.correction),
         ),
         "sure": correct_decimal_digits_at_relative_error(refined.correction),
         "allowed": correct_decimal_digits_at_relative_error(
-            DOUBLE_SPACING * refined.condition if known_condition else 0.0
+            RELATIVE_SPACING_OF_DOUBLES * refined.condition_number_of_torque
+            if known_condition
+            else 0.0
         ),
-        "torque_condition": refined.condition if known_condition else None,
+        "torque_condition": refined.condition_number_of_torque if known_condition else None,
         "pressure_error": float(np.abs(p - exact).max() / exact.max()),
         "sets": refined.contact_sets,
     }
@@ -263,7 +282,7 @@ def correct_decimal_digits_at_relative_error(error: float) -> float:
 
 
 def compare_with_pointwise_penalty(
-    case: KnobCase, brake: Brake, response: Response | None
+    case: ExtremeCase, brake: Brake, response: Response | None
 ) -> dict[str, Any]:
     """Solve a case by the pointwise penalty as well, and compare its torque with drumlin's torque.
 
@@ -272,7 +291,7 @@ def compare_with_pointwise_penalty(
 
     Parameters
     ----------
-    case : KnobCase
+    case : ExtremeCase
         The case.
     brake : Brake
         The brake of the case.
@@ -287,7 +306,7 @@ def compare_with_pointwise_penalty(
                 brake,
                 elements=case.elements,
                 kind=case.kind,
-                penalty=min(case.penalty, STIFFEST_PENALTY),
+                penalty=min(case.penalty, LARGEST_FACTOR_OF_POINTWISE_PENALTY),
                 mesher=case.function_that_meshes_shoe_with_aspect_ratio(),
             )
         row["pointwise_steps"] = other.iterations
@@ -298,13 +317,17 @@ def compare_with_pointwise_penalty(
         else:
             off = abs(other.torque - response.torque) / max(response.torque, other.torque)
             row |= {
-                "pointwise": "agrees" if off < POINTWISE_AGREEMENT else "differs",
+                "pointwise": "agrees"
+                if off < LARGEST_TORQUE_DIFFERENCE_FROM_POINTWISE_PENALTY
+                else "differs",
                 "pointwise_off": off,
             }
     except BadInput:
         row["pointwise"] = "not for rings"
     except NoAnswer as error:
-        outcomes = (why for words, why in POINTWISE_REFUSALS.items() if words in str(error))
+        outcomes = (
+            why for words, why in POINTWISE_REFUSAL_OUTCOMES_BY_WORDS.items() if words in str(error)
+        )
         row["pointwise"] = next(outcomes, "does not end")
     except Exception as error:
         row["pointwise"] = f"{type(error).__name__}"

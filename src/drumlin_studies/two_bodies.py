@@ -26,11 +26,11 @@ from drumlin.fem.substructure.body import (
     sparse_stiffness_of_body,
 )
 from drumlin.fem.substructure.interface import (
+    ContactCouplingMatrices,
     ContactLine,
-    Coupling,
+    coupling_matrices_of_contact_line,
     function_that_returns_drum_normals_and_tangents,
     make_contact_line_of_lining,
-    weak_coupling_of_contact_line,
 )
 from drumlin.fem.substructure.ring import (
     coupling_matrices_of_lining_and_ring,
@@ -117,7 +117,7 @@ def scikit_fem_basis_of_mesh(mesh: Any) -> Any:
 
 
 @dataclass(frozen=True)
-class ContactBody:
+class BodyCondensedToContactNodes:
     """A body after static condensation to the nodes of its contact line.
 
     Attributes
@@ -137,7 +137,7 @@ class ContactBody:
 
 def condense_body_to_contact_nodes(
     mesh: Any, material: Material, width: float = 1.0, middle: float = 0.0
-) -> ContactBody:
+) -> BodyCondensedToContactNodes:
     """The body of a mesh, fixed at its support and condensed to its contact nodes.
 
     Parameters
@@ -159,20 +159,20 @@ def condense_body_to_contact_nodes(
     K = sparse_stiffness_of_body(
         basis, {"body": ElasticLayer.make_layer_in_plane_stress(material, width)}
     )
-    return ContactBody(
+    return BodyCondensedToContactNodes(
         basis, line, condense_body_to_contact_and_hinge_face(K, ties, {}, 2 * len(line.nodes))
     )
 
 
 @dataclass(frozen=True)
-class BodyPair:
+class InnerAndOuterBodyInContact:
     """An inner elastic body in contact with an outer elastic body or with a rigid drum.
 
     Attributes
     ----------
-    inner : ContactBody
+    inner : BodyCondensedToContactNodes
         The body whose n contact nodes have the unknown pressures.
-    coupling : Coupling
+    coupling : ContactCouplingMatrices
         Matrices that turn displacements of the inner body's nodes into gaps and slips at the
         contact.
     pressed, dragged : array (m, n)
@@ -184,23 +184,27 @@ class BodyPair:
         support.
     """
 
-    inner: ContactBody
-    coupling: Coupling
+    inner: BodyCondensedToContactNodes
+    coupling: ContactCouplingMatrices
     pressed: Floats
     dragged: Floats
     motions: Floats
 
     @classmethod
     def couple_two_bodies_at_contact_nodes(
-        cls, inner: ContactBody, outer: ContactBody | None, sign: int = 1, motions: str = ""
-    ) -> "BodyPair":
+        cls,
+        inner: BodyCondensedToContactNodes,
+        outer: BodyCondensedToContactNodes | None,
+        sign: int = 1,
+        motions: str = "",
+    ) -> "InnerAndOuterBodyInContact":
         """The pair of two condensed bodies, with the coupling between their contact nodes.
 
         Parameters
         ----------
-        inner : ContactBody
+        inner : BodyCondensedToContactNodes
             The body whose contact nodes have the unknown pressures.
-        outer : ContactBody or None
+        outer : BodyCondensedToContactNodes or None
             The body in the place of the drum; None for a rigid drum.
         sign : int
             1 where `outer` lies outside the contact surface (a drum around a shoe), -1 where it
@@ -208,7 +212,7 @@ class BodyPair:
         motions : str
             Directions in which the support of `inner` can move: "", "x", "y" or "xy".
         """
-        coupling = weak_coupling_of_contact_line(
+        coupling = coupling_matrices_of_contact_line(
             inner.line, 1.0, function_that_returns_drum_normals_and_tangents(sign)
         )
         halves = [
@@ -261,7 +265,7 @@ class BodyPair:
 
     def frictional_contact_problem(
         self, gap: Floats, loads: Sequence[float], penalty_compliance: float = 0.0
-    ) -> stick_slip.FrictionalProblem:
+    ) -> stick_slip.StickSlipProblem:
         """The contact problem with friction, whose unknowns are nodal pressures and tractions.
 
         The slip is the tangential motion of the outer body relative to the inner body, positive
@@ -278,7 +282,7 @@ class BodyPair:
         """
         n, B_s = len(gap), -self.coupling.T @ self.motions
         flat = self.frictionless_contact_problem(gap, loads)
-        return stick_slip.FrictionalProblem(
+        return stick_slip.StickSlipProblem(
             A_wp=flat.A,
             A_wt=self.pressed.T @ self.dragged,
             A_sp=-self.dragged.T @ self.pressed,
@@ -316,13 +320,15 @@ def first_contact_set_from_coarse_problem(problem: ContactProblem, share: int = 
     return np.asarray(P @ active_set.solve_contact_problem(coarse, start).p > 0)
 
 
-def _flexibility_root_times_nodal_forces(one: ContactBody, forces: Floats) -> Floats:
+def _flexibility_root_times_nodal_forces(
+    one: BodyCondensedToContactNodes, forces: Floats
+) -> Floats:
     """The product of the square root of a body's flexibility with n sets of nodal forces.
 
     forces : array (n, 2 nodes) of forces on the contact nodes, x and y of each node [N].
     """
-    return one.condensed.inverse_cholesky_factor_times_nodal_forces(forces.T)
+    return one.condensed.half_flexibility_under_nodal_forces(forces.T)
 
 
-LADDER_STEEL = Material(E=210e9, nu=0.3)
+STEEL_OF_KNOWN_ANSWER_CASES = Material(E=210e9, nu=0.3)
 """The steel of the elastic bodies in the benchmark cases with known results (`ladder`)."""

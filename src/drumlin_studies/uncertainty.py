@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from drumlin.comparison import richardson_limit_from_three_meshes
 
-SAFETY = 1.25
+CONVERGENCE_INDEX_SAFETY_FACTOR = 1.25
 """Factor of safety of the grid convergence index, by which the extrapolated error is multiplied.
 
 It applies where three meshes show the order of convergence (Roache 1994). With two meshes Roache
@@ -17,7 +17,7 @@ uses 3.
 """
 
 
-class Index(NamedTuple):
+class GridConvergenceIndex(NamedTuple):
     """Richardson extrapolation and grid convergence index from three meshes.
 
     Attributes
@@ -43,8 +43,12 @@ class Index(NamedTuple):
 
 
 def grid_convergence_index_of_three_values(
-    fine: float, medium: float, coarse: float, ratio: float = 2.0, safety: float = SAFETY
-) -> Index:
+    fine: float,
+    medium: float,
+    coarse: float,
+    ratio: float = 2.0,
+    safety: float = CONVERGENCE_INDEX_SAFETY_FACTOR,
+) -> GridConvergenceIndex:
     """Order of convergence, extrapolated value and grid convergence index from three meshes.
 
     The values on the fine, medium and coarse mesh are f1, f2 and f3:
@@ -82,10 +86,10 @@ def grid_convergence_index_of_three_values(
     fine_index = safety * limit.uncertainty / abs(fine)
     coarse_index = safety * limit.uncertainty * growth / abs(medium)
     asymptotic = coarse_index / (growth * fine_index)
-    return Index(limit.order, limit.value, fine_index, coarse_index, asymptotic)
+    return GridConvergenceIndex(limit.order, limit.value, fine_index, coarse_index, asymptotic)
 
 
-class Validation(NamedTuple):
+class ComparisonOfSimulationWithData(NamedTuple):
     """The comparison of a simulation S with data D (ASME V&V 20-2009, section 1-5).
 
     Attributes
@@ -113,7 +117,7 @@ class Validation(NamedTuple):
 
 def compare_simulated_value_with_reference_value(
     simulation: float, data: float, *, numerical: float, inputs: float = 0.0, of_data: float
-) -> Validation:
+) -> ComparisonOfSimulationWithData:
     """The comparison error E = S - D with its validation uncertainty u_val.
 
     u_val^2 = u_num^2 + u_input^2 + u_D^2. All uncertainties have the unit of S and D and the same
@@ -130,4 +134,6 @@ def compare_simulated_value_with_reference_value(
     of_data : float
         Uncertainty u_D of the data, or of the reference in their place.
     """
-    return Validation(simulation - data, math.sqrt(numerical**2 + inputs**2 + of_data**2))
+    return ComparisonOfSimulationWithData(
+        simulation - data, math.sqrt(numerical**2 + inputs**2 + of_data**2)
+    )

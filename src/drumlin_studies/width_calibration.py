@@ -14,6 +14,7 @@ table of the rows.
 import csv
 import math
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 from typing import NamedTuple
 
@@ -21,25 +22,25 @@ import numpy as np
 
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake
-from drumlin.fem.error_control.adapt import Tolerance
-from drumlin.fem.error_control.levels import LEVELS
+from drumlin.fem.error_control.adapt import TolerancesOfPressureAndTorque
+from drumlin.fem.error_control.levels import REFINEMENT_LEVELS_FROM_COARSE_TO_FINE
 from drumlin.fem.model import solve_prepared_model
-from drumlin.fem.preparation.cache import Cache
+from drumlin.fem.preparation.cache import CacheOfCondensedBodies
 from drumlin.fem.solve import solve
 from drumlin.fem.width.error import relative_distance_of_plane_stress_from_width_solution
 from drumlin.fem.width.ladder import (
-    LOOKED_AHEAD,
-    MOST_SECTION_LEVELS,
-    ErrorFactors,
-    SolidFactors,
-    coarsest_cross_section_mesh_within_tolerance,
+    NUMBER_OF_COMPARED_HIGHER_WIDTH_DEGREES,
+    NUMBER_OF_LEVELS_FOR_SECTION_ERROR_ESTIMATE,
+    PressureAndForceErrorFactors,
+    SafetyFactorsOfSolidErrors,
     error_divided_by_distance_to_next_degrees,
+    errors_of_solved_cross_section_meshes,
     hp_elements_to_compare_width_degrees,
     refine_cross_section_mesh_until_tolerance_is_met,
     solve_cross_section_mesh_with_width_degree,
 )
 from drumlin.fem.width.prepare import (
-    MakeFunctions,
+    MakeWidthFunctionsOfShoe,
     prepare_model_with_widths_on_given_elements,
     reason_why_width_model_does_not_apply,
 )
@@ -49,47 +50,49 @@ from drumlin_studies.calibration import (
     safety_factors_as_json_text,
 )
 from drumlin_studies.solid_error import (
-    DRAWN,
+    FUNCTIONS_THAT_DRAW_BRAKES_BY_SOLID_KIND,
     functions_across_width_graded_to_sides,
 )
 
-WIDTH_SEEDS: dict[str, Sequence[int]] = {
+SEEDS_FOR_FIT_TO_ERRORS_OF_WIDTH_DEGREE: dict[str, Sequence[int]] = {
     "free": range(1000, 1021),
     "built": range(3100, 3107),
 }
 """Seeds of the brakes on which the safety factors for errors of the degree across the width are
 fitted.
 
-The keys are kinds in `solid_error.DRAWN`.
+The keys are kinds in `solid_error.FUNCTIONS_THAT_DRAW_BRAKES_BY_SOLID_KIND`.
 """
-SECTION_SEEDS: dict[str, Sequence[int]] = {
+SEEDS_FOR_FIT_TO_ERRORS_OF_SECTION_MESH: dict[str, Sequence[int]] = {
     "built": (3100, 3102, 3104, 3105, 3106, 3108, 3109, 3110, 3111, 3117),
 }
 """Seeds of the brakes on which the safety factors for errors of the mesh in the section are fitted.
 
-The keys are kinds in `solid_error.DRAWN`. The brakes are few, because the solve of a brake on the
-second level of the section takes up to 110 s.
+The keys are kinds in `solid_error.FUNCTIONS_THAT_DRAW_BRAKES_BY_SOLID_KIND`. The brakes are few,
+because the solve of a brake on the second level of the section takes up to 110 s.
 """
-FITTED_DEGREES = (2, 3, 4, 5)
+DEGREES_ACROSS_WIDTH_IN_FIT = (2, 3, 4, 5)
 """Degrees across the width to whose errors the safety factors are fitted. The largest is
-`ladder.MOST_DEGREE`.
+`ladder.LARGEST_WIDTH_DEGREE_IF_TOLERANCE_IS_OPTIONAL`.
 """
-SECTION_TRUE_DEGREE = 3
+DEGREE_ACROSS_WIDTH_FOR_TRUE_SECTION_ERROR = 2
 """Degree across the width with which the true error of the section's mesh is measured.
 
-The true error of the first level of the mesh is its distance from the second level.
+The true error of the first level of the mesh is its distance from the second level. With degree 3
+the second level has up to 180 000 unknowns. On a brake with a wide overhang ("built" 3104) the
+distance is 0.40 % of the pressure with degree 2 and with degree 3.
 """
-WIDTH_QUANTILE = 0.99
+FRACTION_COVERED_BY_STATED_WIDTH_ERROR = 0.99
 """Fraction of the solves in the fit whose true errors must not exceed their stated errors."""
-LARGEST_SHORTFALL = 2.0
+LARGEST_TRUE_OVER_STATED_ERROR_ALLOWED_IN_FIT = 2.0
 """Largest ratio of a true error to its stated error that the fit allows on any solve."""
-LEAST_FITTED = {"pressure": 1e-3, "torque": 1e-5, "reaction": 1e-5}
+LEAST_TRUE_ERROR_IN_FIT_BY_QUANTITY = {"pressure": 1e-3, "torque": 1e-5, "reaction": 1e-5}
 """Smallest true relative error with which a row enters the fit, by quantity.
 
 Smaller errors are as large as the effect of round-off and of contact ends, which move from node to
 node.
 """
-TRUE_OVER_UNCERTAINTY = 2.0
+LEAST_TRUE_ERROR_IN_FIT_OVER_ITS_UNCERTAINTY = 2.0
 """Smallest true error with which a row enters the fit, relative to the uncertainty of the true
 error.
 
@@ -101,10 +104,11 @@ with degree 5 is off by only 3e-4. With a value of 2 to 2.5 the fitted safety fa
 true errors. With 4 the fit loses all brakes whose errors fall slowly with the degree, by a factor
 of 3.5 from degree 2 to degree 7.
 """
-WIDTH_FACTOR_MEANINGS = {
+MEANINGS_OF_SOLID_SAFETY_FACTORS = {
     "pressure": "Multiplies the estimated error of p (L2 norm) that is due to the finite degree "
     "across the width. The estimate is the distance of an answer from the answers with the next "
-    "two degrees, extrapolated to an infinite degree with the power SLOWEST_FALL. If the factor is "
+    "two degrees, extrapolated to an infinite degree with the power "
+    "ASSUMED_WIDTH_ERROR_EXPONENT. If the factor is "
     "too small, stated errors of p are too small. If it is too large, solves take a higher degree "
     "than they need.",
     "force": "Multiplies the estimated error of a torque or a reaction that is due to the finite "
@@ -113,7 +117,8 @@ WIDTH_FACTOR_MEANINGS = {
     "small. If it is too large, they are needlessly large.",
     "section_pressure": "Multiplies the estimated error of p (L2 norm) that is due to the hp "
     "elements in the section, the x-y plane of the brake, if parts of a shoe have several widths. "
-    "The estimate is made with the low degree SECTION_DEGREE across the width, from two levels of "
+    "The estimate is made with the low degree "
+    "WIDTH_DEGREE_FOR_HP_ELEMENT_ERROR_ESTIMATE across the width, from two levels of "
     "these elements. If the factor is too small, stated errors of p are too small. If it is too "
     "large, solves take a finer section than they need.",
     "section_force": "Multiplies the estimated error of a torque or a reaction that is due to the "
@@ -123,12 +128,13 @@ WIDTH_FACTOR_MEANINGS = {
 """The meaning of each safety factor, as the file of the factors states it."""
 
 
-class WidthRow(NamedTuple):
+class EstimatedAndTrueErrorOfSolidShoe(NamedTuple):
     """The estimated error of a solid shoe, before its safety factor, and the true error.
 
     Attributes
     ----------
-    kind, seed : kind in `solid_error.DRAWN` and seed of the random brake
+    kind, seed : kind in `solid_error.FUNCTIONS_THAT_DRAW_BRAKES_BY_SOLID_KIND` and seed of the
+        random brake
     part : "width" for the error of the degree across the width, "section" for the error of the mesh
         in the section
     degree : degree across the width
@@ -150,11 +156,16 @@ class WidthRow(NamedTuple):
     @property
     def is_row_usable_for_fit(self) -> bool:
         """Whether the row enters the fit: its true error must be large and certain enough."""
-        least = max(LEAST_FITTED[self.quantity], TRUE_OVER_UNCERTAINTY * self.unsure)
+        least = max(
+            LEAST_TRUE_ERROR_IN_FIT_BY_QUANTITY[self.quantity],
+            LEAST_TRUE_ERROR_IN_FIT_OVER_ITS_UNCERTAINTY * self.unsure,
+        )
         return self.true > least
 
 
-def width_error_rows_of_random_brake(part: str, kind: str, seed: int) -> list[WidthRow]:
+def width_error_rows_of_random_brake(
+    part: str, kind: str, seed: int
+) -> list[EstimatedAndTrueErrorOfSolidShoe]:
     """The estimated and true errors of a random brake, as rows for the fit.
 
     The list is empty if the model with widths does not apply or a solve has no answer.
@@ -163,7 +174,7 @@ def width_error_rows_of_random_brake(part: str, kind: str, seed: int) -> list[Wi
     ----------
     part : "width" for errors of the degree across the width, "section" for errors of the mesh in
         the section
-    kind : how the brake is drawn, a name in `solid_error.DRAWN`
+    kind : how the brake is drawn, a name in `solid_error.FUNCTIONS_THAT_DRAW_BRAKES_BY_SOLID_KIND`
     seed : seed of the brake
     """
     observe = (
@@ -172,7 +183,7 @@ def width_error_rows_of_random_brake(part: str, kind: str, seed: int) -> list[Wi
         else error_rows_of_coarsest_cross_section_mesh
     )
     try:
-        brake = DRAWN[kind](seed)
+        brake = FUNCTIONS_THAT_DRAW_BRAKES_BY_SOLID_KIND[kind](seed)
         if reason_why_width_model_does_not_apply(brake) is not None:
             return []
         rows = observe(brake, solve(brake))
@@ -181,18 +192,20 @@ def width_error_rows_of_random_brake(part: str, kind: str, seed: int) -> list[Wi
     return [row._replace(kind=kind, seed=seed) for row in rows]
 
 
-def error_rows_of_degrees_across_width(brake: Brake, plane: Response) -> list[WidthRow]:
-    """Rows with the errors of the degrees FITTED_DEGREES across the width, on one mesh.
+def error_rows_of_degrees_across_width(
+    brake: Brake, plane: Response
+) -> list[EstimatedAndTrueErrorOfSolidShoe]:
+    """Rows with the errors of several degrees across the width, on one mesh.
 
     The true error of a degree is its distance from the truth, whose functions across the width are
     graded to the sides of all parts. The answer of the highest degree has other errors than the
     truth, so that its distance from the truth serves as the uncertainty of the true errors. `plane`
     is the response by plane stress.
     """
-    cache = Cache()
+    cache = CacheOfCondensedBodies()
     section = hp_elements_to_compare_width_degrees(brake, plane, cache=cache)
 
-    def solve_with_degree_across_width(across: int | MakeFunctions) -> Response:
+    def solve_with_degree_across_width(across: int | MakeWidthFunctionsOfShoe) -> Response:
         """The response with a degree across the width or with the width functions from `across`."""
         scene = prepare_model_with_widths_on_given_elements(
             brake, section.divisions, across, cache=cache
@@ -200,73 +213,86 @@ def error_rows_of_degrees_across_width(brake: Brake, plane: Response) -> list[Wi
         return solve_prepared_model(scene, brake, start=plane)
 
     truth = solve_with_degree_across_width(functions_across_width_graded_to_sides)
-    last = FITTED_DEGREES[-1] + LOOKED_AHEAD
+    last = DEGREES_ACROSS_WIDTH_IN_FIT[-1] + NUMBER_OF_COMPARED_HIGHER_WIDTH_DEGREES
     answers = {
         degree: solve_with_degree_across_width(degree)
-        for degree in range(FITTED_DEGREES[0], last + 1)
+        for degree in range(DEGREES_ACROSS_WIDTH_IN_FIT[0], last + 1)
     }
-    unsure = relative_distance_of_plane_stress_from_width_solution(
-        brake, answers[last], truth
-    ).brake
+    distance_of = partial(relative_distance_of_plane_stress_from_width_solution, brake)
+    unsure = distance_of(answers[last], truth).brake
     rows = []
-    for degree in FITTED_DEGREES:
+    for degree in DEGREES_ACROSS_WIDTH_IN_FIT:
         ahead = [
-            relative_distance_of_plane_stress_from_width_solution(
-                brake, answers[degree], answers[further]
-            ).brake
-            for further in range(degree + 1, degree + LOOKED_AHEAD + 1)
+            distance_of(answers[degree], answers[further]).brake
+            for further in range(degree + 1, degree + NUMBER_OF_COMPARED_HIGHER_WIDTH_DEGREES + 1)
         ]
-        true = relative_distance_of_plane_stress_from_width_solution(
-            brake, answers[degree], truth
-        ).brake
+        true = distance_of(answers[degree], truth).brake
         factor = error_divided_by_distance_to_next_degrees(degree)
-        for name in LEAST_FITTED:
+        for name in LEAST_TRUE_ERROR_IN_FIT_BY_QUANTITY:
             estimate = factor * max(distance[name] for distance in ahead)
-            rows.append(WidthRow("", 0, "width", degree, name, estimate, true[name], unsure[name]))
+            rows.append(
+                EstimatedAndTrueErrorOfSolidShoe(
+                    "", 0, "width", degree, name, estimate, true[name], unsure[name]
+                )
+            )
     return rows
 
 
-def error_rows_of_coarsest_cross_section_mesh(brake: Brake, plane: Response) -> list[WidthRow]:
+def error_rows_of_coarsest_cross_section_mesh(
+    brake: Brake, plane: Response
+) -> list[EstimatedAndTrueErrorOfSolidShoe]:
     """Rows with the estimated and true errors due to the coarsest mesh in the section.
 
     The errors are distances between the first two levels of this mesh. The estimate has the degree
-    `ladder.SECTION_DEGREE` across the width, and the true error the degree SECTION_TRUE_DEGREE.
-    `plane` is the response by plane stress.
+    `ladder.WIDTH_DEGREE_FOR_HP_ELEMENT_ERROR_ESTIMATE` across the width, and the true error the
+    degree DEGREE_ACROSS_WIDTH_FOR_TRUE_SECTION_ERROR. `plane` is the response by plane stress.
     """
-    levels, loose = LEVELS[:MOST_SECTION_LEVELS], Tolerance(1.0, 1.0)
-    cache = Cache()
+    levels, loose = (
+        REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[:NUMBER_OF_LEVELS_FOR_SECTION_ERROR_ESTIMATE],
+        TolerancesOfPressureAndTorque(1.0, 1.0),
+    )
+    cache = CacheOfCondensedBodies()
     climb = refine_cross_section_mesh_until_tolerance_is_met(
         brake, loose, solve_prepared_model, cache, levels, plane
     )
-    section = coarsest_cross_section_mesh_within_tolerance(
-        brake, climb, loose, ErrorFactors(1.0, 1.0)
-    )
+    section = errors_of_solved_cross_section_meshes(
+        brake, climb, PressureAndForceErrorFactors(1.0, 1.0)
+    )[0]
     first, second = (
         solve_cross_section_mesh_with_width_degree(
-            brake, level, SECTION_TRUE_DEGREE, plane, cache=cache
+            brake, level, DEGREE_ACROSS_WIDTH_FOR_TRUE_SECTION_ERROR, plane, cache=cache
         ).response
         for level in levels
     )
     true = relative_distance_of_plane_stress_from_width_solution(brake, first, second).brake
     rows = []
-    for name in LEAST_FITTED:
-        stated = (
-            section.error.torque
-            if name == "torque"
-            else max(shoe[name] for shoe in section.error.shoes)
+    for name in LEAST_TRUE_ERROR_IN_FIT_BY_QUANTITY:
+        stated = section.error.largest_error_by_name(name)
+        rows.append(
+            EstimatedAndTrueErrorOfSolidShoe(
+                "",
+                0,
+                "section",
+                DEGREE_ACROSS_WIDTH_FOR_TRUE_SECTION_ERROR,
+                name,
+                stated,
+                true[name],
+                0.0,
+            )
         )
-        rows.append(WidthRow("", 0, "section", SECTION_TRUE_DEGREE, name, stated, true[name], 0.0))
     return rows
 
 
-def smallest_safety_factor_of_width_errors(rows: Sequence[WidthRow]) -> float:
+def smallest_safety_factor_of_width_errors(
+    rows: Sequence[EstimatedAndTrueErrorOfSolidShoe],
+) -> float:
     """The smallest safety factor that makes the estimates large enough, rounded up to two digits.
 
-    Estimates times the factor cover the true errors of the fraction WIDTH_QUANTILE of all solves,
-    or of about all but one if the solves are few. No true error is more than LARGEST_SHORTFALL
-    times as large as its estimate times the factor. A solve is one brake with one degree. The
-    factor that a solve needs is the largest over its quantities. The result is nan without usable
-    rows.
+    Estimates times the factor cover the true errors of the fraction
+    FRACTION_COVERED_BY_STATED_WIDTH_ERROR of all solves, or of about all but one if the solves are
+    few. No true error is more than LARGEST_TRUE_OVER_STATED_ERROR_ALLOWED_IN_FIT times as large as
+    its estimate times the factor. A solve is one brake with one degree. The factor that a solve
+    needs is the largest over its quantities. The result is nan without usable rows.
     """
     by_solve: dict[tuple[str, int, int], float] = {}
     for row in rows:
@@ -276,12 +302,16 @@ def smallest_safety_factor_of_width_errors(rows: Sequence[WidthRow]) -> float:
     if not by_solve:
         return math.nan
     needed = list(by_solve.values())
-    share = min(WIDTH_QUANTILE, 1 - 1 / len(needed))
+    share = min(FRACTION_COVERED_BY_STATED_WIDTH_ERROR, 1 - 1 / len(needed))
     covering = float(np.quantile(needed, share))
-    return round_up_to_significant_digits(max(covering, max(needed) / LARGEST_SHORTFALL))
+    return round_up_to_significant_digits(
+        max(covering, max(needed) / LARGEST_TRUE_OVER_STATED_ERROR_ALLOWED_IN_FIT)
+    )
 
 
-def fit_safety_factors_of_width_errors(rows: Sequence[WidthRow]) -> SolidFactors:
+def fit_safety_factors_of_width_errors(
+    rows: Sequence[EstimatedAndTrueErrorOfSolidShoe],
+) -> SafetyFactorsOfSolidErrors:
     """Fit the safety factors of the stated errors of solid shoes to rows of observed errors."""
     factors = []
     for part in ("width", "section"):
@@ -292,11 +322,14 @@ def fit_safety_factors_of_width_errors(rows: Sequence[WidthRow]) -> SolidFactors
                 if row.part == part and (row.quantity == "pressure") == of_pressure
             ]
             factors.append(smallest_safety_factor_of_width_errors(own))
-    return SolidFactors(*factors)
+    return SafetyFactorsOfSolidErrors(*factors)
 
 
 def width_safety_factors_as_json_text(
-    factors: SolidFactors, rows: Sequence[WidthRow], commit: str, date: str
+    factors: SafetyFactorsOfSolidErrors,
+    rows: Sequence[EstimatedAndTrueErrorOfSolidShoe],
+    commit: str,
+    date: str,
 ) -> str:
     """The JSON text of the file of safety factors: each factor with its meaning, and its origin.
 
@@ -312,29 +345,29 @@ def width_safety_factors_as_json_text(
         "rows": sum(row.is_row_usable_for_fit for row in rows),
         "commit": commit,
         "date": date,
-        "quantile": WIDTH_QUANTILE,
+        "quantile": FRACTION_COVERED_BY_STATED_WIDTH_ERROR,
     }
     return safety_factors_as_json_text(
-        factors._asdict(), WIDTH_FACTOR_MEANINGS, provenance, "drumlin.fem.width.ladder"
+        factors._asdict(), MEANINGS_OF_SOLID_SAFETY_FACTORS, provenance, "drumlin.fem.width.ladder"
     )
 
 
-def width_error_rows_as_csv_text(rows: Sequence[WidthRow]) -> str:
+def width_error_rows_as_csv_text(rows: Sequence[EstimatedAndTrueErrorOfSolidShoe]) -> str:
     """The rows as the text of a CSV table, with errors of four digits."""
-    lines = [",".join(WidthRow._fields)]
+    lines = [",".join(EstimatedAndTrueErrorOfSolidShoe._fields)]
     for row in rows:
         errors = [f"{value:.4g}" for value in (row.estimate, row.true, row.unsure)]
         lines.append(",".join([*map(str, row[: -len(errors)]), *errors]))
     return "\n".join(lines) + "\n"
 
 
-def read_width_error_rows_from_csv(path: Path) -> list[WidthRow]:
+def read_width_error_rows_from_csv(path: Path) -> list[EstimatedAndTrueErrorOfSolidShoe]:
     """Read the rows from a CSV table that `width_error_rows_as_csv_text` has made."""
     rows = []
     with path.open(encoding="utf-8", newline="") as file:
         for one in csv.DictReader(file):
             rows.append(
-                WidthRow(
+                EstimatedAndTrueErrorOfSolidShoe(
                     kind=one["kind"],
                     seed=int(one["seed"]),
                     part=one["part"],

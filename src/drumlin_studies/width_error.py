@@ -8,7 +8,7 @@ prints a line for each random brake on a rigid drum with a seed from FIRST to LA
 tables. The first table has the ratios of estimated to true error. The second has the true error
 that remains after the correction for the widths, divided by the estimated error. The first table
 separates brakes whose parts have one width from brakes whose parts have several. Both tables leave
-out brakes on which the error of plane stress is less than LEAST_JUDGED.
+out brakes on which the error of plane stress is less than LEAST_JUDGED_PLANE_STRESS_ERROR.
 
 The true error is the difference from a model whose displacements vary across the width as
 polynomials of the degree DEGREE (by default 5). Both models use the first level of hp elements in
@@ -23,35 +23,43 @@ import numpy as np
 
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake
-from drumlin.fem.error_control.levels import LEVELS
+from drumlin.fem.error_control.levels import REFINEMENT_LEVELS_FROM_COARSE_TO_FINE
 from drumlin.fem.error_control.singular_points import singular_points_of_each_shoe_shape
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.solve import solve
-from drumlin.fem.width.correction import REMAINING_SHARE, correct_response_for_shoe_widths
+from drumlin.fem.width.correction import (
+    REMAINING_ERROR_OVER_WIDTH_CORRECTION,
+    correct_response_for_shoe_widths,
+)
 from drumlin.fem.width.error import relative_distance_of_plane_stress_from_width_solution
 from drumlin.fem.width.functions import piece_ends_across_half_width_of_shoe
 from drumlin.fem.width.prepare import (
     prepare_model_with_shoe_widths,
     reason_why_width_model_does_not_apply,
 )
-from drumlin_studies.random_brake import SHAPE_KINDS, draw_random_brake
+from drumlin_studies.random_brake import (
+    FUNCTIONS_THAT_DRAW_BRAKE_DATA_BY_SHAPE_KIND,
+    draw_random_brake,
+)
 
-LEAST_JUDGED = 1e-3
+LEAST_JUDGED_PLANE_STRESS_ERROR = 1e-3
 """Smallest true relative error of plane stress for which the estimate of this error is judged.
 Smaller errors are of no interest.
 """
-TRUE_WIDTH_DEGREE = 5
+DEFAULT_DEGREE_ACROSS_WIDTH_OF_TRUTH = 5
 """Default degree of the polynomials across the width in the model that serves as the truth."""
-KINDS_WITH_WIDTHS = tuple(kind for kind in SHAPE_KINDS if not kind.endswith("on ring"))
+KINDS_OF_RANDOM_BRAKES_ON_RIGID_DRUM = tuple(
+    kind for kind in FUNCTIONS_THAT_DRAW_BRAKE_DATA_BY_SHAPE_KIND if not kind.endswith("on ring")
+)
 """Kinds of random brakes for which drumlin estimates the error of plane stress: all with a rigid
 drum.
 """
-JUDGED = ("torque", "pressure", "reaction")
-"""The errors of plane stress that are judged, by their names in `ModelError`."""
+NAMES_OF_JUDGED_PLANE_STRESS_ERRORS = ("torque", "pressure", "reaction")
+"""The errors of plane stress that are judged, by their names in `EstimatedErrorOfPlaneStress`."""
 
 
-class WidthErrorRow(NamedTuple):
+class TrueAndEstimatedPlaneStressErrorRow(NamedTuple):
     """The true and the estimated error of plane stress on a brake.
 
     Attributes
@@ -59,7 +67,7 @@ class WidthErrorRow(NamedTuple):
     title : title of the brake
     widths : largest number of intervals across half the width of a shoe. The edges of narrower
         parts, for example of a web, separate the intervals.
-    true, estimated : relative errors by the names of JUDGED
+    true, estimated : relative errors by the names of NAMES_OF_JUDGED_PLANE_STRESS_ERRORS
     remaining : true relative errors after the correction for the widths
     """
 
@@ -70,7 +78,7 @@ class WidthErrorRow(NamedTuple):
     remaining: dict[str, float]
 
     def estimated_over_true_error(self, name: str) -> float:
-        """The estimated error `name` divided by the true error; name : one of JUDGED."""
+        """The estimated error `name` divided by the true error."""
         return self.estimated[name] / self.true[name]
 
     def error_share_remaining_after_width_correction(self, name: str) -> float:
@@ -78,9 +86,9 @@ class WidthErrorRow(NamedTuple):
         return self.remaining[name] / self.estimated[name]
 
 
-def plane_stress_errors_or_reason(
-    brake: Brake, degree: int = TRUE_WIDTH_DEGREE
-) -> WidthErrorRow | str:
+def true_and_estimated_plane_stress_errors_or_reason(
+    brake: Brake, degree: int = DEFAULT_DEGREE_ACROSS_WIDTH_OF_TRUTH
+) -> TrueAndEstimatedPlaneStressErrorRow | str:
     """The true and the estimated error of plane stress on a brake, or why they are not known.
 
     degree : degree of the polynomials across the width in the model that serves as the truth.
@@ -93,12 +101,18 @@ def plane_stress_errors_or_reason(
         # start from its contact, and their meshes are graded to its singular points.
         response = solve(brake, model_error=True)
         points = singular_points_of_each_shoe_shape(
-            brake, response, error=LEVELS[0].pressure_error_due_to_column_size_ratio
+            brake,
+            response,
+            error=REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[0].pressure_error_due_to_column_size_ratio,
         )
         plane = solve_prepared_model(
-            make_prepared_model(brake, LEVELS[0], points), brake, start=response
+            make_prepared_model(brake, REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[0], points),
+            brake,
+            start=response,
         )
-        scene = prepare_model_with_shoe_widths(brake, LEVELS[0], degree, points)
+        scene = prepare_model_with_shoe_widths(
+            brake, REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[0], degree, points
+        )
         wide = solve_prepared_model(scene, brake, start=response)
         corrected = correct_response_for_shoe_widths(brake, plane)
     except NoAnswer as error:
@@ -112,39 +126,52 @@ def plane_stress_errors_or_reason(
     if found.unknown or true.unknown:
         return f"estimate: {found.unknown or 'known'}; truth: {true.unknown or 'known'}"
     widths = max(len(piece_ends_across_half_width_of_shoe(shoe)) - 1 for shoe in brake.shoes)
-    return WidthErrorRow(
+    return TrueAndEstimatedPlaneStressErrorRow(
         brake.title, widths, dict(true.brake), dict(found.brake), dict(remaining.brake)
     )
 
 
 def plane_stress_error_rows_of_seeds(
     first: int, last: int, degree: int
-) -> Iterator[WidthErrorRow | str]:
+) -> Iterator[TrueAndEstimatedPlaneStressErrorRow | str]:
     """For each seed from `first` to `last` - 1 the row of its brake, or a text why there is none.
 
     degree : degree of the polynomials across the width in the model that serves as the truth.
     """
     for seed in range(first, last):
         try:
-            brake = draw_random_brake(seed, KINDS_WITH_WIDTHS[seed % len(KINDS_WITH_WIDTHS)])
+            brake = draw_random_brake(
+                seed,
+                KINDS_OF_RANDOM_BRAKES_ON_RIGID_DRUM[
+                    seed % len(KINDS_OF_RANDOM_BRAKES_ON_RIGID_DRUM)
+                ],
+            )
         except NoAnswer as error:
             yield str(error)
             continue
-        found = plane_stress_errors_or_reason(brake, degree)
-        yield found if isinstance(found, WidthErrorRow) else f"{brake.title}: {found}"
+        found = true_and_estimated_plane_stress_errors_or_reason(brake, degree)
+        yield (
+            found
+            if isinstance(found, TrueAndEstimatedPlaneStressErrorRow)
+            else f"{brake.title}: {found}"
+        )
 
 
-def table_lines_of_error_ratios(rows: list[WidthErrorRow]) -> list[str]:
+def table_lines_of_estimated_over_true_errors(
+    rows: list[TrueAndEstimatedPlaneStressErrorRow],
+) -> list[str]:
     """The lines of the table on the ratios of estimated to true error.
 
     A line has the number of ratios, their quantiles, and the share of ratios between 1/1.5 and 1.5.
     """
     lines = ["widths  error      brakes  least  5 %   half  95 %  most  within 1.5"]
-    for name in JUDGED:
+    for name in NAMES_OF_JUDGED_PLANE_STRESS_ERRORS:
         for several in (False, True):
             own = [row for row in rows if (row.widths > 1) == several]
             ratios = [
-                row.estimated_over_true_error(name) for row in own if row.true[name] > LEAST_JUDGED
+                row.estimated_over_true_error(name)
+                for row in own
+                if row.true[name] > LEAST_JUDGED_PLANE_STRESS_ERROR
             ]
             if not ratios:
                 continue
@@ -156,23 +183,26 @@ def table_lines_of_error_ratios(rows: list[WidthErrorRow]) -> list[str]:
     return lines
 
 
-def table_lines_of_remaining_error_after_correction(rows: list[WidthErrorRow]) -> list[str]:
+def table_lines_of_remaining_error_after_correction(
+    rows: list[TrueAndEstimatedPlaneStressErrorRow],
+) -> list[str]:
     """Lines of the table on the error that remains after the correction for the widths.
 
     Each remaining error is divided by the estimated error. The last two columns are the fraction of
-    brakes whose ratio is within `REMAINING_SHARE`, and the fraction of brakes whose error the
-    correction more than halves.
+    brakes whose ratio is within `REMAINING_ERROR_OVER_WIDTH_CORRECTION`, and the fraction of brakes
+    whose error the correction more than halves.
     """
     lines = ["error      brakes  share  half  90 %  95 %  most  within share  halved"]
-    for name in JUDGED:
-        own = [row for row in rows if row.true[name] > LEAST_JUDGED]
+    for name in NAMES_OF_JUDGED_PLANE_STRESS_ERRORS:
+        own = [row for row in rows if row.true[name] > LEAST_JUDGED_PLANE_STRESS_ERROR]
         if not own:
             continue
         shares = [row.error_share_remaining_after_width_correction(name) for row in own]
         numbers = "  ".join(f"{value:4.2f}" for value in np.quantile(shares, [0.5, 0.9, 0.95, 1.0]))
-        within = np.mean([share <= REMAINING_SHARE[name] for share in shares])
+        within = np.mean([share <= REMAINING_ERROR_OVER_WIDTH_CORRECTION[name] for share in shares])
         halved = np.mean([row.remaining[name] < 0.5 * row.true[name] for row in own])
-        line = f"{name:10} {len(own):6}   {REMAINING_SHARE[name]:4.2f}  {numbers}"
+        remaining = REMAINING_ERROR_OVER_WIDTH_CORRECTION[name]
+        line = f"{name:10} {len(own):6}   {remaining:4.2f}  {numbers}"
         lines.append(f"{line}  {within:12.0%}  {halved:6.0%}")
     return lines
 
@@ -181,7 +211,9 @@ def main() -> None:
     """Print the lines and the two tables for the seeds and the degree on the command line."""
     first, last, *degree = map(int, sys.argv[1:])
     rows = []
-    for row in plane_stress_error_rows_of_seeds(first, last, *degree or [TRUE_WIDTH_DEGREE]):
+    for row in plane_stress_error_rows_of_seeds(
+        first, last, *degree or [DEFAULT_DEGREE_ACROSS_WIDTH_OF_TRUTH]
+    ):
         if isinstance(row, str):
             sys.stdout.write(f"{row}\n")
             continue
@@ -189,12 +221,12 @@ def main() -> None:
         errors = ", ".join(
             f"{name} {row.true[name]:.1e} x {row.estimated[name] / (row.true[name] or 1):.2f}, "
             f"corrected {row.remaining[name]:.1e}"
-            for name in JUDGED
+            for name in NAMES_OF_JUDGED_PLANE_STRESS_ERRORS
         )
         sys.stdout.write(f"{row.title} ({row.widths}): {errors}\n")
         sys.stdout.flush()
     lines = [
-        *table_lines_of_error_ratios(rows),
+        *table_lines_of_estimated_over_true_errors(rows),
         "",
         *table_lines_of_remaining_error_after_correction(rows),
     ]

@@ -27,11 +27,18 @@ from drumlin.base.errors import BadInput, DrumlinError
 from drumlin.base.resource_use import peak_memory_of_process
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.file import vary
-from drumlin.fem.error_control.adapt import DEFAULT_TOLERANCE, Tolerance, solve_brake_to_tolerance
-from drumlin.fem.error_control.levels import LEVELS, solve_brake_on_finer_and_finer_mesh_levels
-from drumlin.fem.mesh.arc import DEFAULT_KIND, parametric_mesh_of_shoe
+from drumlin.fem.error_control.adapt import (
+    DEFAULT_TOLERANCES_OF_PRESSURE_AND_TORQUE,
+    TolerancesOfPressureAndTorque,
+    solve_brake_to_tolerance,
+)
+from drumlin.fem.error_control.levels import (
+    REFINEMENT_LEVELS_FROM_COARSE_TO_FINE,
+    solve_brake_on_finer_and_finer_mesh_levels,
+)
+from drumlin.fem.mesh.arc import DEFAULT_MESH_KIND, parametric_mesh_of_shoe
 from drumlin.fem.mesh.grading import (
-    EDGE_SIZE,
+    RELATIVE_SIZE_OF_LINING_END_ELEMENT,
     LiningDivision,
     integral_of_inverse_graded_step,
     number_of_element_layers_in_lining,
@@ -47,47 +54,52 @@ from drumlin.response.norms import (
     relative_error_of_number,
 )
 from drumlin.response.response import Response, length_of_edge_zone_left_out_of_peak_search
-from drumlin.verification.reference import ReferenceResponses, peak_pressure_between_edge_zones
+from drumlin.verification.reference import (
+    ResponsesBehindReferenceValues,
+    peak_pressure_between_edge_zones,
+)
 from drumlin_studies import pointwise
 
-TIMED_REPEATS = 5
+LEAST_REPEATS_OF_TIMING = 5
 """Smallest number of repeats of a timing."""
-MOST_REPEATS = 9
+MOST_REPEATS_OF_TIMING = 9
 """Largest number of repeats of a timing."""
-LEAST_SECONDS = 0.1
-"""Total time [s] that all repeats of a timing must reach; a timing ends earlier after MOST_REPEATS.
+LEAST_TOTAL_SECONDS_OF_TIMING = 0.1
+"""Total time [s] that all repeats of a timing must reach; a timing ends earlier after
+MOST_REPEATS_OF_TIMING.
 """
-LEAST_SAMPLE = 2e-3
+LEAST_SECONDS_OF_ONE_REPEAT = 2e-3
 """Shortest time [s] of one repeat of a timing. If a call takes less, a repeat has several calls."""
-EQUAL_TIMES = 1.2
+TIME_RATIO_OF_EQUALLY_FAST_METHODS = 1.2
 """Ratio of the times of two methods up to which both count as equally fast."""
-FURTHER_FRICTION = 0.9
+FRICTION_OF_FURTHER_OVER_FIRST_LOAD_CASE = 0.9
 """Coefficient of friction of the further load case, divided by the coefficient of the first load
 case.
 """
-GRADED_FROM = 36
+MOST_ELEMENTS_PER_LINING_OF_WEAK_GRADING = 36
 """Number of elements along a lining above which its mesh is graded more strongly to its ends.
 
 Above this number the size of the smallest elements at the lining's ends falls in inverse proportion
 to the number, so that the error goes on falling where the pressure is singular.
 """
-LAYERS_BEHIND = 4
+LEAST_ELEMENT_LAYERS_BEHIND_LINING = 4
 """Smallest number of element layers through backing and body of `mesh_graded_to_lining_ends`.
 
 With these layers the error due to the mesh of backing and body stays below the error due to the
 mesh of the lining, whose refinement is studied.
 """
-ERROR_KEYS = ("torque_error", "peak_error", "pressure_error", "reaction_error")
+ROW_KEYS_OF_RELATIVE_ERRORS = ("torque_error", "peak_error", "pressure_error", "reaction_error")
 """Keys of a row that hold relative errors: of torque, peak pressure, pressure, hinge reaction."""
 
 
-class Method(NamedTuple):
+class SolutionMethodOfBrake(NamedTuple):
     """A method to solve a brake: a law, a model, a mesh with its options, or another program.
 
     Attributes
     ----------
     family : str
-        Group of similar methods, a key of METHOD_FAMILIES or PEER_FAMILIES.
+        Group of similar methods, a key of COLD_SOLVE_FUNCTIONS_BY_METHOD_FAMILY or
+        PEER_KEYS_BY_NAME_IN_TABLES.
     name : str
         Name of the method in tables.
     options : mapping
@@ -104,7 +116,7 @@ class Method(NamedTuple):
         return {"family": self.family, "method": self.name, **self.options}
 
 
-class ColdSolve(NamedTuple):
+class ResultOfColdSolve(NamedTuple):
     """The result of a cold solve, which starts from the brake without any prepared model.
 
     Attributes
@@ -124,18 +136,20 @@ class ColdSolve(NamedTuple):
 
 
 def _brake_of_further_load_case(brake: Brake) -> Brake:
-    """The brake in the further load case: its friction is multiplied by FURTHER_FRICTION."""
-    return vary(brake, {"friction": FURTHER_FRICTION * brake.friction})
+    """The brake in the further load case: it has another friction coefficient."""
+    return vary(brake, {"friction": FRICTION_OF_FURTHER_OVER_FIRST_LOAD_CASE * brake.friction})
 
 
-def _cold_solve_by_law_or_foundation(brake: Brake, *, model: str, **options: Any) -> ColdSolve:
+def _cold_solve_by_law_or_foundation(
+    brake: Brake, *, model: str, **options: Any
+) -> ResultOfColdSolve:
     """The cold solve of a brake by a law or by the foundation model.
 
     model : name of the law or model; **options : options of its solver.
     """
     solver = model_with_name_that_applies_to_brake(model, brake).solve
     further = partial(solver, _brake_of_further_load_case(brake), **options)
-    return ColdSolve(solver(brake, **options), further)
+    return ResultOfColdSolve(solver(brake, **options), further)
 
 
 def mesh_with_equal_elements_on_lining(shoe: Shoe, radius: float, elements: int, kind: str) -> Any:
@@ -181,7 +195,8 @@ def divide_lining_graded_to_its_ends(
     """The division of a shoe's lining into elements that become smaller towards its ends.
 
     No element is longer than 1/`elements` of the lining. The smallest elements at the ends have a
-    fixed size up to GRADED_FROM elements, and above it a size proportional to 1/`elements`.
+    fixed size up to MOST_ELEMENTS_PER_LINING_OF_WEAK_GRADING elements, and above it a size
+    proportional to 1/`elements`.
 
     Parameters
     ----------
@@ -196,8 +211,8 @@ def divide_lining_graded_to_its_ends(
     """
     (start, end), zone = shoe.arc, shoe.lining.thickness / radius
     # The number of inner elements follows from the longest allowed element and from the grading.
-    fineness = max(1.0, elements / GRADED_FROM)
-    half, smallest = (end - start) / 2, EDGE_SIZE / fineness
+    fineness = max(1.0, elements / MOST_ELEMENTS_PER_LINING_OF_WEAK_GRADING)
+    half, smallest = (end - start) / 2, RELATIVE_SIZE_OF_LINING_END_ELEMENT / fineness
     step = (end - start) / elements
     count = max(
         2, math.ceil(2 * integral_of_inverse_graded_step(half, half, zone, smallest) / step)
@@ -208,7 +223,7 @@ def divide_lining_graded_to_its_ends(
             0, shoe.lining.thickness, layers, shoe.lining.thickness / 2, smallest
         ),
         step=step,
-        behind=LAYERS_BEHIND,
+        behind=LEAST_ELEMENT_LAYERS_BEHIND_LINING,
     )
 
 
@@ -216,10 +231,10 @@ def _cold_solve_on_mesh(
     brake: Brake,
     *,
     elements: int,
-    kind: str = DEFAULT_KIND,
+    kind: str = DEFAULT_MESH_KIND,
     even: bool = False,
     penalty: float = math.inf,
-) -> ColdSolve:
+) -> ResultOfColdSolve:
     """The cold solve of a brake by finite elements on one mesh. It includes making the mesh.
 
     Parameters
@@ -246,8 +261,8 @@ def _cold_solve_on_mesh(
 
 def _cold_solve_of_prepared_model(
     brake: Brake, scene: PreparedModel, response: Response, penalty: float
-) -> ColdSolve:
-    """The ColdSolve of a brake that finite elements have already solved.
+) -> ResultOfColdSolve:
+    """The ResultOfColdSolve of a brake that finite elements have already solved.
 
     Its function `further` solves the further load case on the same prepared model.
 
@@ -258,7 +273,7 @@ def _cold_solve_of_prepared_model(
         """The response to the further load case on the prepared model."""
         return solve_prepared_model(scene, _brake_of_further_load_case(brake), penalty=penalty)
 
-    return ColdSolve(
+    return ResultOfColdSolve(
         response, solve_further_load_case, partial(_count_unknowns_of_prepared_model, scene)
     )
 
@@ -274,33 +289,40 @@ def _count_unknowns_of_prepared_model(scene: PreparedModel) -> int:
     return of_bodies + of_ring
 
 
-def _cold_solve_on_hp_level(brake: Brake, *, level: int) -> ColdSolve:
-    """The cold solve of a brake by hp elements on one level of LEVELS, without error estimate.
+def _cold_solve_on_hp_level(brake: Brake, *, level: int) -> ResultOfColdSolve:
+    """The cold solve of a brake by hp elements on one level of refinement, without error estimate.
 
     The coarsest level is solved first. It finds the ends of the contact, to which the elements of
     level `level` are graded.
     """
-    levels = (LEVELS[0], LEVELS[level])[-level - 1 :]
+    levels = (
+        REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[0],
+        REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[level],
+    )[-level - 1 :]
     *_, (scene, response) = solve_brake_on_finer_and_finer_mesh_levels(
         brake, partial(solve_prepared_model, penalty=math.inf), levels=levels
     )
     return _cold_solve_of_prepared_model(brake, scene, response, math.inf)
 
 
-def _cold_solve_to_tolerance(brake: Brake, *, tolerance: float) -> ColdSolve:
+def _cold_solve_to_tolerance(brake: Brake, *, tolerance: float) -> ResultOfColdSolve:
     """The cold solve of a brake by hp elements that are refined to an estimated error.
 
     tolerance : largest relative error of the pressure. The torque keeps its default tolerance if
     that is smaller.
     """
-    allowed = Tolerance(tolerance, min(tolerance, DEFAULT_TOLERANCE.torque))
+    allowed = TolerancesOfPressureAndTorque(
+        tolerance, min(tolerance, DEFAULT_TOLERANCES_OF_PRESSURE_AND_TORQUE.torque)
+    )
     scene, response = solve_brake_to_tolerance(
         brake, allowed, partial(solve_prepared_model, penalty=math.inf)
     )
     return _cold_solve_of_prepared_model(brake, scene, response, math.inf)
 
 
-def _cold_solve_by_pointwise_penalty(brake: Brake, *, elements: int, penalty: float) -> ColdSolve:
+def _cold_solve_by_pointwise_penalty(
+    brake: Brake, *, elements: int, penalty: float
+) -> ResultOfColdSolve:
     """The cold solve of a brake by the pointwise penalty, the contact method of textbooks.
 
     elements : number of elements along each lining; penalty : penalty factor.
@@ -315,10 +337,10 @@ def _cold_solve_by_pointwise_penalty(brake: Brake, *, elements: int, penalty: fl
         """The response to the further load case, solved anew: the method reuses nothing."""
         return solver(_brake_of_further_load_case(brake))
 
-    return ColdSolve(solver(brake), solve_further_case_anew, count_unknowns_of_mesh)
+    return ResultOfColdSolve(solver(brake), solve_further_case_anew, count_unknowns_of_mesh)
 
 
-METHOD_FAMILIES: Mapping[str, Callable[..., ColdSolve]] = {
+COLD_SOLVE_FUNCTIONS_BY_METHOD_FAMILY: Mapping[str, Callable[..., ResultOfColdSolve]] = {
     "law": _cold_solve_by_law_or_foundation,
     "foundation": _cold_solve_by_law_or_foundation,
     "even mesh": _cold_solve_on_mesh,
@@ -328,23 +350,27 @@ METHOD_FAMILIES: Mapping[str, Callable[..., ColdSolve]] = {
     "weak penalty": _cold_solve_on_mesh,
     "pointwise penalty": _cold_solve_by_pointwise_penalty,
 }
-"""Function that solves a brake and returns a `ColdSolve`, for each family of drumlin's methods."""
-PEER_FAMILIES = {written: name for name, written in peers.PEERS.items()}
+"""Function that solves a brake and returns a `ResultOfColdSolve`, for each family of drumlin's
+methods.
+"""
+PEER_KEYS_BY_NAME_IN_TABLES = {
+    written: name for name, written in peers.NAMES_OF_PEER_PROGRAMS.items()
+}
 """Key of each peer in `drumlin.peers`, by its name in tables, for example "CalculiX"."""
 
 
-def cold_solve_by_method(brake: Brake, method: Method) -> ColdSolve:
+def cold_solve_by_method(brake: Brake, method: SolutionMethodOfBrake) -> ResultOfColdSolve:
     """The cold solve of a brake by one of drumlin's methods, from its data to the response.
 
     Raises BadInput where the method does not apply to the brake, NoAnswer where it has no answer.
     """
-    return METHOD_FAMILIES[method.family](brake, **method.options)
+    return COLD_SOLVE_FUNCTIONS_BY_METHOD_FAMILY[method.family](brake, **method.options)
 
 
 def relative_errors_against_reference(
     brake: Brake, response: Response, truth: Response
 ) -> dict[str, float]:
-    """Relative errors of a response against a far finer response, by ERROR_KEYS.
+    """Relative errors of a response against a far finer response, by ROW_KEYS_OF_RELATIVE_ERRORS.
 
     The error of the torque belongs to the torque of the whole brake. The other errors are the
     largest of all shoes. Peak and L2 norm of the pressure leave out the edge zones at the lining's
@@ -354,9 +380,11 @@ def relative_errors_against_reference(
     """
     # Errors of each shoe. The torque, the first key, is left out: its error belongs to the whole
     # brake.
-    by_key: dict[str, list[float]] = {key: [] for key in ERROR_KEYS[1:]}
+    by_key: dict[str, list[float]] = {key: [] for key in ROW_KEYS_OF_RELATIVE_ERRORS[1:]}
     for spec, a, b in zip(brake.shoes, response.shoes, truth.shoes, strict=True):
-        edge = length_of_edge_zone_left_out_of_peak_search(spec, brake.scale_factor)
+        edge = length_of_edge_zone_left_out_of_peak_search(
+            spec, brake.length_per_surface_coordinate
+        )
         by_key["peak_error"].append(
             abs(
                 relative_error_of_number(
@@ -377,9 +405,11 @@ def relative_errors_against_reference(
 
 
 def relative_uncertainties_of_reference_responses(
-    brake: Brake, trio: ReferenceResponses
+    brake: Brake, trio: ResponsesBehindReferenceValues
 ) -> dict[str, float]:
-    """The relative uncertainty of a reference, by ERROR_KEYS. Smaller errors count as not known.
+    """The relative uncertainty of a reference, by the keys of errors in a row.
+
+    Smaller errors count as not known.
 
     A reference consists of a value and of other responses, by coarser meshes or other methods. The
     uncertainty is the largest difference of one of them from the value. The differences of the
@@ -395,7 +425,7 @@ def relative_uncertainties_of_reference_responses(
     return largest
 
 
-class Timing(NamedTuple):
+class ProcessorTimeOfCall(NamedTuple):
     """The measured processor time of a call.
 
     Attributes
@@ -417,7 +447,7 @@ class Timing(NamedTuple):
 
 def measure_call_time_over_unit_workload(
     call: Callable[[], object], unit: Callable[[], object], first: float
-) -> Timing:
+) -> ProcessorTimeOfCall:
     """The processor time of a call, from several repeats, with the unit timed before each repeat.
 
     Parameters
@@ -429,25 +459,28 @@ def measure_call_time_over_unit_workload(
     first : float
         Time [s] of a first call. It decides how many calls a repeat has.
     """
-    # A repeat has as many calls as it needs to take at least LEAST_SAMPLE.
-    loops = max(1, math.ceil(LEAST_SAMPLE / max(first, 1e-6)))
+    # A repeat has as many calls as it needs to take at least LEAST_SECONDS_OF_ONE_REPEAT.
+    loops = max(1, math.ceil(LEAST_SECONDS_OF_ONE_REPEAT / max(first, 1e-6)))
     samples: list[float] = []
     ratios: list[float] = []
 
     def needs_another_timing_repeat() -> bool:
-        """Whether the total time is below LEAST_SECONDS and MOST_REPEATS are not reached."""
-        return sum(samples) * loops < LEAST_SECONDS and len(samples) < MOST_REPEATS
+        """Whether the total time is too short and MOST_REPEATS_OF_TIMING are not reached."""
+        return (
+            sum(samples) * loops < LEAST_TOTAL_SECONDS_OF_TIMING
+            and len(samples) < MOST_REPEATS_OF_TIMING
+        )
 
-    while len(samples) < TIMED_REPEATS or needs_another_timing_repeat():
+    while len(samples) < LEAST_REPEATS_OF_TIMING or needs_another_timing_repeat():
         # The unit is timed just before the call, so that the machine has the same speed for both.
         beside = _processor_time_per_call(unit, 1)
         samples.append(_processor_time_per_call(call, loops))
         ratios.append(samples[-1] / beside)
     quartiles = _quartiles_of_values(samples)
-    return Timing(*quartiles, median(ratios), len(samples))
+    return ProcessorTimeOfCall(*quartiles, median(ratios), len(samples))
 
 
-class Quartiles(NamedTuple):
+class MedianAndQuartiles(NamedTuple):
     """Median, lower and upper quartile of a list of values."""
 
     median: float
@@ -455,12 +488,12 @@ class Quartiles(NamedTuple):
     upper: float
 
 
-def _quartiles_of_values(samples: list[float]) -> Quartiles:
+def _quartiles_of_values(samples: list[float]) -> MedianAndQuartiles:
     """The median and the lower and upper quartile of a list of values."""
     if len(samples) == 1:
-        return Quartiles(samples[0], samples[0], samples[0])
+        return MedianAndQuartiles(samples[0], samples[0], samples[0])
     lower, middle, upper = quantiles(samples, n=4, method="inclusive")
-    return Quartiles(middle, lower, upper)
+    return MedianAndQuartiles(middle, lower, upper)
 
 
 def _processor_time_per_call(call: Callable[[], object], loops: int = 1) -> float:
@@ -472,7 +505,7 @@ def _processor_time_per_call(call: Callable[[], object], loops: int = 1) -> floa
 
 
 def measure_drumlin_method_on_brake(
-    brake: Brake, method: Method, truth: Response, unit: Callable[[], object]
+    brake: Brake, method: SolutionMethodOfBrake, truth: Response, unit: Callable[[], object]
 ) -> dict[str, Any]:
     """The row of one of drumlin's methods on a brake: errors, times, memory and unknowns.
 
@@ -482,8 +515,8 @@ def measure_drumlin_method_on_brake(
     ----------
     brake : Brake
         The brake to be solved.
-    method : Method
-        A method of METHOD_FAMILIES.
+    method : SolutionMethodOfBrake
+        A method of COLD_SOLVE_FUNCTIONS_BY_METHOD_FAMILY.
     truth : Response
         The reference against which errors are taken.
     unit : function
@@ -522,7 +555,7 @@ def _status_text_of_refused_or_failed_solve(error: DrumlinError) -> str:
     return f"{'refused' if isinstance(error, BadInput) else 'failed'}: {error}"
 
 
-def peak_memory_of_solve_in_new_process(brake: Brake, method: Method) -> float:
+def peak_memory_of_solve_in_new_process(brake: Brake, method: SolutionMethodOfBrake) -> float:
     """The peak memory [bytes] of a whole solve by a method, without that of the loaded program.
 
     The solve runs in a process of its own.
@@ -545,7 +578,9 @@ def _multiprocessing_start_context() -> Any:
     return context
 
 
-def _peak_memory_growth_by_solve_in_this_process(brake: Brake, method: Method) -> float:
+def _peak_memory_growth_by_solve_in_this_process(
+    brake: Brake, method: SolutionMethodOfBrake
+) -> float:
     """The growth of this process's peak memory [bytes] by a whole solve of a brake by a method."""
     before = peak_memory_of_process()
     cold_solve_by_method(brake, method)
@@ -553,7 +588,7 @@ def _peak_memory_growth_by_solve_in_this_process(brake: Brake, method: Method) -
 
 
 def wall_seconds_of_solve_command(
-    brake_file: Path, *options: str, repeats: int = TIMED_REPEATS
+    brake_file: Path, *options: str, repeats: int = LEAST_REPEATS_OF_TIMING
 ) -> float:
     """The wall time of a whole `drumlin solve` process [s], the median of several processes.
 
@@ -584,10 +619,10 @@ def wall_seconds_of_solve_command(
 
 def measure_peer_program_on_brake(
     brake: Brake,
-    method: Method,
+    method: SolutionMethodOfBrake,
     truth: Response,
     unit: Callable[[], object],
-    repeats: int = TIMED_REPEATS,
+    repeats: int = LEAST_REPEATS_OF_TIMING,
 ) -> dict[str, Any]:
     """The row of a peer, another finite element program, on a brake: errors, times and unknowns.
 
@@ -598,9 +633,9 @@ def measure_peer_program_on_brake(
     ----------
     brake : Brake
         The brake to be solved.
-    method : Method
-        A method of PEER_FAMILIES. The option `even` asks for a uniform mesh, `layers` for a
-        `mesh_graded_to_lining_ends`.
+    method : SolutionMethodOfBrake
+        A method of PEER_KEYS_BY_NAME_IN_TABLES. The option `even` asks for a uniform mesh, `layers`
+        for a `mesh_graded_to_lining_ends`.
     truth : Response
         The reference against which errors are taken.
     unit : function
@@ -612,12 +647,17 @@ def measure_peer_program_on_brake(
     options = _solver_arguments_of_peer_method(method)
     start = time.perf_counter()
     solve = partial(
-        peers.solve_brake_by_calculix_or_getfem, PEER_FAMILIES[method.family], brake, **options
+        peers.solve_brake_by_calculix_or_getfem,
+        PEER_KEYS_BY_NAME_IN_TABLES[method.family],
+        brake,
+        **options,
     )
     answers, units = [], []
     try:
         for _ in range(repeats):
-            units.append(median(_processor_time_per_call(unit) for _ in range(TIMED_REPEATS)))
+            units.append(
+                median(_processor_time_per_call(unit) for _ in range(LEAST_REPEATS_OF_TIMING))
+            )
             answers.append(solve())
     except DrumlinError as error:
         return row | {
@@ -644,7 +684,7 @@ def measure_peer_program_on_brake(
     }
 
 
-def _solver_arguments_of_peer_method(method: Method) -> dict[str, Any]:
+def _solver_arguments_of_peer_method(method: SolutionMethodOfBrake) -> dict[str, Any]:
     """The keyword arguments of `solve_brake_by_calculix_or_getfem` for a method.
 
     The options `even` and `layers` of the method become a function that meshes a shoe.
@@ -652,7 +692,7 @@ def _solver_arguments_of_peer_method(method: Method) -> dict[str, Any]:
     options = dict(method.options)
     even, layers = options.pop("even", False), options.pop("layers", None)
     if even:
-        kind = options.get("kind", DEFAULT_KIND)
+        kind = options.get("kind", DEFAULT_MESH_KIND)
         options["mesher"] = partial(
             mesh_with_equal_elements_on_lining, elements=options["elements"], kind=kind
         )
@@ -676,11 +716,11 @@ def fastest_rows_within_error(
     rows : iterable of mappings
         Rows of methods on one brake.
     key : str
-        Key of the error, one of ERROR_KEYS.
+        Key of the error, one of ROW_KEYS_OF_RELATIVE_ERRORS.
     target : float
         Largest allowed error. If it is below the uncertainty of the reference, the result is empty.
     floors : mapping
-        Uncertainties of the reference by ERROR_KEYS, as from
+        Uncertainties of the reference by ROW_KEYS_OF_RELATIVE_ERRORS, as from
         `relative_uncertainties_of_reference_responses`.
     """
     if target < floors[key]:
@@ -693,7 +733,11 @@ def fastest_rows_within_error(
         enough_rows += members[above[-1] + 1 if above else 0 :]
     # Of the rows that are about as fast as the fastest one, the most exact row comes first.
     enough_rows.sort(key=lambda row: row["ratio"])
-    ties = [row for row in enough_rows if row["ratio"] <= EQUAL_TIMES * enough_rows[0]["ratio"]]
+    ties = [
+        row
+        for row in enough_rows
+        if row["ratio"] <= TIME_RATIO_OF_EQUALLY_FAST_METHODS * enough_rows[0]["ratio"]
+    ]
     return sorted(ties, key=lambda row: row[key]) + enough_rows[len(ties) :]
 
 
@@ -728,9 +772,11 @@ def mesh_series_name_of_row(row: Mapping[str, Any]) -> str:
     if row["family"].startswith("columns"):
         return "columns"
     if "penalty" in row:
-        return f"{row.get('kind', DEFAULT_KIND)}, {row['penalty']:g} E/t"
+        return f"{row.get('kind', DEFAULT_MESH_KIND)}, {row['penalty']:g} E/t"
     graded = ", even" if row.get("even") else ", refined" if row.get("layers") else ""
-    return str(row.get("kind", DEFAULT_KIND)) + (graded if row["family"] in PEER_FAMILIES else "")
+    return str(row.get("kind", DEFAULT_MESH_KIND)) + (
+        graded if row["family"] in PEER_KEYS_BY_NAME_IN_TABLES else ""
+    )
 
 
 def median_seconds_of_unit_workload(rows: Iterable[Mapping[str, Any]]) -> float:
@@ -741,10 +787,10 @@ def median_seconds_of_unit_workload(rows: Iterable[Mapping[str, Any]]) -> float:
 def median_relative_scatter_of_timings(rows: Iterable[Mapping[str, Any]]) -> float:
     """The typical scatter of timings: interquartile range of the repeats, divided by the median.
 
-    The result is the median over the rows with at least TIMED_REPEATS repeats.
+    The result is the median over the rows with at least LEAST_REPEATS_OF_TIMING repeats.
     """
     return median(
         (row["upper"] - row["lower"]) / row["seconds"]
         for row in rows
-        if row.get("repeats", 0) >= TIMED_REPEATS
+        if row.get("repeats", 0) >= LEAST_REPEATS_OF_TIMING
     )

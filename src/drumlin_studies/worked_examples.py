@@ -9,16 +9,16 @@ import numpy as np
 
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import vary
-from drumlin.brake.plane_brake import read_any
+from drumlin.brake.plane_brake import read_drum_or_plane_brake
 from drumlin.brake.units import quantity_in_si
 from drumlin.laws import self_locking_friction_of_hinged_shoe
-from drumlin.laws.shapes import ratio_of_equivalent_friction
+from drumlin.laws.shapes import ratio_of_equivalent_to_lining_friction
 from drumlin.laws.simscape import DoubleShoe
 from drumlin.models import MODELS
 from drumlin.response.merit import brake_scaled_to_peak_pressure
 from drumlin.response.response import Response
 
-Row = dict[str, Any]
+PrintedNumberRow = dict[str, Any]
 """A row of a table: its values by the names of the columns."""
 
 
@@ -27,7 +27,7 @@ def _lowest_locking_friction_of_shoes(brake: Brake) -> float:
     return min(self_locking_friction_of_hinged_shoe(brake, shoe) for shoe in brake.shoes)
 
 
-def _pivot_reaction_component(response: Response, axis: int) -> float:
+def _size_of_pivot_reaction_component_of_first_shoe(response: Response, axis: int) -> float:
     """The absolute value of a component of the first shoe's pivot reaction [N].
 
     `axis` is 0 for the component along x and 1 for the component along y. The result is nan for a
@@ -37,7 +37,7 @@ def _pivot_reaction_component(response: Response, axis: int) -> float:
     return math.nan if reaction is None else abs(float(reaction[axis]))
 
 
-PRINTED_QUANTITIES: dict[str, Callable[[Brake, Response], float]] = {
+FUNCTIONS_OF_PRINTED_QUANTITIES_BY_NAME: dict[str, Callable[[Brake, Response], float]] = {
     "force [N]": lambda b, r: b.shoes[0].actuation.force,
     "torque [N m]": lambda b, r: r.torque,
     "torque [N mm]": lambda b, r: r.torque * 1e3,
@@ -52,15 +52,19 @@ PRINTED_QUANTITIES: dict[str, Callable[[Brake, Response], float]] = {
         np.linalg.norm(r.shoes[1].hinge_reaction)
     ),
     "normal force [N]": lambda b, r: r.shoes[0].normal_force,
-    "pivot reaction, along [N]": lambda b, r: _pivot_reaction_component(r, 0),
-    "pivot reaction, across [N]": lambda b, r: _pivot_reaction_component(r, 1),
+    "pivot reaction, along [N]": lambda b, r: _size_of_pivot_reaction_component_of_first_shoe(r, 0),
+    "pivot reaction, across [N]": lambda b, r: _size_of_pivot_reaction_component_of_first_shoe(
+        r, 1
+    ),
     "force [kN]": lambda b, r: b.shoes[0].actuation.force * 1e-3,
     "mu_lock": lambda b, r: _lowest_locking_friction_of_shoes(b),
 }
 """Quantities that sources print, each with the function of (brake, response) that computes it."""
 
 
-def rows_of_printed_and_computed_numbers(example: Mapping[str, Any], folder: Path) -> list[Row]:
+def rows_of_printed_and_computed_numbers(
+    example: Mapping[str, Any], folder: Path
+) -> list[PrintedNumberRow]:
     """Solve a worked example by a law, and make a row for each of its printed numbers.
 
     Parameters
@@ -68,14 +72,15 @@ def rows_of_printed_and_computed_numbers(example: Mapping[str, Any], folder: Pat
     example : mapping
         `law`: name of the law; `file`: brake file in the folder; `changes` (optional): values that
         replace values of the file; `peak` (optional): peak pressure to which the actuation force is
-        scaled; `given`: printed numbers as text, by the names in PRINTED_QUANTITIES; `source`,
-        `origin`, `remark` (optional): texts for the rows.
+        scaled; `given`: printed numbers as text, by the names in
+        FUNCTIONS_OF_PRINTED_QUANTITIES_BY_NAME; `source`, `origin`, `remark` (optional): texts for
+        the rows.
     folder : Path
         Folder of the brake files.
     """
     law, source = example["law"], example["source"]
     solve = MODELS[law].solve
-    brake = vary(read_any(folder / example["file"]), example.get("changes", {}))
+    brake = vary(read_drum_or_plane_brake(folder / example["file"]), example.get("changes", {}))
     if "peak" in example:
         brake = brake_scaled_to_peak_pressure(
             brake, solve, quantity_in_si(example["peak"], "Pa", unit_required=True)
@@ -84,7 +89,7 @@ def rows_of_printed_and_computed_numbers(example: Mapping[str, Any], folder: Pat
     origin, remark = example["origin"], example.get("remark", "")
     rows = []
     for quantity, text in example["given"].items():
-        value = PRINTED_QUANTITIES[quantity](brake, response)
+        value = FUNCTIONS_OF_PRINTED_QUANTITIES_BY_NAME[quantity](brake, response)
         rows.append(
             row_of_printed_and_computed_number(law, source, quantity, text, value, origin, remark)
         )
@@ -99,7 +104,7 @@ def row_of_printed_and_computed_number(
     value: float,
     origin: str = "formula",
     remark: str = "",
-) -> Row:
+) -> PrintedNumberRow:
     """The row of a printed number beside a computed value.
 
     The `status` is "agrees" if they differ by at most half a unit of the last printed digit.
@@ -132,7 +137,7 @@ def row_of_printed_and_computed_number(
     }
 
 
-def rows_of_simscape_double_shoe_brake() -> list[Row]:
+def rows_of_simscape_double_shoe_brake() -> list[PrintedNumberRow]:
     """Rows on Simscape's Double-Shoe Brake block, with its default parameters and a force of 1 N.
 
     The angle theta_s in the manual of Simscape can be read as the end or as the span of the lining.
@@ -145,8 +150,8 @@ def rows_of_simscape_double_shoe_brake() -> list[Row]:
     ):
         block = DoubleShoe(reading="end" if reading == "end" else "span")
         source = f"Simscape defaults, theta_s as {reading}"
-        leading, trailing = (float(T) for T in block.shoe_torques(1.0, 1.0))
-        p_a, p_b = block.line_pressures(1.0, 1.0)
+        leading, trailing = (float(T) for T in block.torques_of_leading_and_trailing_shoe(1.0, 1.0))
+        p_a, p_b = block.peak_line_loads_of_leading_and_trailing_shoe(1.0, 1.0)
         # The torques of single shoes and the ratio of pressures are compared only for the reading
         # of theta_s as the end of the lining.
         if reading == "end":
@@ -176,7 +181,7 @@ def rows_of_simscape_double_shoe_brake() -> list[Row]:
     return rows
 
 
-def rows_of_equivalent_block_friction() -> list[Row]:
+def rows_of_equivalent_block_friction() -> list[PrintedNumberRow]:
     """Rows on the ratio mu'/mu of equivalent to real friction of a block, for several half-arcs.
 
     A short block with the friction coefficient mu' would have the same torque under the same normal
@@ -185,7 +190,7 @@ def rows_of_equivalent_block_friction() -> list[Row]:
     printed = {15: "1.011408", 30: "1.045356", 45: "1.100214", 60: "1.170138", 90: "1.273240"}
     rows = []
     for angle, text in printed.items():
-        value = float(ratio_of_equivalent_friction(math.radians(angle)))
+        value = float(ratio_of_equivalent_to_lining_friction(math.radians(angle)))
         rows.append(
             row_of_printed_and_computed_number(
                 "block", "mu'/mu", f"half-arc {angle} deg", text, value

@@ -8,14 +8,14 @@ from matplotlib.figure import Figure
 
 from drumlin.base.files import write_text
 from drumlin.brake.brake import Brake
-from drumlin.brake.plane_brake import read_any
+from drumlin.brake.plane_brake import read_drum_or_plane_brake
 from drumlin.comparison import table_as_csv_text
 from drumlin.report import figures
 from drumlin.report.drawing import draw_brake
 from drumlin.report.page import write_html_page
 from drumlin_studies.brake_kinds import (
-    TRUSTED_LAW_ERROR,
-    BrakeInMotion,
+    LARGEST_ERROR_OF_TRUSTED_LAW,
+    BrakeSolvedByAllModels,
     brake_and_reversed_brake,
     brake_factor_of_cam_brake,
     row_of_errors_of_rigid_shoe_law,
@@ -37,7 +37,7 @@ class Result(NamedTuple):
 
     Attributes
     ----------
-    cases : list of BrakeInMotion
+    cases : list of BrakeSolvedByAllModels
         Each brake in both senses of motion.
     rows, others : list of dict Rows of the report's tables: by the rigid-shoe law, and by all other
         models.
@@ -46,7 +46,7 @@ class Result(NamedTuple):
         Brake factor of worn-in S-cam brakes in closed form, by brake file.
     """
 
-    cases: list[BrakeInMotion]
+    cases: list[BrakeSolvedByAllModels]
     rows: list[dict[str, Any]]
     others: list[dict[str, Any]]
     verdicts: dict[str, str]
@@ -59,7 +59,7 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
     short : trial run with three brakes only, coarser worn-in linings, no solid model, and no search
     for the friction at which a brake locks itself.
     """
-    cases: list[BrakeInMotion] = []
+    cases: list[BrakeSolvedByAllModels] = []
     rows: list[dict[str, Any]] = []
     verdicts, cams = {}, {}
     for path in sorted(HERE.glob("*.toml")):
@@ -67,8 +67,8 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
             continue
         # Both senses of motion of the brake.
         own = []
-        for brake in brake_and_reversed_brake(read_any(path)):
-            say(f"{path.stem}: {brake.sense}")
+        for brake in brake_and_reversed_brake(read_drum_or_plane_brake(path)):
+            say(f"{path.stem}: {brake.direction_as_text_in_tables}")
             found = solve_brake_by_all_models(
                 path.stem, brake, 24 if short else 60, solid=not short
             )
@@ -110,7 +110,7 @@ def report(result: Result, folder: Path) -> Path:
                     "worn": found.worn.shoes[i],
                     found.law.model: found.law.shoes[i],
                 }
-                panels.append((f"{shoe.name}, {found.brake.sense}", of))
+                panels.append((f"{shoe.name}, {found.brake.direction_as_text_in_tables}", of))
         drawn_pressures = figures.draw_pressure_along_lining_of_each_shoe(
             panels, surface=brake.surface
         )
@@ -124,7 +124,7 @@ def report(result: Result, folder: Path) -> Path:
         errors[key] = [abs(row[key]) for row in result.rows]
     rough = set()
     for row in result.rows:
-        if abs(row["new"]) > TRUSTED_LAW_ERROR:
+        if abs(row["new"]) > LARGEST_ERROR_OF_TRUSTED_LAW:
             rough.add(row["file"])
     titles = {}
     for f, b in drawn.items():

@@ -11,34 +11,41 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from drumlin.base.files import write_text
-from drumlin.base.journal import Journal
-from drumlin.fem.error_control.estimate import QUANTITIES, Factors
-from drumlin.fem.width.ladder import SolidFactors
+from drumlin.base.journal import JournalOfCaseResults
+from drumlin.fem.error_control.estimate import (
+    QUANTITIES_WITH_STATED_ERROR,
+    SafetyFactorsOfErrorEstimate,
+)
+from drumlin.fem.width.ladder import SafetyFactorsOfSolidErrors
 from drumlin.report import figures
 from drumlin.report.page import write_html_page
 from drumlin_studies.calibration import (
     CORNER_BRAKES,
-    FACTOR_MEANINGS,
     FIRST_CORNER,
     FIRST_SEED,
     FITTED_BRAKES,
-    STATED_QUANTILE,
-    LevelRecord,
-    Provenance,
-    estimate_factors_as_json_text,
+    FRACTION_COVERED_BY_STATED_ERROR,
+    MEANINGS_OF_SAFETY_FACTORS,
+    OriginOfSafetyFactors,
+    TrueErrorsAndEstimateTermsOnLevel,
+    error_estimate_factors_as_json_text,
     fit_safety_factors,
     true_and_estimated_errors_of_quantity,
     true_and_estimated_errors_of_random_brake,
 )
-from drumlin_studies.side_by_side import PROCESSES, Case, compute_cases_in_parallel_with_journal
-from drumlin_studies.stated_true import RELEVANT
+from drumlin_studies.side_by_side import (
+    NUMBER_OF_PROCESSES_OF_STUDY,
+    ComputationInput,
+    compute_cases_in_parallel_with_journal,
+)
+from drumlin_studies.stated_true import SMALLEST_RELEVANT_TRUE_ERROR
 from drumlin_studies.stated_true_figure import plot_cumulative_shares_of_stated_over_true_ratios
 from drumlin_studies.width_calibration import (
-    SECTION_SEEDS,
-    WIDTH_FACTOR_MEANINGS,
-    WIDTH_QUANTILE,
-    WIDTH_SEEDS,
-    WidthRow,
+    FRACTION_COVERED_BY_STATED_WIDTH_ERROR,
+    MEANINGS_OF_SOLID_SAFETY_FACTORS,
+    SEEDS_FOR_FIT_TO_ERRORS_OF_SECTION_MESH,
+    SEEDS_FOR_FIT_TO_ERRORS_OF_WIDTH_DEGREE,
+    EstimatedAndTrueErrorOfSolidShoe,
     fit_safety_factors_of_width_errors,
     width_error_rows_as_csv_text,
     width_error_rows_of_random_brake,
@@ -69,23 +76,23 @@ class Result(NamedTuple):
     """
 
     rows: list[dict[str, Any]]
-    factors: Factors
-    provenance: Provenance
-    width_rows: list[WidthRow]
-    width_factors: SolidFactors
+    factors: SafetyFactorsOfErrorEstimate
+    provenance: OriginOfSafetyFactors
+    width_rows: list[EstimatedAndTrueErrorOfSolidShoe]
+    width_factors: SafetyFactorsOfSolidErrors
 
 
 def study(
     *,
     short: bool = False,
     say: Callable[[str], None] = lambda _: None,
-    journal: Journal | None = None,
+    journal: JournalOfCaseResults | None = None,
 ) -> Result:
     """Compute the errors of all random brakes in two processes, and fit the factors to them.
 
     short : whether few brakes are enough; their factors mean nothing.
     """
-    journal = journal or Journal()
+    journal = journal or JournalOfCaseResults()
     # Random brakes of all kinds, and brakes that press with corners.
     seeds = range(FIRST_SEED, FIRST_SEED + (FEW if short else FITTED_BRAKES))
     corners = range(FIRST_CORNER, FIRST_CORNER + (1 if short else CORNER_BRAKES))
@@ -93,7 +100,7 @@ def study(
     for seed in (*seeds, *corners):
         cases.append({"seed": seed})
     rows = compute_cases_in_parallel_with_journal(
-        cases, _observe_case, journal, say, 0 if short else PROCESSES
+        cases, _observe_case, journal, say, 0 if short else NUMBER_OF_PROCESSES_OF_STUDY
     )
     levels = levels_of(rows)
     commit, date = last_commit()
@@ -103,18 +110,21 @@ def study(
     return Result(
         rows,
         fit_safety_factors(levels),
-        Provenance(words, brakes, len(levels), commit, date),
+        OriginOfSafetyFactors(words, brakes, len(levels), commit, date),
         width_rows,
         fit_safety_factors_of_width_errors(width_rows),
     )
 
 
 def _observe_solid_shoes(
-    journal: Journal, say: Callable[[str], None], *, short: bool
-) -> list[WidthRow]:
+    journal: JournalOfCaseResults, say: Callable[[str], None], *, short: bool
+) -> list[EstimatedAndTrueErrorOfSolidShoe]:
     """The rows of random solid shoes; `short` is whether few brakes are enough."""
     cases = []
-    for part, kinds in (("width", WIDTH_SEEDS), ("section", SECTION_SEEDS)):
+    for part, kinds in (
+        ("width", SEEDS_FOR_FIT_TO_ERRORS_OF_WIDTH_DEGREE),
+        ("section", SEEDS_FOR_FIT_TO_ERRORS_OF_SECTION_MESH),
+    ):
         for kind, seeds in kinds.items():
             for seed in seeds:
                 cases.append({"part": part, "kind": kind, "seed": seed})
@@ -122,28 +132,33 @@ def _observe_solid_shoes(
         # Shoes without bodies are solved in a tenth of a second.
         cases = [{"part": "width", "kind": "free", "seed": seed} for seed in SHORT_SEEDS]
     found = compute_cases_in_parallel_with_journal(
-        cases, _observe_solid_case, journal, say, 0 if short else PROCESSES, "solid shoes"
+        cases,
+        _observe_solid_case,
+        journal,
+        say,
+        0 if short else NUMBER_OF_PROCESSES_OF_STUDY,
+        "solid shoes",
     )
-    return [WidthRow(**row) for each in found for row in each["rows"]]
+    return [EstimatedAndTrueErrorOfSolidShoe(**row) for each in found for row in each["rows"]]
 
 
-def _observe_solid_case(case: Case) -> dict[str, Any]:
+def _observe_solid_case(case: ComputationInput) -> dict[str, Any]:
     """The rows of a case's brake with solid shoes, as plain data."""
     rows = width_error_rows_of_random_brake(**case)
     return {"rows": [row._asdict() for row in rows]}
 
 
-def _observe_case(case: Case) -> dict[str, Any]:
+def _observe_case(case: ComputationInput) -> dict[str, Any]:
     """True and estimated errors of one random brake on all of its meshes (levels)."""
     return true_and_estimated_errors_of_random_brake(case["seed"])
 
 
-def levels_of(rows: list[dict[str, Any]]) -> list[LevelRecord]:
+def levels_of(rows: list[dict[str, Any]]) -> list[TrueErrorsAndEstimateTermsOnLevel]:
     """True and estimated errors of all random brakes on all of their meshes (levels)."""
-    levels: list[LevelRecord] = []
+    levels: list[TrueErrorsAndEstimateTermsOnLevel] = []
     for row in rows:
         for level in row["levels"]:
-            levels.append(LevelRecord(**level))
+            levels.append(TrueErrorsAndEstimateTermsOnLevel(**level))
     return levels
 
 
@@ -164,7 +179,8 @@ def last_commit() -> tuple[str, str]:
 def report(result: Result, folder: Path) -> Path:
     """Write the file of the factors, figure and page, and return the path of the page."""
     write_text(
-        folder / "factors.json", estimate_factors_as_json_text(result.factors, result.provenance)
+        folder / "factors.json",
+        error_estimate_factors_as_json_text(result.factors, result.provenance),
     )
     provenance = result.provenance
     text = width_safety_factors_as_json_text(
@@ -182,7 +198,7 @@ def report(result: Result, folder: Path) -> Path:
         "peak": (result.factors.peak, 0.0),
     }
     ratios = {}
-    for name in QUANTITIES:
+    for name in QUANTITIES_WITH_STATED_ERROR:
         ratios[name] = true_and_estimated_errors_of_quantity(levels, name).stated_over_true_errors(
             *factors[name]
         )
@@ -211,11 +227,11 @@ def report(result: Result, folder: Path) -> Path:
         folder / "index.html",
         result=result,
         spread=spread,
-        meaning=FACTOR_MEANINGS,
-        quantile=STATED_QUANTILE,
-        relevant=RELEVANT,
+        meaning=MEANINGS_OF_SAFETY_FACTORS,
+        quantile=FRACTION_COVERED_BY_STATED_ERROR,
+        relevant=SMALLEST_RELEVANT_TRUE_ERROR,
         failed=failed,
-        width_meaning=WIDTH_FACTOR_MEANINGS,
-        width_quantile=WIDTH_QUANTILE,
+        width_meaning=MEANINGS_OF_SOLID_SAFETY_FACTORS,
+        width_quantile=FRACTION_COVERED_BY_STATED_WIDTH_ERROR,
         width_brakes=len({(row.kind, row.seed) for row in result.width_rows}),
     )

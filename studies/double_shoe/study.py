@@ -12,9 +12,9 @@ from drumlin.base.files import write_text
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import read_brake, vary
 from drumlin.comparison import (
-    COLUMNS,
-    Comparison,
-    Convergence,
+    COLUMNS_OF_COMPARISON_TABLE,
+    ModelComparison,
+    ResultsOnRefinedMeshes,
     compare,
     solve_on_refined_meshes,
     table_as_csv_text,
@@ -28,7 +28,7 @@ from drumlin.report.comparison import (
 from drumlin.report.page import write_html_page
 from drumlin.report.plane_picture import draw_plane_fields_and_return_failure_reason
 from drumlin.response.norms import relative_error_of_number
-from drumlin.verification.cost import Cost, measure_time_and_memory_of_fem
+from drumlin.verification.cost import TimesAndMemoryOfSolve, measure_time_and_memory_of_fem
 from drumlin_studies.orders import (
     largest_equilibrium_residual_of_responses,
     rows_comparing_sine_law_with_rigid_shoe_solves,
@@ -43,10 +43,10 @@ FILES = {"brake.toml": "stiff shoes", "flexible.toml": "flexible shoes"}
 class Result(NamedTuple):
     """All results that the report of this study shows."""
 
-    comparisons: list[Comparison[Brake]]
+    comparisons: list[ModelComparison[Brake]]
     limit: list[dict[str, Any]]
-    convergence: Convergence
-    cost: Cost
+    convergence: ResultsOnRefinedMeshes
+    cost: TimesAndMemoryOfSolve
     elements: int
     seconds: float
 
@@ -132,7 +132,7 @@ def report(result: Result, folder: Path) -> Path:
         folder / "index.html",
         result=result,
         rows=rows,
-        columns=COLUMNS,
+        columns=COLUMNS_OF_COMPARISON_TABLE,
         missed=missed,
         not_drawn=not_drawn,
         meshes=meshes,
@@ -148,7 +148,7 @@ def report(result: Result, folder: Path) -> Path:
 
 def draw_figures(result: Result, folder: Path) -> None:
     """Write the figures, which are of kinds that several reports share."""
-    panels: dict[str, list[figures.Panel]] = {case: [] for case in FILES.values()}
+    panels: dict[str, list[figures.PressurePanel]] = {case: [] for case in FILES.values()}
     for comparison in result.comparisons:
         panels[comparison.case] += panel_title_and_responses_of_each_shoe(comparison)
     stiff, flexible = panels.values()

@@ -6,7 +6,7 @@ from typing import Any
 from drumlin.base.errors import DrumlinError
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import read_brake, vary
-from drumlin.brake.plane_brake import read_any
+from drumlin.brake.plane_brake import read_drum_or_plane_brake
 from drumlin.models import applicable_models, reasons_why_models_do_not_apply
 
 STUDIES = Path(__file__).parents[1]
@@ -24,7 +24,7 @@ def brakes_with_elements() -> tuple[dict[str, Path], dict[str, str]]:
     for path in sorted(STUDIES.glob("*/*.toml")):
         name = f"{path.parent.name}/{path.stem}"
         try:
-            brake = read_any(path)
+            brake = read_drum_or_plane_brake(path)
         except DrumlinError:
             # The file holds data of a study, not a brake.
             continue

@@ -7,25 +7,25 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
 
-from drumlin.report.figures import STYLE, make_figure_for_print
+from drumlin.report.figures import MATPLOTLIB_SETTINGS_FOR_PRINT, make_figure_for_print
 from drumlin.report.palette import (
     BLUE,
     BROWN,
-    FAINT,
+    COLOR_OF_AXES_AND_NOTES,
+    COLOR_OF_SHADED_AREAS,
     GREEN,
     GREY,
     INK,
     OCHRE,
     PURPLE,
     RED,
-    SHADE,
     SKY,
 )
 from drumlin_studies.tables import rows_with_given_values, values_of_key_in_rows
 from drumlin_studies.work_precision import converged_rows_by_mesh_series
 
 COLORS = {
-    "law": FAINT,
+    "law": COLOR_OF_AXES_AND_NOTES,
     "foundation": GREEN,
     "even mesh": GREY,
     "graded mesh": BLUE,
@@ -92,7 +92,7 @@ def draw_error_over_time(
     Errors below the uncertainty of the reference are shaded. A marker is a solve, a colour a family
     of methods.
     """
-    with mpl.rc_context(STYLE):
+    with mpl.rc_context(MATPLOTLIB_SETTINGS_FOR_PRINT):
         figure = make_figure_for_print(4.6)
         grid = figure.subplots(1, 2)
         for axes, (key, label) in zip(grid, PANELS.items(), strict=True):
@@ -120,17 +120,29 @@ def draw_error_over_time(
             if name in marks:
                 handles.append(
                     mpl.lines.Line2D(
-                        [], [], color=FAINT, marker=marker, ls="", ms=5, label=MARKER_NAMES[name]
+                        [],
+                        [],
+                        color=COLOR_OF_AXES_AND_NOTES,
+                        marker=marker,
+                        ls="",
+                        ms=5,
+                        label=MARKER_NAMES[name],
                     )
                 )
         if any("lower" in row for row in rows):
             words = "bars: quartiles of the repeats"
-            handles.append(mpl.lines.Line2D([], [], color=FAINT, marker="|", ms=7, label=words))
+            handles.append(
+                mpl.lines.Line2D(
+                    [], [], color=COLOR_OF_AXES_AND_NOTES, marker="|", ms=7, label=words
+                )
+            )
         if any(name.endswith("even") for _, name in converged_rows_by_mesh_series(rows)):
             words = "dotted: peer on a uniform mesh"
-            handles.append(mpl.lines.Line2D([], [], color=FAINT, ls=":", lw=1.5, label=words))
+            handles.append(
+                mpl.lines.Line2D([], [], color=COLOR_OF_AXES_AND_NOTES, ls=":", lw=1.5, label=words)
+            )
         words = "uncertainty of the reference"
-        handles.append(mpl.patches.Patch(color=SHADE, label=words))
+        handles.append(mpl.patches.Patch(color=COLOR_OF_SHADED_AREAS, label=words))
         figure.legend(handles=handles, loc="outside lower center", ncols=3)
     return figure
 
@@ -183,7 +195,7 @@ def _draw_error_panel(axes: Any, rows: Sequence[Mapping[str, Any]], key: str, fl
     axes.set_yscale("log")
     top = 100 * max(values_of_key_in_rows(rows_with_given_values(rows, status="converged"), key))
     axes.set_ylim(smallest * 0.8, 2.0 * max(top, lowest))
-    axes.axhspan(smallest * 0.8, lowest, color=SHADE, alpha=0.7, lw=0)
+    axes.axhspan(smallest * 0.8, lowest, color=COLOR_OF_SHADED_AREAS, alpha=0.7, lw=0)
     axes.xaxis.set_major_formatter("{x:g}")
     axes.minorticks_off()
 
@@ -194,7 +206,7 @@ def draw_predicted_changes(rows: Sequence[Mapping[str, Any]]) -> Figure:
     On the line both are equal, in the band within a factor of two. Changes below LEAST are not
     drawn. rows : from `omission_table.table_rows_for_each_part_omitted_from_brake`.
     """
-    with mpl.rc_context(STYLE):
+    with mpl.rc_context(MATPLOTLIB_SETTINGS_FOR_PRINT):
         figure = make_figure_for_print(4.1)
         grid = figure.subplots(1, len(CHANGES))
         for axes, (key, title) in zip(grid, CHANGES, strict=True):

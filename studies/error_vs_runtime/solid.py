@@ -8,23 +8,37 @@ import matplotlib as mpl
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from drumlin.base.journal import Journal
+from drumlin.base.journal import JournalOfCaseResults
 from drumlin.brake.file import read_brake
-from drumlin.report.figures import COLUMN_WIDTH, STYLE, make_figure_for_print
-from drumlin.report.palette import BLUE, GREEN, GREY, INK, OCHRE, PURPLE, RED, SHADE, SKY
+from drumlin.report.figures import (
+    COLUMN_WIDTH,
+    MATPLOTLIB_SETTINGS_FOR_PRINT,
+    make_figure_for_print,
+)
+from drumlin.report.palette import (
+    BLUE,
+    COLOR_OF_SHADED_AREAS,
+    GREEN,
+    GREY,
+    INK,
+    OCHRE,
+    PURPLE,
+    RED,
+    SKY,
+)
 from drumlin_studies.solid_work import (
-    SolidSetting,
+    SettingsOfSolidComparisonSolves,
     measure_models_against_solid_shoes,
     relative_uncertainty_of_solid_shoe_reference,
     solve_fine_reference_of_solid_shoes,
 )
 
 STUDIES = Path(__file__).parents[1]
-ONE_WIDTH = SolidSetting(3, 3, (2, 3, 4), (2e-2, 1e-2, 3e-3), (8, 16, 24))
+ONE_WIDTH = SettingsOfSolidComparisonSolves(3, 3, (2, 3, 4), (2e-2, 1e-2, 3e-3), (8, 16, 24))
 """Setting for a brake of one width, whose solves are fast."""
-T_SECTION = SolidSetting(2, 2, (2, 3, 4), (5e-2, 2e-2), (8, 16, 24))
+T_SECTION = SettingsOfSolidComparisonSolves(2, 2, (2, 3, 4), (5e-2, 2e-2), (8, 16, 24))
 """Setting for shoes with table and web. The second level takes seconds there."""
-SHORT = SolidSetting(2, 1, (2,), (2e-2,), ())
+SHORT = SettingsOfSolidComparisonSolves(2, 1, (2,), (2e-2,), ())
 """Setting of the short study."""
 BRAKES = {"double_shoe/brake": ONE_WIDTH, "plane_stress/brake": T_SECTION}
 """Brakes that are solved as solids, with their settings."""
@@ -49,7 +63,7 @@ Row = dict[str, Any]
 
 
 def compute_solid_comparisons(
-    journal: Journal, say: Callable[[str], None], *, short: bool
+    journal: JournalOfCaseResults, say: Callable[[str], None], *, short: bool
 ) -> dict[str, Row]:
     """The rows of all models and the uncertainty of the solid truth, by brake.
 
@@ -64,7 +78,9 @@ def compute_solid_comparisons(
         if short and name != next(iter(BRAKES)):
             continue
 
-        def compute(name: str = name, setting: SolidSetting = SHORT if short else setting) -> Row:
+        def compute(
+            name: str = name, setting: SettingsOfSolidComparisonSolves = SHORT if short else setting
+        ) -> Row:
             """The solid truth of the brake, and all models against it."""
             brake = read_brake(STUDIES / f"{name}.toml")
             say(f"{name}: solid truth")
@@ -76,7 +92,7 @@ def compute_solid_comparisons(
                 "rows": [row._asdict() for row in rows],
             }
 
-        found[name] = journal.get_or_compute_result(
+        found[name] = journal.get_or_compute_case_result(
             {"brake": name, "solid": True, "short": short}, compute
         )
     return found
@@ -95,7 +111,7 @@ def draw_error_against_solid(
     uncertain : uncertainty of the solid truth
     key : "pressure" or "torque"
     """
-    with mpl.rc_context(STYLE):
+    with mpl.rc_context(MATPLOTLIB_SETTINGS_FOR_PRINT):
         figure = make_figure_for_print(5.4, COLUMN_WIDTH)
         grid = figure.subplots(2, 1, sharex=True, sharey=True)
         for axes, (truth, title) in zip(grid, PANELS.items(), strict=True):
@@ -106,7 +122,7 @@ def draw_error_against_solid(
         grid[1].axhspan(
             50 * LOWEST * uncertain[key],
             100 * uncertain[key],
-            color=SHADE,
+            color=COLOR_OF_SHADED_AREAS,
             alpha=0.7,
             lw=0,
             label="uncertainty of the solid",

@@ -19,20 +19,20 @@ from studies.error_vs_runtime.figures import draw_error_over_time, draw_predicte
 from studies.error_vs_runtime.solid import compute_solid_comparisons, draw_error_against_solid
 
 from drumlin.base.files import write_text
-from drumlin.base.journal import Journal
+from drumlin.base.journal import JournalOfCaseResults
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import read_brake
 from drumlin.comparison import table_as_csv_text
-from drumlin.fem.error_control.levels import LEVELS
-from drumlin.fem.preparation.meshes import ELEMENTS
+from drumlin.fem.error_control.levels import REFINEMENT_LEVELS_FROM_COARSE_TO_FINE
+from drumlin.fem.preparation.meshes import DEFAULT_ELEMENTS_ALONG_LINING
 from drumlin.fem.solve import solve
 from drumlin.report.figures import save_figure, save_figure_as_files
 from drumlin.report.page import software_versions, write_html_page
 from drumlin.verification import triangles
 from drumlin.verification.reference import (
-    REFERENCE_REFINEMENT,
-    ReferenceResponses,
-    Refinement,
+    MESHES_OF_PUBLISHED_REFERENCE_VALUES,
+    MeshesOfReferenceValues,
+    ResponsesBehindReferenceValues,
     compute_reference_values,
     solve_brake_for_reference_values,
 )
@@ -44,7 +44,7 @@ from drumlin.verification.reference_file import (
 from drumlin_studies.methods import list_solution_methods_to_compare
 from drumlin_studies.omission_table import (
     predicted_over_true_changes_by_omission,
-    row_of_largest_straight_edge_effect,
+    row_of_largest_pressure_change_by_straight_edges,
     saved_time_ranges_by_omission,
     table_rows_for_each_part_omitted_from_brake,
 )
@@ -57,9 +57,9 @@ from drumlin_studies.recommendation import (
 )
 from drumlin_studies.tables import rows_with_given_values, values_of_key_in_rows
 from drumlin_studies.work_precision import (
-    PEER_FAMILIES,
-    TIMED_REPEATS,
-    Method,
+    LEAST_REPEATS_OF_TIMING,
+    PEER_KEYS_BY_NAME_IN_TABLES,
+    SolutionMethodOfBrake,
     measure_drumlin_method_on_brake,
     measure_peer_program_on_brake,
     median_relative_scatter_of_timings,
@@ -75,7 +75,11 @@ SHORT = ("double_shoe/brake", "laws/shigley_16_2")
 """Brakes of the short setting."""
 WITH_PEERS = ("double_shoe/brake", "double_shoe/flexible")
 """Brakes that are solved by other programs as well."""
-QUICK = Refinement(2, (LEVELS[1], LEVELS[2]), triangles.TRIANGLE_LEVELS[:2])
+QUICK = MeshesOfReferenceValues(
+    2,
+    (REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[1], REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[2]),
+    triangles.TRIANGLE_MESH_LEVELS_FROM_COARSE_TO_FINE[:2],
+)
 """Refinement of the references in the short setting."""
 
 Row = dict[str, Any]
@@ -116,14 +120,14 @@ def study(
     *,
     short: bool = False,
     say: Callable[[str], None] = lambda _: None,
-    journal: Journal | None = None,
+    journal: JournalOfCaseResults | None = None,
 ) -> Result:
     """Solve every brake by every method, each a case of the journal.
 
     short : whether two brakes, fewer sizes and coarser references are enough.
     """
     start = time.perf_counter()
-    journal = journal or Journal()
+    journal = journal or JournalOfCaseResults()
     paths, refused = brakes_with_elements()
     paths = {name: path for name, path in paths.items() if not short or name in SHORT}
     # The brakes with peers take longest and come first.
@@ -140,25 +144,25 @@ def study(
             partial(
                 solve_brake_for_reference_values,
                 read_brake(path),
-                QUICK if short else REFERENCE_REFINEMENT,
+                QUICK if short else MESHES_OF_PUBLISHED_REFERENCE_VALUES,
             )
         )
         say(f"{name}: reference")
-        known = journal.get_or_compute_result(
+        known = journal.get_or_compute_case_result(
             {"brake": name, "reference": True}, partial(_reference_row, name, path, brake, trio)
         )
         floors[name], references[name] = known["floor"], known["values"]
         peers = name in WITH_PEERS and not short
         for method in list_solution_methods_to_compare(brake, peers=peers, short=short):
             say(f"{name}: {method.family}, {method.name}")
-            row = journal.get_or_compute_result(
+            row = journal.get_or_compute_case_result(
                 {"brake": name, **method.journal_key_of_solve_method},
                 partial(_method_row, brake, method, trio, unit),
             )
             # Beside the processes of the peers stands the process of a whole `drumlin solve`.
             if peers and method.family == "columns, error stated":
                 case = {"brake": name, "process": row["tolerance"]}
-                row = row | journal.get_or_compute_result(
+                row = row | journal.get_or_compute_case_result(
                     case, partial(_process_row, path, row["tolerance"])
                 )
             rows.append({"brake": name, **row})
@@ -177,7 +181,7 @@ def study(
 
 
 def _reference_row(
-    name: str, path: Path, brake: Brake, trio: Callable[[], ReferenceResponses]
+    name: str, path: Path, brake: Brake, trio: Callable[[], ResponsesBehindReferenceValues]
 ) -> Row:
     """The reference of a brake: its floor and its values."""
     command = f"drumlin reference studies/{name}.toml"
@@ -190,11 +194,14 @@ def _reference_row(
 
 
 def _method_row(
-    brake: Brake, method: Method, trio: Callable[[], ReferenceResponses], unit: Callable[[], object]
+    brake: Brake,
+    method: SolutionMethodOfBrake,
+    trio: Callable[[], ResponsesBehindReferenceValues],
+    unit: Callable[[], object],
 ) -> Row:
     """The row of a method on a brake. CalculiX takes long and runs only once."""
-    if method.family in PEER_FAMILIES:
-        repeats = 1 if method.family == "CalculiX" else TIMED_REPEATS
+    if method.family in PEER_KEYS_BY_NAME_IN_TABLES:
+        repeats = 1 if method.family == "CalculiX" else LEAST_REPEATS_OF_TIMING
         return measure_peer_program_on_brake(brake, method, trio().value, unit, repeats)
     return measure_drumlin_method_on_brake(brake, method, trio().value, unit)
 
@@ -216,7 +223,9 @@ def _write_solid_files(result: Result, folder: Path) -> dict[str, str]:
     return pictures
 
 
-def _omission_rows(journal: Journal, short: bool, say: Callable[[str], None]) -> list[Row]:
+def _omission_rows(
+    journal: JournalOfCaseResults, short: bool, say: Callable[[str], None]
+) -> list[Row]:
     """The rows of omissions, each brake a case. Brakes from stiff to soft are not timed."""
     cases = [
         (name, brake, 1 if short else 5)
@@ -226,8 +235,8 @@ def _omission_rows(journal: Journal, short: bool, say: Callable[[str], None]) ->
     rows: list[Row] = []
     for name, brake, repeats in cases:
         say(f"left out: {name}")
-        elements = 40 if short else ELEMENTS
-        rows += journal.get_or_compute_result(
+        elements = 40 if short else DEFAULT_ELEMENTS_ALONG_LINING
+        rows += journal.get_or_compute_case_result(
             {"left out": name, "short": short},
             lambda b=brake, n=name, e=elements, r=repeats: {
                 "rows": table_rows_for_each_part_omitted_from_brake(b, n, elements=e, repeats=r)
@@ -272,7 +281,7 @@ def report(result: Result, folder: Path) -> Path:
             failed.append(row)
     peer_rows = []
     for row in rows:
-        if row["family"] in PEER_FAMILIES:
+        if row["family"] in PEER_KEYS_BY_NAME_IN_TABLES:
             peer_rows.append(row)
     timed = []
     for row in left_out:
@@ -295,10 +304,10 @@ def report(result: Result, folder: Path) -> Path:
         timed=timed,
         ratios=ratios,
         saved=saved_time_ranges_by_omission(left_out, 0.2),
-        straight=row_of_largest_straight_edge_effect(left_out),
+        straight=row_of_largest_pressure_change_by_straight_edges(left_out),
         values=values,
         spread=median_relative_scatter_of_timings(rows),
-        repeats=TIMED_REPEATS,
+        repeats=LEAST_REPEATS_OF_TIMING,
         unit_elements=UNIT_ELEMENTS,
         versions_text="\n".join(
             f"{name}: {version}" for name, version in software_versions().items()

@@ -19,9 +19,12 @@ from typing import Any
 
 from studies.faults.study import INPUTS, UNKNOWN
 
-from drumlin.studies import REPOSITORY
+from drumlin.studies import FOLDER_OF_INSTALLED_OR_SOURCE_STUDIES_AND_MESHES
 from drumlin_studies.fuzzing import broken_sweeps, endings, trials
-from drumlin_studies.fuzzing.inputs import SOUND_BRAKES, BrokenInput
+from drumlin_studies.fuzzing.inputs import (
+    NAMES_OF_VALID_BRAKE_FILES_TO_BREAK,
+    FilesAndCommandLineOfBrokenInput,
+)
 
 PROGRAM = r"""
 import contextlib, io, json, os, resource, signal, sys, traceback
@@ -97,7 +100,9 @@ class EarlierDrumlin:
                 "-P",
                 "-c",
                 PROGRAM,
-                REPOSITORY / "studies" / f"{SOUND_BRAKES[0]}.toml",
+                FOLDER_OF_INSTALLED_OR_SOURCE_STUDIES_AND_MESHES
+                / "studies"
+                / f"{NAMES_OF_VALID_BRAKE_FILES_TO_BREAK[0]}.toml",
             ],
             env=env,
             stdin=subprocess.PIPE,
@@ -105,7 +110,7 @@ class EarlierDrumlin:
             text=True,
         )
 
-    def end(self, given: BrokenInput) -> endings.Ending:
+    def end(self, given: FilesAndCommandLineOfBrokenInput) -> endings.EndOfCommandLineRun:
         """The ending of an input."""
         assert self._process.stdin is not None and self._process.stdout is not None
         with tempfile.TemporaryDirectory() as name, tempfile.TemporaryDirectory() as beside:
@@ -122,7 +127,7 @@ class EarlierDrumlin:
                 Path(said[stream]).read_bytes().decode(errors="replace")
                 for stream in ("out", "err")
             )
-            return endings.Ending(
+            return endings.EndOfCommandLineRun(
                 int(status),
                 out,
                 err,
@@ -148,12 +153,17 @@ def count_earlier_faults(checkout: Path, share: float = 1.0) -> dict[str, Any]:
     """
     earlier = EarlierDrumlin(checkout)
     end = earlier.end(
-        BrokenInput("sweep", broken_sweeps.files_of_valid_sweep(), broken_sweeps.SWEEP_WORDS)
+        FilesAndCommandLineOfBrokenInput(
+            "sweep", broken_sweeps.files_of_valid_sweep(), broken_sweeps.SWEEP_COMMAND_WORDS
+        )
     )
     if end.status:
         sys.exit(end.err or end.out)
     # Table and journal as the earlier drumlin writes them.
-    table, kept = end.written[broken_sweeps.SWEEP_TABLE], end.written[broken_sweeps.SWEEP_JOURNAL]
+    table, kept = (
+        end.written[broken_sweeps.SWEEP_TABLE_FILE_NAME],
+        end.written[broken_sweeps.SWEEP_JOURNAL_FILE_NAME],
+    )
     rows = []
     for name, whole in INPUTS.items():
         count = round(share * whole)

@@ -5,7 +5,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from drumlin.base.journal import Journal
+from drumlin.base.journal import JournalOfCaseResults
 from drumlin.report.page import write_html_page
 from drumlin_studies.fuzzing import kills, promises, trials
 
@@ -60,13 +60,13 @@ def study(
     *,
     short: bool = False,
     say: Callable[[str], None] = lambda _: None,
-    journal: Journal | None = None,
+    journal: JournalOfCaseResults | None = None,
 ) -> Result:
     """Try all inputs and kill all sweeps.
 
     short : trial run with five inputs of each generator and without killed sweeps.
     """
-    journal = journal or Journal()
+    journal = journal or JournalOfCaseResults()
     # Most inputs run in this process, which is faster; some run in their own.
     within = dict.fromkeys(INPUTS, 5) if short else INPUTS
     apart = {"words": 1} if short else dict.fromkeys(INPUTS, APART)
@@ -100,7 +100,7 @@ def report(result: Result, folder: Path) -> Path:
         killed=kills.killed_sweeps_summary_rows(result.killed),
         refusal_lines=trials.most_frequent_refusals_text(result.within),
         faults=_fault_lines(result),
-        promises=promises.PROMISES,
+        promises=promises.PROMISES_WITH_THEIR_TESTS,
         statuses=promises.STATUS_MEANINGS,
     )
 

@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from drumlin.report.figures import (
-    STYLE,
+    MATPLOTLIB_SETTINGS_FOR_PRINT,
     draw_legend_below_figure,
     draw_triangles_where_curve_leaves_axes,
     evenly_spaced_pressure_curve_of_shoe,
@@ -41,7 +41,7 @@ def draw_pressures_of_each_state(responses: Mapping[str, Response], law: Respons
     top = 1.25e-6 * max(
         shoe.peak_pressure for response in responses.values() for shoe in response.shoes
     )
-    with mpl.rc_context(STYLE):
+    with mpl.rc_context(MATPLOTLIB_SETTINGS_FOR_PRINT):
         figure = make_figure_for_print(2.8)
         panels = figure.subplots(1, count, squeeze=False, sharey=True)[0]
         for i, (axes, shoe) in enumerate(zip(panels, law.shoes, strict=True)):

@@ -15,10 +15,10 @@ from drumlin.report import figures as drawing
 from drumlin.report.page import write_html_page
 from drumlin.response.response import Response
 from drumlin_studies.heat_rows import (
-    HEATED_PARTS,
-    relative_distances_from_triangle_solution,
+    HEATED_PARTS_BY_STATE_NAME,
     responses_with_heat_only_in_some_parts,
     rows_of_changes_due_to_heat,
+    torque_and_reaction_distances_from_triangles,
 )
 
 HERE = Path(__file__).parent
@@ -32,7 +32,8 @@ class Result(NamedTuple):
     brake : Brake
         The hot brake.
     responses : dict
-        The response of the brake with heat in each of HEATED_PARTS, by the name of the state.
+        The response of the brake with heat in each of HEATED_PARTS_BY_STATE_NAME, by the name of
+        the state.
     law : Response
         The response by the sine law, which knows no heat.
     judged : dict
@@ -56,7 +57,7 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
     judged = {}
     if not short:
         say("second solver")
-        judged = relative_distances_from_triangle_solution(
+        judged = torque_and_reaction_distances_from_triangles(
             brake, drumlin.solve(brake, tolerance=1e-3)
         )
     return Result(brake, responses, drumlin.solve(brake, "sine"), judged)
@@ -78,6 +79,6 @@ def report(result: Result, folder: Path) -> Path:
         hot=result.responses["all parts"],
         law=result.law,
         judged=result.judged,
-        parts=HEATED_PARTS,
+        parts=HEATED_PARTS_BY_STATE_NAME,
         source_text=(HERE / "brake.toml").read_text(),
     )

@@ -11,16 +11,28 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from drumlin.brake.brake import Brake
-from drumlin.laws.shapes import SHORT_LAW, Layout, ratio_of_equivalent_friction
+from drumlin.laws.shapes import (
+    SHORT_SHOE_LAW_ON_DRUM,
+    ShoeAnglesAndRadii,
+    ratio_of_equivalent_to_lining_friction,
+)
 from drumlin.laws.simscape import DoubleShoe
 from drumlin.report.drawing import draw_brake
 from drumlin.report.figures import (
-    STYLE,
+    MATPLOTLIB_SETTINGS_FOR_PRINT,
     draw_legend_below_figure,
     make_figure_for_print,
     title_of_model_in_figures,
 )
-from drumlin.report.palette import BLUE, FAINT, GREEN, GREY, PURPLE, RED, line_style_of_model
+from drumlin.report.palette import (
+    BLUE,
+    COLOR_OF_AXES_AND_NOTES,
+    GREEN,
+    GREY,
+    PURPLE,
+    RED,
+    color_and_line_style_of_model,
+)
 from drumlin.response.response import ShoeResponse
 
 HIGHEST = 4.0  # of eta and S in a figure; both grow without bound towards locking
@@ -28,7 +40,7 @@ HIGHEST = 4.0  # of eta and S in a figure; both grow without bound towards locki
 
 def draw_brakes_side_by_side(brakes: Sequence[tuple[str, Brake]]) -> Figure:
     """Brakes side by side, each under its title."""
-    with mpl.rc_context(STYLE):
+    with mpl.rc_context(MATPLOTLIB_SETTINGS_FOR_PRINT):
         figure = make_figure_for_print(3.4)
         for axes, (title, brake) in zip(
             figure.subplots(1, len(brakes), squeeze=False).flat, brakes, strict=True
@@ -44,27 +56,27 @@ def draw_short_shoe_merits(angles: Sequence[float], a_over_r: float, arc: float 
     Each angle theta_m [rad] from the hinge has a line.
     """
     mu = np.linspace(1e-3, 1.2, 600)
-    with mpl.rc_context(STYLE):
+    with mpl.rc_context(MATPLOTLIB_SETTINGS_FOR_PRINT):
         figure = make_figure_for_print(3.0)
         panels = figure.subplots(1, 2)
         for angle, color in zip(angles, (BLUE, RED, GREEN, PURPLE), strict=False):
             # Full lines are self-energising shoes, dashed lines the others.
             for dD, style in ((1, "-"), (-1, "--")):
-                shoe = Layout(angle - arc, angle + arc, 1.0, a_over_r, dD)
+                shoe = ShoeAnglesAndRadii(angle - arc, angle + arc, 1.0, a_over_r, dD)
                 label = (
                     rf"$\theta_\mathrm{{m}}$ = {math.degrees(angle):.0f}°, $\delta\Delta$ = {dD:+d}"
                 )
                 for axes, merit in zip(
                     panels,
                     (
-                        SHORT_LAW.torque_over_actuation_moment,
-                        SHORT_LAW.sensitivity_of_braking_effect_to_friction,
+                        SHORT_SHOE_LAW_ON_DRUM.torque_over_actuation_moment,
+                        SHORT_SHOE_LAW_ON_DRUM.sensitivity_of_braking_effect_to_friction,
                     ),
                     strict=True,
                 ):
                     axes.plot(mu, merit(mu, shoe), style, color=color, lw=1.8, label=label)
                 # A dotted line marks the friction at which the shoe locks itself.
-                mu_lock = float(SHORT_LAW.self_locking_friction(shoe))
+                mu_lock = float(SHORT_SHOE_LAW_ON_DRUM.self_locking_friction(shoe))
                 if mu_lock < mu[-1]:
                     for axes in panels:
                         axes.axvline(mu_lock, color=color, lw=0.8, ls=":")
@@ -82,20 +94,20 @@ def draw_short_shoe_merits(angles: Sequence[float], a_over_r: float, arc: float 
 def draw_friction_over_arc() -> Figure:
     """mu'/mu over the arc of a block, for p = p_0 cos and for a uniform pressure."""
     half = np.radians(np.linspace(0.5, 90, 180))
-    with mpl.rc_context(STYLE):
+    with mpl.rc_context(MATPLOTLIB_SETTINGS_FOR_PRINT):
         figure = make_figure_for_print(3.4)
         axes = figure.subplots()
         axes.plot(
             np.degrees(2 * half),
-            ratio_of_equivalent_friction(half),
-            **line_style_of_model("cosine"),
+            ratio_of_equivalent_to_lining_friction(half),
+            **color_and_line_style_of_model("cosine"),
             lw=1.8,
             label=r"$p = p_0\,\cos\theta$",
         )
         axes.plot(
             np.degrees(2 * half),
             half / np.sin(half),
-            **line_style_of_model("uniform"),
+            **color_and_line_style_of_model("uniform"),
             lw=1.8,
             label="uniform pressure",
         )
@@ -115,7 +127,7 @@ def draw_torque_over_speed(block: DoubleShoe, forces: Sequence[float], viscous: 
     omega = np.linspace(-4, 4, 801) * block.omega_threshold
     # The same block with another coefficient of viscous friction.
     sticky = DoubleShoe(**{**vars(block), "mu_visc": viscous})
-    with mpl.rc_context(STYLE):
+    with mpl.rc_context(MATPLOTLIB_SETTINGS_FOR_PRINT):
         figure = make_figure_for_print(3.4)
         axes = figure.subplots()
         for force, color in zip(forces, (GREY, GREEN, BLUE, RED), strict=False):
@@ -125,7 +137,9 @@ def draw_torque_over_speed(block: DoubleShoe, forces: Sequence[float], viscous: 
             axes.plot(omega, sticky.torque(force, omega), "--", color=color, lw=1.2)
         # Below the threshold of the speed the torque changes linearly.
         for side in (-1, 1):
-            axes.axvline(side * block.omega_threshold, color=FAINT, lw=0.8, ls=":")
+            axes.axvline(
+                side * block.omega_threshold, color=COLOR_OF_AXES_AND_NOTES, lw=0.8, ls=":"
+            )
         axes.set_xlabel("speed ω [rad/s]; dotted: ± threshold")
         axes.set_ylabel("torque T [N m]")
         draw_legend_below_figure(
@@ -139,11 +153,15 @@ def draw_pressures_by_law(shoes: Mapping[str, ShoeResponse]) -> Figure:
 
     `shoes`: {law: response of one shoe}; the law "linear" of a plane is drawn only as a shape.
     """
-    with mpl.rc_context(STYLE):
+    with mpl.rc_context(MATPLOTLIB_SETTINGS_FOR_PRINT):
         figure = make_figure_for_print(3.0)
         left, right = figure.subplots(1, 2)
         for law, shoe in shoes.items():
-            look = {**line_style_of_model(law), "lw": 1.8, "label": title_of_model_in_figures(law)}
+            look = {
+                **color_and_line_style_of_model(law),
+                "lw": 1.8,
+                "label": title_of_model_in_figures(law),
+            }
             theta, p = shoe.curve()
             # A plane has no angle, so that its law is drawn only as a shape.
             if law != "linear":

@@ -19,14 +19,14 @@ from studies.laws.figures import (
 )
 
 from drumlin.base.files import write_text
-from drumlin.brake.plane_brake import read_any
+from drumlin.brake.plane_brake import read_drum_or_plane_brake
 from drumlin.comparison import table_as_csv_text
 from drumlin.laws.simscape import DoubleShoe
 from drumlin.report.figures import save_figure
 from drumlin.report.page import software_versions, write_html_page
 from drumlin.response.response import ShoeResponse
 from drumlin_studies.law_table import (
-    first_shoe_responses_by_law,
+    responses_of_one_shoe_by_law,
     rows_of_laws_that_cannot_solve_brakes,
     rows_of_shoe_factors_of_post_brake,
     rows_of_shoe_results_by_every_law,
@@ -96,9 +96,13 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
     say("brake files")
     applies: list[dict[str, Any]] = []
     for file in FILES:
-        applies += rows_of_shoe_results_by_every_law(read_any(HERE.parent / file), file)
-    post_brake = read_any(HERE.parent / "post_brake/brake.toml")
-    shoes = first_shoe_responses_by_law(read_any(HERE / "block.toml"), read_any(HERE / "pad.toml"))
+        applies += rows_of_shoe_results_by_every_law(
+            read_drum_or_plane_brake(HERE.parent / file), file
+        )
+    post_brake = read_drum_or_plane_brake(HERE.parent / "post_brake/brake.toml")
+    shoes = responses_of_one_shoe_by_law(
+        read_drum_or_plane_brake(HERE / "block.toml"), read_drum_or_plane_brake(HERE / "pad.toml")
+    )
     return Result(examples, applies, rows_of_shoe_factors_of_post_brake(post_brake), shoes)
 
 
@@ -118,7 +122,7 @@ def report(result: Result, folder: Path) -> Path:
     for name, files in DRAWINGS.items():
         save_figure(
             draw_brakes_side_by_side(
-                [(title, read_any(HERE.parent / file)) for title, file in files]
+                [(title, read_drum_or_plane_brake(HERE.parent / file)) for title, file in files]
             ),
             folder / f"{name}.svg",
         )

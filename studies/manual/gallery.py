@@ -11,7 +11,7 @@ from typing import NamedTuple
 import matplotlib.pyplot as plt
 
 import drumlin
-from drumlin.cli.answer import print_response
+from drumlin.cli.answer import print_brake_response
 from drumlin.models import applicable_models
 from drumlin.report.drawing import draw_brake
 from drumlin.report.figures import save_figure
@@ -106,7 +106,7 @@ def _section_of_example(name: str, path: Path) -> str:
     brake = drumlin.example(name)
     printed = io.StringIO()
     with redirect_stdout(printed):
-        print_response(brake, drumlin.solve(brake, model))
+        print_brake_response(brake, drumlin.solve(brake, model))
     option = "" if model == "fem" else f" --model {model}"
     return (
         f"\n({name})=\n\n## {title[0].upper() + title[1:]}\n\nIt shows {EXAMPLES[name].shows}.\n\n"

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from drumlin_studies.benchmarks import Benchmark
+from drumlin_studies.benchmarks import BenchmarkFiguresOfCommit
 
 GROUPS = {
     "Times of solves": ("solve ", "sine law", "sensitivity", "hold"),
@@ -18,7 +18,7 @@ PANEL_SIZE = (8.0, 2.6)
 """Width and height of a panel of the picture [inch]."""
 
 
-def history_table(history: Sequence[Benchmark]) -> str:
+def history_table(history: Sequence[BenchmarkFiguresOfCommit]) -> str:
     """A Markdown table of each figure in the first and in the last line of a history."""
     first, last = history[0], history[-1]
     lines = [
@@ -31,7 +31,7 @@ def history_table(history: Sequence[Benchmark]) -> str:
     return "\n".join(lines)
 
 
-def draw_history(history: Sequence[Benchmark]) -> Figure:
+def draw_history(history: Sequence[BenchmarkFiguresOfCommit]) -> Figure:
     """Each figure over the commits, in per cent of its oldest value; one panel a group."""
     width, height = PANEL_SIZE
     figure = Figure(figsize=(width, height * len(GROUPS)), layout="constrained")
@@ -50,7 +50,7 @@ def draw_history(history: Sequence[Benchmark]) -> Figure:
     return figure
 
 
-def draw_figure(axes: Axes, history: Sequence[Benchmark], name: str) -> None:
+def draw_figure(axes: Axes, history: Sequence[BenchmarkFiguresOfCommit], name: str) -> None:
     """Draw one figure over the lines of a history that have it."""
     places = []
     for place, line in enumerate(history):

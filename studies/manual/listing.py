@@ -16,13 +16,13 @@ from pydantic import Discriminator
 from pydantic.fields import FieldInfo
 
 import drumlin
-from drumlin.brake.fields import Part, si_unit_of_field_type, si_units_of_table_field
-from drumlin.brake.key_meanings import KEYS_OF_BRAKE_FILE, TableOfKeys
-from drumlin.brake.units import EXAMPLES, QUANTITY_NAMES
-from drumlin.foundation.model import LIFTS
+from drumlin.brake.fields import PartOfInputFile, si_unit_of_field_type, si_units_of_table_field
+from drumlin.brake.key_meanings import KEY_MEANINGS_OF_BRAKE_FILE_PARTS, KeyMeaningsOfPart
+from drumlin.brake.units import EXAMPLE_OF_QUANTITY_BY_SI_UNIT, NAME_OF_QUANTITY_BY_SI_UNIT
+from drumlin.foundation.model import INCLUDABLE_EFFECTS
 from drumlin.models import MODELS
-from drumlin.sweeps.key_meanings import KEYS_OF_SWEEP_FILE
-from drumlin_studies.ladder import LADDER_CASES
+from drumlin.sweeps.key_meanings import MEANINGS_OF_SWEEP_FILE_KEYS
+from drumlin_studies.ladder import ALL_KNOWN_ANSWER_CASES
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGES = Path(__file__).parent / "pages"
@@ -47,12 +47,12 @@ def markdown_table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
 
 def brake_file_page() -> str:
     """The keys of the brake file, below an example."""
-    return _example_file("double_shoe/brake.toml") + _key_tables(KEYS_OF_BRAKE_FILE)
+    return _example_file("double_shoe/brake.toml") + _key_tables(KEY_MEANINGS_OF_BRAKE_FILE_PARTS)
 
 
 def sweep_file_page() -> str:
     """The keys of the sweep file, below an example."""
-    return _example_file("sweeps/loads.toml") + _key_tables(KEYS_OF_SWEEP_FILE)
+    return _example_file("sweeps/loads.toml") + _key_tables(MEANINGS_OF_SWEEP_FILE_KEYS)
 
 
 def _example_file(name: str) -> str:
@@ -60,7 +60,7 @@ def _example_file(name: str) -> str:
     return f"```toml\n{(ROOT / 'studies' / name).read_text(encoding='utf-8')}```\n\n"
 
 
-def _key_tables(tables: Sequence[TableOfKeys]) -> str:
+def _key_tables(tables: Sequence[KeyMeaningsOfPart]) -> str:
     """A heading and a table of keys for each part of a file."""
     head = ("key", "value", "meaning")
     return "\n".join(
@@ -69,7 +69,7 @@ def _key_tables(tables: Sequence[TableOfKeys]) -> str:
     )
 
 
-def _key_rows(kind: type[Part], meanings: dict[str, str]) -> list[tuple[str, str, str]]:
+def _key_rows(kind: type[PartOfInputFile], meanings: dict[str, str]) -> list[tuple[str, str, str]]:
     """A row for each key of a part.
 
     Raises KeyError for a key without a meaning, ValueError for a meaning without a key.
@@ -105,17 +105,32 @@ def _kind_of_value(annotation: Any) -> str:
     if words:
         return " or ".join(f'`"{word}"`' for word in words)
     unit, row = si_unit_of_field_type(annotation), si_units_of_table_field(annotation)
-    rows = f'rows like `["{EXAMPLES[row[0]]}", "{EXAMPLES[row[1]]}"]`' if row else ""
+    rows = (
+        f'rows like `["{EXAMPLE_OF_QUANTITY_BY_SI_UNIT[row[0]]}", '
+        f'"{EXAMPLE_OF_QUANTITY_BY_SI_UNIT[row[1]]}"]`'
+        if row
+        else ""
+    )
     plain = _plain_types(annotation)
     if unit is not None and not rows:
-        said = f'{QUANTITY_NAMES[unit]} such as `"{EXAMPLES[unit]}"`' if unit else "a number"
+        said = (
+            f"{NAME_OF_QUANTITY_BY_SI_UNIT[unit]} such as "
+            f'`"{EXAMPLE_OF_QUANTITY_BY_SI_UNIT[unit]}"`'
+            if unit
+            else "a number"
+        )
         if not unit and str in plain:
             said += ", or a quantity with its unit"
-        if any(isinstance(each, type) and issubclass(each, Part) for each in plain):
+        if any(isinstance(each, type) and issubclass(each, PartOfInputFile) for each in plain):
             said += " or a table"
         return f"a list; each value {said}" if tuple in plain else said
     if rows:
-        said = f'{QUANTITY_NAMES[unit]} such as `"{EXAMPLES[unit]}"`, or ' if unit else ""
+        said = (
+            f"{NAME_OF_QUANTITY_BY_SI_UNIT[unit]} such as "
+            f'`"{EXAMPLE_OF_QUANTITY_BY_SI_UNIT[unit]}"`, or '
+            if unit
+            else ""
+        )
         return f"{said}{rows}"
     for kind, said in (
         (bool, "`true` or `false`"),
@@ -226,7 +241,7 @@ def models_page() -> str:
     for name, model in MODELS.items():
         rows.append((f"`{name}`", model.assumes))
     lifts = []
-    for name, words in LIFTS.items():
+    for name, words in INCLUDABLE_EFFECTS.items():
         lifts.append((f"`{name}`", words))
     heading = "\n## Simplifications that `--lift` removes\n\n"
     return (
@@ -239,7 +254,7 @@ def models_page() -> str:
 def ladder_page() -> str:
     """The table of all cases of the ladder."""
     rows = []
-    for case in LADDER_CASES:
+    for case in ALL_KNOWN_ANSWER_CASES:
         rows.append(
             (
                 case.family,

@@ -15,33 +15,52 @@ from studies.manual.solve_path import solve_path_picture
 
 import drumlin
 from drumlin.base.errors import NoAnswer
-from drumlin.brake.fields import ROWS_OF_FUNCTION
-from drumlin.brake.friction import PRESSURES_OF_FUNCTION
-from drumlin.fem.analysis.prepared import ANALYSIS_DEGREE
-from drumlin.fem.error_control.adapt import DEFAULT_TOLERANCE
-from drumlin.fem.error_control.degrees import FINE_MESH, MESH_LEVELS
-from drumlin.fem.error_control.levels import LEVELS
-from drumlin.fem.mesh.smooth_outline import LARGEST_SMOOTH_TURN
-from drumlin.fem.model import (
-    LARGEST_ANSWER_IMBALANCE,
-    LARGEST_REFINED_ROUND_OFF,
-    LARGEST_UNREFINED_ROUND_OFF,
-    PENALTY,
+from drumlin.brake.fields import NUMBER_OF_ROWS_OF_TABULATED_CLEARANCE
+from drumlin.brake.friction import PRESSURES_OF_TABULATED_FRICTION
+from drumlin.fem.analysis.prepared import DEGREE_ACROSS_WIDTH_FOR_ANALYSES
+from drumlin.fem.error_control.adapt import DEFAULT_TOLERANCES_OF_PRESSURE_AND_TORQUE
+from drumlin.fem.error_control.degrees import (
+    FEWEST_VERTICES_OF_FINE_MESH_FILE,
+    REFINEMENT_LEVELS_ON_MESH_FILES,
 )
-from drumlin.fem.preparation.meshes import MOST_RAISED_NODES
-from drumlin.fem.solid import DEFAULT_SOLID_TOLERANCE
-from drumlin.fem.width.correction import REMAINING_SHARE
-from drumlin.fem.width.ladder import LARGEST_STATED_DEGREE, SOLID_FACTORS
-from drumlin.fem.width.prepare import LARGEST_WIDTH_NU
-from drumlin.lining_wear.run_in import DEFAULT_WEAR_COEFFICIENT, WEAR_SETTLED, WORN_OUT_FRACTION
-from drumlin.response.response import EDGE_ZONE
-from drumlin.studies import REPOSITORY
-from drumlin_studies.benchmarks import WORKLOAD_SYSTEM_SIZE, read_benchmark_history
+from drumlin.fem.error_control.levels import REFINEMENT_LEVELS_FROM_COARSE_TO_FINE
+from drumlin.fem.mesh.smooth_outline import LARGEST_TURN_BETWEEN_CHORDS_OF_CURVE
+from drumlin.fem.model import (
+    DEFAULT_PENALTY_FACTOR,
+    LARGEST_ACCEPTED_FORCE_IMBALANCE_OF_SHOE,
+    LARGEST_ACCEPTED_PRESSURE_ROUND_OFF,
+    LARGEST_PRESSURE_ROUND_OFF_LEFT_UNREFINED,
+)
+from drumlin.fem.preparation.meshes import MOST_NODES_AT_RAISED_DEGREE
+from drumlin.fem.solid import DEFAULT_ERROR_TOLERANCE_OF_SOLID_MODEL
+from drumlin.fem.width.correction import REMAINING_ERROR_OVER_WIDTH_CORRECTION
+from drumlin.fem.width.ladder import (
+    LARGEST_WIDTH_DEGREE_WITH_STATED_ERROR,
+    SAFETY_FACTORS_OF_SOLID_ERRORS,
+)
+from drumlin.fem.width.prepare import LARGEST_POISSON_RATIO_OF_WIDTH_MODEL
+from drumlin.lining_wear.run_in import (
+    DEFAULT_WEAR_COEFFICIENT,
+    END_OF_WEAR_TOLERANCE,
+    WORN_OUT_FRACTION_OF_LINING_THICKNESS,
+)
+from drumlin.response.response import UNCOMPARED_EDGE_ZONE_IN_RADIANS
+from drumlin.studies import FOLDER_OF_INSTALLED_OR_SOURCE_STUDIES_AND_MESHES
+from drumlin_studies.benchmarks import (
+    EQUATIONS_PER_SYSTEM_OF_FIXED_CALCULATION,
+    read_benchmark_history,
+)
 
 QUOTED = re.compile(r"\{\{ ([a-z_]+) \}\}")
 """A quoted value. Double braces of f-strings in examples hold more than one word."""
 
-WORK = REPOSITORY / "reports" / "reference" / "error_vs_runtime" / "results.csv"
+WORK = (
+    FOLDER_OF_INSTALLED_OR_SOURCE_STUDIES_AND_MESHES
+    / "reports"
+    / "reference"
+    / "error_vs_runtime"
+    / "results.csv"
+)
 """Kept table of errors against run times, which `drumlin study error_vs_runtime` makes anew."""
 
 LEAST_WHOLE = 10
@@ -52,35 +71,38 @@ def quoted_values() -> dict[str, str]:
     """All values by name, as texts for pages."""
     return {
         "version": drumlin.__version__,
-        "penalty": _power_of_ten_text(PENALTY),
-        "penalty_tex": f"10^{{{round(math.log10(PENALTY))}}}",
-        "penalty_compression": _power_of_ten_text(1 / PENALTY),
-        "default_pressure": f"{100 * DEFAULT_TOLERANCE.pressure:g} %",
-        "default_torque": f"{100 * DEFAULT_TOLERANCE.torque:g} %",
-        "edge_zone": f"{math.degrees(EDGE_ZONE):g} deg",
-        "lowest_degree": str(min(level.degree for level in LEVELS)),
-        "highest_degree": str(max(level.degree for level in LEVELS)),
-        "largest_imbalance": _power_of_ten_text(LARGEST_ANSWER_IMBALANCE),
-        "largest_loss": _power_of_ten_text(LARGEST_UNREFINED_ROUND_OFF),
-        "most_loss": _power_of_ten_text(LARGEST_REFINED_ROUND_OFF),
+        "penalty": _power_of_ten_text(DEFAULT_PENALTY_FACTOR),
+        "penalty_tex": f"10^{{{round(math.log10(DEFAULT_PENALTY_FACTOR))}}}",
+        "penalty_compression": _power_of_ten_text(1 / DEFAULT_PENALTY_FACTOR),
+        "default_pressure": f"{100 * DEFAULT_TOLERANCES_OF_PRESSURE_AND_TORQUE.pressure:g} %",
+        "default_torque": f"{100 * DEFAULT_TOLERANCES_OF_PRESSURE_AND_TORQUE.torque:g} %",
+        "edge_zone": f"{math.degrees(UNCOMPARED_EDGE_ZONE_IN_RADIANS):g} deg",
+        "lowest_degree": str(min(level.degree for level in REFINEMENT_LEVELS_FROM_COARSE_TO_FINE)),
+        "highest_degree": str(max(level.degree for level in REFINEMENT_LEVELS_FROM_COARSE_TO_FINE)),
+        "largest_imbalance": _power_of_ten_text(LARGEST_ACCEPTED_FORCE_IMBALANCE_OF_SHOE),
+        "largest_loss": _power_of_ten_text(LARGEST_PRESSURE_ROUND_OFF_LEFT_UNREFINED),
+        "most_loss": _power_of_ten_text(LARGEST_ACCEPTED_PRESSURE_ROUND_OFF),
         **_width_shares(),
-        "largest_smooth_turn": f"{math.degrees(LARGEST_SMOOTH_TURN):g} deg",
-        "mesh_degree": str(MESH_LEVELS.levels[-1].degree - MESH_LEVELS.degrees_below),
-        "fine_mesh": str(FINE_MESH),
-        "most_raised_nodes": f"{MOST_RAISED_NODES:,}".replace(",", " "),
-        "solid_poisson": f"{LARGEST_WIDTH_NU:g}",
-        "solid_tolerance": f"{100 * DEFAULT_SOLID_TOLERANCE:g} %",
-        "solid_degree": str(LARGEST_STATED_DEGREE),
-        "section_safety": f"{SOLID_FACTORS.section_pressure:g}",
-        "section_force_safety": f"{SOLID_FACTORS.section_force:g}",
-        "analysis_degree": str(ANALYSIS_DEGREE),
-        "function_rows": str(ROWS_OF_FUNCTION),
-        "function_pressures": str(len(PRESSURES_OF_FUNCTION)),
+        "largest_smooth_turn": f"{math.degrees(LARGEST_TURN_BETWEEN_CHORDS_OF_CURVE):g} deg",
+        "mesh_degree": str(
+            REFINEMENT_LEVELS_ON_MESH_FILES.levels[-1].degree
+            - REFINEMENT_LEVELS_ON_MESH_FILES.degrees_below_level
+        ),
+        "fine_mesh": str(FEWEST_VERTICES_OF_FINE_MESH_FILE),
+        "most_raised_nodes": f"{MOST_NODES_AT_RAISED_DEGREE:,}".replace(",", " "),
+        "solid_poisson": f"{LARGEST_POISSON_RATIO_OF_WIDTH_MODEL:g}",
+        "solid_tolerance": f"{100 * DEFAULT_ERROR_TOLERANCE_OF_SOLID_MODEL:g} %",
+        "solid_degree": str(LARGEST_WIDTH_DEGREE_WITH_STATED_ERROR),
+        "section_safety": f"{SAFETY_FACTORS_OF_SOLID_ERRORS.section_pressure:g}",
+        "section_force_safety": f"{SAFETY_FACTORS_OF_SOLID_ERRORS.section_force:g}",
+        "analysis_degree": str(DEGREE_ACROSS_WIDTH_FOR_ANALYSES),
+        "function_rows": str(NUMBER_OF_ROWS_OF_TABULATED_CLEARANCE),
+        "function_pressures": str(len(PRESSURES_OF_TABULATED_FRICTION)),
         "wear_coefficient": f"{1e9 * DEFAULT_WEAR_COEFFICIENT:g} mm³/(N m)",
-        "wear_settled": f"{100 * WEAR_SETTLED:g} %",
-        "worn_out": f"{100 * WORN_OUT_FRACTION:g} %",
+        "wear_settled": f"{100 * END_OF_WEAR_TOLERANCE:g} %",
+        "worn_out": f"{100 * WORN_OUT_FRACTION_OF_LINING_THICKNESS:g} %",
         "solve_path": solve_path_picture(),
-        "benchmark_equations": str(WORKLOAD_SYSTEM_SIZE),
+        "benchmark_equations": str(EQUATIONS_PER_SYSTEM_OF_FIXED_CALCULATION),
         "benchmark_table": history.history_table(read_benchmark_history()),
         **_error_and_time_values(),
     }
@@ -101,7 +123,7 @@ def fill_in_values(text: str, known: Mapping[str, str]) -> str:
 def _width_shares() -> dict[str, str]:
     """The shares of the correction for the widths that remain as its error, in percent."""
     shares = {}
-    for name, share in REMAINING_SHARE.items():
+    for name, share in REMAINING_ERROR_OVER_WIDTH_CORRECTION.items():
         shares[f"width_share_{name}"] = f"{100 * share:g} %"
     return shares
 

@@ -9,17 +9,24 @@ from matplotlib.figure import Figure
 
 from drumlin.base.arrays import Floats
 from drumlin.report.figures import (
+    MATPLOTLIB_SETTINGS_FOR_PRINT,
     SMALL_TEXT_SIZE,
-    STYLE,
     draw_legend_below_figure,
     draw_triangles_where_curve_leaves_axes,
     evenly_spaced_pressure_curve_of_shoe,
     make_figure_for_print,
 )
-from drumlin.report.palette import BLUE, FAINT, GREEN, INK, OCHRE, PURPLE, RED
+from drumlin.report.palette import BLUE, COLOR_OF_AXES_AND_NOTES, GREEN, INK, OCHRE, PURPLE, RED
 from drumlin.response.response import Response
-from drumlin.sweeps.tolerances import SobolIndices, mean_and_percentiles_of_sample
-from drumlin_studies.misfit_rows import DRAWN_QUANTITIES, STATES, DrawnBrakes
+from drumlin.sweeps.tolerances import (
+    FirstAndTotalSobolIndexOfTolerance,
+    mean_and_percentiles_of_sample,
+)
+from drumlin_studies.misfit_rows import (
+    LINING_STATES_OF_RANDOM_BRAKES,
+    QUANTITIES_SHOWN_OVER_RANDOM_BRAKES,
+    ResultsOfRandomBrakesWithTolerances,
+)
 
 NEW, WORN, LAW = BLUE, GREEN, RED
 LEVELS = (
@@ -55,7 +62,7 @@ def draw_pressures_of_radii(law: Response, family: Mapping[float, Response]) -> 
     the lining less that of the drum [um].
     """
     highest = 2.2 * max(shoe.peak_pressure for shoe in family[0.0].shoes)
-    with mpl.rc_context(STYLE):
+    with mpl.rc_context(MATPLOTLIB_SETTINGS_FOR_PRINT):
         figure = make_figure_for_print(2.8)
         grid = figure.subplots(1, len(law.shoes), squeeze=False, sharey=True)[0]
         shade = mpl.colors.TwoSlopeNorm(0.0, 1.15 * min(family), 1.15 * max(family))
@@ -101,7 +108,7 @@ def draw_ratio_maps(sides: tuple[Floats, Floats], ratios: Mapping[str, Floats]) 
     """
     x, y = (1e6 * side for side in sides)
     both = {"Torque": ratios["torque"], "Peak pressure": ratios["peak_pressure"]}
-    with mpl.rc_context(STYLE | {"axes.grid": False}):
+    with mpl.rc_context(MATPLOTLIB_SETTINGS_FOR_PRINT | {"axes.grid": False}):
         figure = make_figure_for_print(3.2)
         grid = figure.subplots(1, len(both), squeeze=False)[0]
         for axes, (title, ratio) in zip(grid, both.items(), strict=True):
@@ -144,7 +151,7 @@ def draw_torque_over_turn(
 
     There is a line for each state of the linings and each name of lobes.
     """
-    with mpl.rc_context(STYLE):
+    with mpl.rc_context(MATPLOTLIB_SETTINGS_FOR_PRINT):
         figure = make_figure_for_print(2.8)
         grid = figure.subplots(1, len(states), squeeze=False, sharey=True)[0]
         for axes, (state, series) in zip(grid, states.items(), strict=True):
@@ -168,17 +175,22 @@ def draw_torque_over_turn(
     return figure
 
 
-def draw_histograms(drawn: DrawnBrakes, nominal: Mapping[str, float]) -> Figure:
+def draw_histograms(
+    drawn: ResultsOfRandomBrakesWithTolerances, nominal: Mapping[str, float]
+) -> Figure:
     """Distributions of each quantity over new and worn-in brakes, a panel for each quantity.
 
     Above them stand the 5th, 50th and 95th percentile, and the law's value of the nominal brake.
     """
-    with mpl.rc_context(STYLE):
+    with mpl.rc_context(MATPLOTLIB_SETTINGS_FOR_PRINT):
         figure = make_figure_for_print(2.6)
-        grid = figure.subplots(1, len(DRAWN_QUANTITIES), squeeze=False)[0]
-        for axes, (name, label) in zip(grid, DRAWN_QUANTITIES.items(), strict=True):
+        grid = figure.subplots(1, len(QUANTITIES_SHOWN_OVER_RANDOM_BRAKES), squeeze=False)[0]
+        for axes, (name, label) in zip(
+            grid, QUANTITIES_SHOWN_OVER_RANDOM_BRAKES.items(), strict=True
+        ):
             new, worn = (
-                drawn.values_of_quantity_for_random_brakes(state, name) for state in STATES
+                drawn.values_of_quantity_for_random_brakes(state, name)
+                for state in LINING_STATES_OF_RANDOM_BRAKES
             )
             every = np.concatenate([new, worn])
             # The longest tail, 0.2 % of the brakes, is left out of the bins.
@@ -200,14 +212,23 @@ def draw_histograms(drawn: DrawnBrakes, nominal: Mapping[str, float]) -> Figure:
             axes.set_yticks([])
             axes.set_ylim(0, 1.26 * top)
         axes.plot(
-            [], [], "|-", color=FAINT, ms=10, mew=2, lw=2, label="5th, 50th and 95th percentile"
+            [],
+            [],
+            "|-",
+            color=COLOR_OF_AXES_AND_NOTES,
+            ms=10,
+            mew=2,
+            lw=2,
+            label="5th, 50th and 95th percentile",
         )
         grid[0].set_ylabel("probability density")
         draw_legend_below_figure(figure, grid[-1])
     return figure
 
 
-def draw_sobol_indices(found: Mapping[str, Mapping[str, Sequence[SobolIndices]]]) -> Figure:
+def draw_sobol_indices(
+    found: Mapping[str, Mapping[str, Sequence[FirstAndTotalSobolIndexOfTolerance]]],
+) -> Figure:
     """Sobol indices as bars with confidence intervals, sorted by the totals of the first panel.
 
     found : indices by state and quantity.
@@ -217,7 +238,7 @@ def draw_sobol_indices(found: Mapping[str, Mapping[str, Sequence[SobolIndices]]]
         ("Torque, worn in", found["worn in"]["torque"]),
         ("Peak pressure, new", found["new"]["peak_pressure"]),
     )
-    with mpl.rc_context(STYLE):
+    with mpl.rc_context(MATPLOTLIB_SETTINGS_FOR_PRINT):
         order = np.argsort([share.total.value for share in panels[0][1]])
         figure = make_figure_for_print(0.6 + 0.32 * len(order))
         grid = figure.subplots(1, len(panels), squeeze=False, sharey=True)[0]
@@ -241,7 +262,7 @@ def draw_sobol_indices(found: Mapping[str, Mapping[str, Sequence[SobolIndices]]]
             axes.set_title(title)
             axes.set_xlabel("share of the variance [–]")
             axes.set_xlim(-0.06, None)
-            axes.axvline(0, color=FAINT, lw=0.8)
+            axes.axvline(0, color=COLOR_OF_AXES_AND_NOTES, lw=0.8)
             axes.set_yticks(at, [several[i].name for i in order])
             axes.grid(visible=False, axis="y")
         axes.errorbar(
@@ -276,7 +297,7 @@ def draw_percentiles_over_distance(
         ("torque of the brake [N m]", healed["torque"], nominal["torque"]),
         ("peak pressure [MPa]", 1e-6 * healed["peak_pressure"], nominal["peak_pressure"]),
     )
-    with mpl.rc_context(STYLE):
+    with mpl.rc_context(MATPLOTLIB_SETTINGS_FOR_PRINT):
         figure = make_figure_for_print(2.8)
         grid = figure.subplots(1, len(panels), squeeze=False)[0]
         for axes, (label, values, law) in zip(grid, panels, strict=True):

@@ -13,11 +13,11 @@ from studies.misfit.tolerances import assumed_tolerances, nominal_brake
 
 from drumlin.base.arrays import Floats
 from drumlin.base.files import write_text
-from drumlin.base.journal import Journal
+from drumlin.base.journal import JournalOfCaseResults
 from drumlin.brake.brake import Brake
 from drumlin.brake.clearance import (
-    new_lining_circle_offsets_by_key,
-    new_lining_radii_by_key,
+    lining_circle_offsets_towards_hinge_by_key,
+    lining_radii_by_key_for_radius_mismatch,
 )
 from drumlin.brake.file import read_brake, vary
 from drumlin.comparison import table_as_csv_text
@@ -30,20 +30,24 @@ from drumlin.report import figures as drawing
 from drumlin.report.page import write_html_page
 from drumlin.response.response import Response
 from drumlin.sweeps import cases as sweep
-from drumlin.sweeps.cases import Row, SweepCase
+from drumlin.sweeps.cases import CaseResultsByName, SweepCase
 from drumlin.sweeps.table import table_lines_of_cases, write_table_file
 from drumlin.sweeps.tolerances import (
+    FirstAndTotalSobolIndexOfTolerance,
     ManufacturingTolerance,
-    SobolIndices,
     cases_with_random_deviations,
-    draw_random_deviations_in_all_samples,
-    one_result_of_all_cases,
+    draw_deviations_for_all_sobol_samples,
     sobol_indices_of_tolerances,
     torque_and_peak_during_run_in,
+    values_of_named_result_in_all_cases,
 )
 from drumlin.sweeps.workers import provide_workers_for_cases_of_sweep
 from drumlin_studies import misfit_rows
-from drumlin_studies.misfit_rows import DRAWN_QUANTITIES, STATES, DrawnBrakes
+from drumlin_studies.misfit_rows import (
+    LINING_STATES_OF_RANDOM_BRAKES,
+    QUANTITIES_SHOWN_OVER_RANDOM_BRAKES,
+    ResultsOfRandomBrakesWithTolerances,
+)
 from drumlin_studies.tables import values_of_key_in_rows
 
 HERE = Path(__file__).parent
@@ -123,23 +127,23 @@ class Result:
     turns: dict[str, dict[str, Floats]]
     tolerances: tuple[ManufacturingTolerance, ...]
     deviates: Floats
-    rows: dict[str, list[Row]]
-    shares: dict[str, dict[str, list[SobolIndices]]]
+    rows: dict[str, list[CaseResultsByName]]
+    shares: dict[str, dict[str, list[FirstAndTotalSobolIndexOfTolerance]]]
     healed: dict[str, Floats]
     unit: float
     seconds: float
 
     @property
-    def drawn(self) -> DrawnBrakes:
+    def drawn(self) -> ResultsOfRandomBrakesWithTolerances:
         """The brakes that are drawn from the tolerances."""
-        return DrawnBrakes(self.rows, self.deviates.shape[1])
+        return ResultsOfRandomBrakesWithTolerances(self.rows, self.deviates.shape[1])
 
 
 def study(
     *,
     short: bool = False,
     say: Callable[[str], None] = lambda _: None,
-    journal: Journal | None = None,
+    journal: JournalOfCaseResults | None = None,
 ) -> Result:
     """Compute single misfits, maps, a turn of the drum, tolerances and running in.
 
@@ -147,7 +151,7 @@ def study(
     """
     start = time.perf_counter()
     setting = SHORT if short else FULL
-    journal = Journal() if journal is None else journal
+    journal = JournalOfCaseResults() if journal is None else journal
     elements = setting.elements
     brake = nominal_brake(read_brake(BRAKE))
     law = solve_brake_by_sine_law(brake)
@@ -159,7 +163,7 @@ def study(
     family = {}
     for dr in FAMILY:
         family[dr] = solve_prepared_model(
-            scene, vary(brake, new_lining_radii_by_key(brake, dr * 1e-6))
+            scene, vary(brake, lining_radii_by_key_for_radius_mismatch(brake, dr * 1e-6))
         )
     # Torque over one turn of a drum with lobes, with new and with worn-in linings.
     angles = np.linspace(0, 2 * math.pi, setting.angles, endpoint=False)
@@ -173,7 +177,7 @@ def study(
         )
     }
     tolerances = assumed_tolerances(brake)
-    deviates = draw_random_deviations_in_all_samples(tolerances, setting.draws, SEED)
+    deviates = draw_deviations_for_all_sobol_samples(tolerances, setting.draws, SEED)
     # The axes of the maps.
     sides = (
         np.linspace(-SIDES[0], SIDES[0], setting.wide),
@@ -181,7 +185,7 @@ def study(
     )
     with provide_workers_for_cases_of_sweep(setting.jobs) as (pool, workers):
 
-        def solve(what: str, several: Sequence[SweepCase]) -> list[Row]:
+        def solve(what: str, several: Sequence[SweepCase]) -> list[CaseResultsByName]:
             """The rows of some cases, solved by the workers and kept in the journal."""
             return sweep.solve_all_cases_of_sweep(
                 several,
@@ -231,9 +235,9 @@ def _cases_of_map(brake: Brake, sides: tuple[Floats, Floats], elements: int) -> 
     cases = []
     for offset in sides[1]:
         for radius in sides[0]:
-            changes = new_lining_radii_by_key(brake, radius) | new_lining_circle_offsets_by_key(
-                brake, offset
-            )
+            changes = lining_radii_by_key_for_radius_mismatch(
+                brake, radius
+            ) | lining_circle_offsets_towards_hinge_by_key(brake, offset)
             cases.append(SweepCase(brake, changes, options={"elements": elements}))
     return cases
 
@@ -243,15 +247,15 @@ def _rows_of_drawn_brakes(
     tolerances: tuple[ManufacturingTolerance, ...],
     deviates: Floats,
     elements: int,
-    solve: Callable[[str, Sequence[SweepCase]], list[Row]],
-) -> dict[str, list[Row]]:
+    solve: Callable[[str, Sequence[SweepCase]], list[CaseResultsByName]],
+) -> dict[str, list[CaseResultsByName]]:
     """The rows of the brakes drawn from the tolerances: new, worn in, and by the sine law.
 
     Parameters
     ----------
     brake : the nominal brake
     tolerances : the tolerances of its manufacture
-    deviates : samples of the deviates, as from `draw_random_deviations_in_all_samples`
+    deviates : samples of the deviates, as from `draw_deviations_for_all_sobol_samples`
     elements : along each lining
     solve : solves cases under a name that the progress shows
     """
@@ -272,7 +276,7 @@ def _run_in_brakes(
     cases: Sequence[SweepCase],
     unit: float,
     elements: int,
-    journal: Journal,
+    journal: JournalOfCaseResults,
     say: Callable[[str], None],
 ) -> dict[str, Floats]:
     """Torque [N m] and peak pressure [Pa] (brakes, distances) of brakes that run in.
@@ -298,7 +302,7 @@ def _run_in_brakes(
             return torque_and_peak_during_run_in(brake, distances, elements=elements)
 
         key = {"healing": dict(case.changes), "elements": elements}
-        rows.append(journal.get_or_compute_result(key, wear))
+        rows.append(journal.get_or_compute_case_result(key, wear))
     healed = {}
     for name in ("torque", "peak_pressure"):
         healed[name] = np.array(values_of_key_in_rows(rows, name))
@@ -306,15 +310,17 @@ def _run_in_brakes(
 
 
 def _sobol_indices_by_state(
-    tolerances: tuple[ManufacturingTolerance, ...], rows: dict[str, list[Row]]
-) -> dict[str, dict[str, list[SobolIndices]]]:
+    tolerances: tuple[ManufacturingTolerance, ...], rows: dict[str, list[CaseResultsByName]]
+) -> dict[str, dict[str, list[FirstAndTotalSobolIndexOfTolerance]]]:
     """The Sobol indices of each quantity, for new and for worn-in brakes."""
-    indices: dict[str, dict[str, list[SobolIndices]]] = {}
-    for state in STATES:
+    indices: dict[str, dict[str, list[FirstAndTotalSobolIndexOfTolerance]]] = {}
+    for state in LINING_STATES_OF_RANDOM_BRAKES:
         indices[state] = {}
-        for name in DRAWN_QUANTITIES:
+        for name in QUANTITIES_SHOWN_OVER_RANDOM_BRAKES:
             # One row for each of the samples A, B and AB_1 to AB_d.
-            values = one_result_of_all_cases(rows[state], name).reshape(len(tolerances) + 2, -1)
+            values = values_of_named_result_in_all_cases(rows[state], name).reshape(
+                len(tolerances) + 2, -1
+            )
             indices[state][name] = sobol_indices_of_tolerances(tolerances, values, seed=SEED)
     return indices
 

@@ -4,7 +4,7 @@ import math
 
 from drumlin.brake.brake import Brake
 from drumlin.brake.clearance import (
-    new_lining_radii_by_key,
+    lining_radii_by_key_for_radius_mismatch,
     point_coordinate_changes_per_metre_along_hinge_radius,
 )
 from drumlin.brake.file import vary
@@ -49,7 +49,7 @@ def assumed_tolerances(brake: Brake) -> tuple[ManufacturingTolerance, ...]:
         ManufacturingTolerance(
             "drum's radius ±50 µm",
             truncated_normal_distribution(50e-6),
-            {key: -1.0 for key in new_lining_radii_by_key(brake, 0.0)},
+            {key: -1.0 for key in lining_radii_by_key_for_radius_mismatch(brake, 0.0)},
         ),
     ]
     for name, i in (("leading", leading), ("trailing", 1 - leading)):

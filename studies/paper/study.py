@@ -11,7 +11,7 @@ from studies.paper.markdown import paper_as_markdown
 from drumlin.base.errors import BadInput
 from drumlin.report.page import write_html_page
 from drumlin_studies.tables import rows_with_given_values, values_of_key_in_rows
-from drumlin_studies.work_precision import PEER_FAMILIES
+from drumlin_studies.work_precision import PEER_KEYS_BY_NAME_IN_TABLES
 
 HERE = Path(__file__).parent
 KEPT = HERE.parents[1] / "reports" / "reference"
@@ -112,7 +112,7 @@ def _peer_time_ratios(main: list[Row], best: list[Row]) -> dict[str, float]:
     method that it recommends. The keys are such as "GetFEM half".
     """
     found = {}
-    for family in PEER_FAMILIES:
+    for family in PEER_KEYS_BY_NAME_IN_TABLES:
         for name, target, time in PEER_TIMES:
             (choice,) = rows_with_given_values(best, brake=MAIN, quantity="p (L2)", target=target)
             (ours,) = rows_with_given_values(main, family=choice["family"], method=choice["method"])

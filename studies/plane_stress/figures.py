@@ -11,14 +11,26 @@ from matplotlib.figure import Figure
 
 from drumlin.base.arrays import Floats
 from drumlin.base.texts import number_as_text
-from drumlin.report.figures import SMALL_TEXT_SIZE, STYLE, make_figure_for_print
-from drumlin.report.palette import BLUE, FAINT, GREEN, INK, RED, SKY, color_of_model
+from drumlin.report.figures import (
+    MATPLOTLIB_SETTINGS_FOR_PRINT,
+    SMALL_TEXT_SIZE,
+    make_figure_for_print,
+)
+from drumlin.report.palette import (
+    BLUE,
+    COLOR_OF_AXES_AND_NOTES,
+    GREEN,
+    INK,
+    RED,
+    SKY,
+    color_of_model,
+)
 from drumlin.response.response import ShoeResponse, length_of_edge_zone_left_out_of_peak_search
 from drumlin_studies.plane_stress import (
-    PlaneErrorMap,
-    SolidAndPlane,
+    PlaneStressErrorMap,
+    PressuresOfWornSolidLinings,
+    ResponsesBySolidAndPlaneStress,
     TimeAndErrors,
-    WornSolid,
     value_of_largest_magnitude_in_rows,
 )
 
@@ -30,12 +42,12 @@ PANELS = {
 }
 
 
-def draw_error_maps(charts: Sequence[PlaneErrorMap]) -> Figure:
+def draw_error_maps(charts: Sequence[PlaneStressErrorMap]) -> Figure:
     """Maps of errors of the worst shoe, two panels side by side, for a page of 170 mm.
 
     One bar gives the colours of all panels; the fields give the numbers.
     """
-    with mpl.rc_context(STYLE | {"axes.grid": False}):
+    with mpl.rc_context(MATPLOTLIB_SETTINGS_FOR_PRINT | {"axes.grid": False}):
         rows = len(charts) * len(PANELS) // 2
         figure = make_figure_for_print(2.1 * rows + 0.6)
         grid = figure.subplots(rows, 2, squeeze=False)
@@ -59,7 +71,7 @@ TWO_DIGITS_BELOW = 10.0
 """Error [%] from which on the numbers of a panel have one digit behind the point, and not two."""
 
 
-def _draw_map_panel(axes: Axes, chart: PlaneErrorMap, key: str, title: str) -> Any:
+def _draw_map_panel(axes: Axes, chart: PlaneStressErrorMap, key: str, title: str) -> Any:
     """Draw a map of an error: a colour and a number [%] for each brake; returns the image."""
     error = 100 * chart.errors[key]
     least, most = COLOUR_BAR_ERRORS[0], COLOUR_BAR_ERRORS[-1]
@@ -86,9 +98,11 @@ def _draw_map_panel(axes: Axes, chart: PlaneErrorMap, key: str, title: str) -> A
     return drawn
 
 
-def draw_face_pressures(three: SolidAndPlane, worn: WornSolid) -> Figure:
+def draw_face_pressures(
+    three: ResponsesBySolidAndPlaneStress, worn: PressuresOfWornSolidLinings
+) -> Figure:
     """Pressure on the faces of the linings, new and worn in, with one scale."""
-    with mpl.rc_context(STYLE | {"axes.grid": False}):
+    with mpl.rc_context(MATPLOTLIB_SETTINGS_FOR_PRINT | {"axes.grid": False}):
         new = three.solid.shoes
         figure = make_figure_for_print(1.7 * len(new) + 0.5)
         grid = figure.subplots(len(new), 2, squeeze=False)
@@ -128,7 +142,7 @@ def _largest_face_pressure(shoe: ShoeResponse, zone: float) -> float:
 
 def draw_error_curves(found: Mapping[str, Sequence[tuple[float, list[dict[str, Any]]]]]) -> Figure:
     """Errors of the worst shoe, a panel for each quantity that varies."""
-    with mpl.rc_context(STYLE):
+    with mpl.rc_context(MATPLOTLIB_SETTINGS_FOR_PRINT):
         figure = make_figure_for_print(4.6)
         panels = np.ravel(figure.subplots(2, len(found) // 2, sharey=True))
         for axes, (name, points) in zip(panels, found.items(), strict=True):
@@ -156,14 +170,14 @@ def draw_error_curves(found: Mapping[str, Sequence[tuple[float, list[dict[str, A
     return figure
 
 
-def draw_unevenness_over_distance(worn: WornSolid) -> Figure:
+def draw_unevenness_over_distance(worn: PressuresOfWornSolidLinings) -> Figure:
     """How uneven p is across the width, and its mean against the sine law, over the distance."""
-    with mpl.rc_context(STYLE):
+    with mpl.rc_context(MATPLOTLIB_SETTINGS_FOR_PRINT):
         figure = make_figure_for_print(3.4)
         axes = figure.subplots()
         x: Floats = np.asarray(worn.distance)
         for shoe, uneven, law, color in zip(
-            worn.last, worn.uneven, worn.from_law, (GREEN, RED), strict=False
+            worn.last, worn.uneven, worn.distance_from_sine_law, (GREEN, RED), strict=False
         ):
             axes.semilogy(
                 x,
@@ -205,7 +219,7 @@ def draw_error_over_time(found: Mapping[str, Sequence[TimeAndErrors]]) -> Figure
 
     Full marks are errors against the solid truth, hollow marks against the truth in plane stress.
     """
-    with mpl.rc_context(STYLE):
+    with mpl.rc_context(MATPLOTLIB_SETTINGS_FOR_PRINT):
         figure = make_figure_for_print(2.5 * len(found) + 0.5)
         grid = figure.subplots(len(found), 2, squeeze=False)
         for row, (brake, rungs) in zip(grid, found.items(), strict=True):
@@ -217,9 +231,16 @@ def draw_error_over_time(found: Mapping[str, Sequence[TimeAndErrors]]) -> Figure
                 axes.set_xlabel("processor time [ms]")
                 axes.set_title(f"{brake}:\nerror of {title}, worst shoe [%]")
         # Two entries of the key without points explain the marks.
-        grid[0, 0].plot([], [], "o-", color=FAINT, label="full marks: against the solid")
         grid[0, 0].plot(
-            [], [], "o--", color=FAINT, mfc="white", label="hollow marks: against plane stress"
+            [], [], "o-", color=COLOR_OF_AXES_AND_NOTES, label="full marks: against the solid"
+        )
+        grid[0, 0].plot(
+            [],
+            [],
+            "o--",
+            color=COLOR_OF_AXES_AND_NOTES,
+            mfc="white",
+            label="hollow marks: against plane stress",
         )
         named = {
             text: line

@@ -10,9 +10,13 @@ from matplotlib.figure import Figure
 
 from drumlin.brake.brake import Brake
 from drumlin.fem.width.ladder import has_shoe_with_parts_of_different_widths
-from drumlin.report.figures import STYLE, make_figure_for_print
-from drumlin.report.palette import BLUE, GRADES, INK
-from drumlin_studies.plane_stress_limits import LIMIT_QUANTITIES, LIMITS, VARIATIONS
+from drumlin.report.figures import MATPLOTLIB_SETTINGS_FOR_PRINT, make_figure_for_print
+from drumlin.report.palette import BLUE, ERROR_SCALE_COLORS, INK
+from drumlin_studies.plane_stress_limits import (
+    LIMITS_OF_PLANE_STRESS_ERROR,
+    NAMES_OF_LIMITED_QUANTITIES,
+    VARIED_QUANTITIES_OF_FIGURE_PANELS,
+)
 
 COLORS = {"one width": BLUE, "T-section": INK}
 """Colour of each varied brake."""
@@ -27,7 +31,7 @@ WIDE_RANGE = 20.0
 def marked_values(brakes: Mapping[str, Brake]) -> dict[str, dict[str, float]]:
     """The value of each varied quantity on the brakes themselves, by quantity and brake's name."""
     found: dict[str, dict[str, float]] = {}
-    for variation in VARIATIONS:
+    for variation in VARIED_QUANTITIES_OF_FIGURE_PANELS:
         own = {}
         for name, brake in brakes.items():
             if not variation.needs_web or has_shoe_with_parts_of_different_widths(brake):
@@ -39,7 +43,7 @@ def marked_values(brakes: Mapping[str, Brake]) -> dict[str, dict[str, float]]:
 def draw_plane_stress_limits(
     rows: Sequence[Mapping[str, Any]], usual: Mapping[str, Mapping[str, float]]
 ) -> Figure:
-    """Errors of plane stress over each varied quantity, on bands that end at LIMITS.
+    """Errors of plane stress over each varied quantity, on bands that end at the limits.
 
     Parameters
     ----------
@@ -47,7 +51,7 @@ def draw_plane_stress_limits(
     usual : values of the brakes that are varied, by quantity and brake; a drawn one has a full mark
     """
     names = list(dict.fromkeys(row["varied"] for row in rows))
-    with mpl.rc_context(STYLE):
+    with mpl.rc_context(MATPLOTLIB_SETTINGS_FOR_PRINT):
         figure = make_figure_for_print(5.2)
         columns = (len(names) + 1) // 2
         grid = figure.subplots(2, columns, sharey=True, squeeze=False)
@@ -61,7 +65,7 @@ def draw_plane_stress_limits(
             axes.set_visible(False)
         handles: list[Any] = []
         for brake, color in COLORS.items():
-            for quantity, said in LIMIT_QUANTITIES.items():
+            for quantity, said in NAMES_OF_LIMITED_QUANTITIES.items():
                 handles.append(
                     mpl.lines.Line2D(
                         [], [], color=color, ls=LINES[quantity], label=f"{brake}: {said}"
@@ -78,8 +82,8 @@ def _draw_limits_of_quantity(
     axes: Axes, rows: Sequence[Mapping[str, Any]], usual: Mapping[str, float]
 ) -> None:
     """Draw the errors of all brakes over one quantity; `usual` has a value for each brake."""
-    ends = (LOWEST, *(100 * limit for limit in LIMITS), HIGHEST)
-    for low, high, color in zip(ends[:-1], ends[1:], GRADES, strict=True):
+    ends = (LOWEST, *(100 * limit for limit in LIMITS_OF_PLANE_STRESS_ERROR), HIGHEST)
+    for low, high, color in zip(ends[:-1], ends[1:], ERROR_SCALE_COLORS, strict=True):
         axes.axhspan(low, high, color=color, alpha=0.35, lw=0)
     for brake, color in COLORS.items():
         own = [row for row in rows if row["brake"] == brake]
@@ -96,7 +100,7 @@ def _draw_limits_of_quantity(
     axes.set_yscale("log")
     axes.set_ylim(LOWEST, HIGHEST)
     # Smaller errors are drawn at the lower end of the axis.
-    ticks = [100 * limit for limit in LIMITS]
+    ticks = [100 * limit for limit in LIMITS_OF_PLANE_STRESS_ERROR]
     axes.set_yticks([LOWEST, *ticks], [f"≤ {LOWEST:g}", *map("{:g}".format, ticks)])
     axes.minorticks_off()
     axes.grid(False)

@@ -13,12 +13,12 @@ from studies.plane_stress.limits import draw_plane_stress_limits, marked_values
 
 from drumlin.base.files import write_text
 from drumlin.brake.brake import Brake
-from drumlin.brake.components import Beam
+from drumlin.brake.components import BeamBody
 from drumlin.brake.file import read_brake, vary
 from drumlin.comparison import table_as_csv_text
 from drumlin.fem.analysis.fields import write_fields_to_vtu_file
 from drumlin.fem.analysis.solid_fields import recover_stresses_in_half_of_each_solid_shoe
-from drumlin.fem.error_control.levels import LEVELS
+from drumlin.fem.error_control.levels import REFINEMENT_LEVELS_FROM_COARSE_TO_FINE
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.width.prepare import prepare_model_with_shoe_widths
@@ -27,17 +27,17 @@ from drumlin.report.page import write_html_page
 from drumlin.report.solid_picture import draw_solid_shoes_and_return_failure_reason
 from drumlin_studies import plane_stress as rows
 from drumlin_studies.plane_stress import (
-    PlaneErrorMap,
-    SolidAndPlane,
+    PlaneStressErrorMap,
+    PressuresOfWornSolidLinings,
+    ResponsesBySolidAndPlaneStress,
     TimeAndErrors,
     TorqueOnLevels,
-    WornSolid,
 )
 from drumlin_studies.plane_stress_limits import (
     parameter_ranges_within_error_limits,
     rows_of_plane_stress_limits,
 )
-from drumlin_studies.uncertainty import Validation
+from drumlin_studies.uncertainty import ComparisonOfSimulationWithData
 
 HERE = Path(__file__).parent
 WIDTHS: Sequence[float] = (1.0, 2.0, 5.0, 10.0, 20.0)
@@ -96,14 +96,14 @@ SHORT = Setting(2, 4, 4, (8, 16), (1, 2))
 class Result:
     """Everything that the report shows."""
 
-    three: SolidAndPlane
+    three: ResponsesBySolidAndPlaneStress
     scene: Any
     table: list[dict[str, Any]]
     certain: tuple[TorqueOnLevels, TorqueOnLevels]
-    validation: Validation
-    maps: tuple[PlaneErrorMap, PlaneErrorMap]
+    validation: ComparisonOfSimulationWithData
+    maps: tuple[PlaneStressErrorMap, PlaneStressErrorMap]
     curves: dict[str, list[tuple[float, list[dict[str, Any]]]]]
-    worn: WornSolid
+    worn: PressuresOfWornSolidLinings
     ladder: dict[str, list[TimeAndErrors]]
     limits: list[dict[str, Any]]
     marked: dict[str, dict[str, float]]
@@ -119,11 +119,13 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
     setting = SHORT if short else FULL
     brake = read_brake(HERE / "brake.toml")
     say("the brake itself")
-    scene = prepare_model_with_shoe_widths(brake, LEVELS[0], rows.STUDY_DEGREE)
+    scene = prepare_model_with_shoe_widths(
+        brake, REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[0], rows.DEFAULT_DEGREE_ACROSS_SOLID_WIDTH
+    )
     three = rows.solve_by_solid_and_plane_stress(brake)
     # Finer divisions of the section give the uncertainty of the torque in both models.
     say("levels of the section")
-    levels = LEVELS[: setting.levels]
+    levels = REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[: setting.levels]
     true = rows.solve_torque_on_refinement_levels(
         lambda level: rows.solve_with_solid_shoes(brake, level=level).torque, levels
     )
@@ -162,7 +164,7 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
 
 def _map_errors(
     brake: Brake, setting: Setting, say: Callable[[str], None]
-) -> tuple[PlaneErrorMap, PlaneErrorMap]:
+) -> tuple[PlaneStressErrorMap, PlaneStressErrorMap]:
     """Maps of the error: over width and modulus of a plain lining, and over web and table."""
     thickness = brake.shoes[0].lining.thickness
     width = brake.shoes[0].lining.width
@@ -225,7 +227,7 @@ def post_brake_on_rigid_drum() -> Brake:
     """
     brake = read_brake(HERE.parent / "post_brake" / "brake.toml")
     body = brake.shoes[0].body
-    assert isinstance(body, Beam) and body.section is not None
+    assert isinstance(body, BeamBody) and body.section is not None
     changes = {
         "drum.ring": None,
         "shoe.body.bending_stiffness": None,
@@ -286,7 +288,7 @@ def report(result: Result, folder: Path) -> Path:
                 )
     write_text(folder / "maps.csv", table_as_csv_text(points))
     largest = {}
-    for key in rows.WIDTH_QUANTITIES:
+    for key in rows.WIDTH_ERROR_NAMES_BY_ROW_KEY:
         largest[key] = max(float(np.abs(chart.errors[key]).max()) for chart in result.maps)
     return write_html_page(
         HERE / "page.html",
@@ -302,6 +304,8 @@ def report(result: Result, folder: Path) -> Path:
     )
 
 
-def _share_within(maps: tuple[PlaneErrorMap, PlaneErrorMap], limit: float, key: str) -> float:
+def _share_within(
+    maps: tuple[PlaneStressErrorMap, PlaneStressErrorMap], limit: float, key: str
+) -> float:
     """Fraction of all brakes of the maps whose error is within a limit."""
     return float(np.mean([np.mean(np.abs(chart.errors[key]) <= limit) for chart in maps]))

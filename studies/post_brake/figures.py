@@ -13,20 +13,32 @@ from drumlin.brake.beam_axis import make_beam_axis
 from drumlin.brake.brake import Brake
 from drumlin.report.figures import (
     FORMULA_TEXT_SIZE,
+    MATPLOTLIB_SETTINGS_FOR_PRINT,
     SMALL_TEXT_SIZE,
-    STYLE,
     draw_legend_below_figure,
     make_figure_for_print,
     title_of_model_in_figures,
 )
-from drumlin.report.palette import FAINT, GRADES, INK, line_style_of_model
-from drumlin_studies.post_brake_rows import Curve, ErrorMap, Merits, Offsets
+from drumlin.report.palette import (
+    COLOR_OF_AXES_AND_NOTES,
+    ERROR_SCALE_COLORS,
+    INK,
+    color_and_line_style_of_model,
+)
+from drumlin_studies.post_brake_rows import (
+    AbscissasAndOrdinatesOfCurve,
+    FiguresOfMeritOverFriction,
+    TorqueDifferencesOverRadiusOffset,
+    TorqueErrorMapOverStiffnessGroups,
+)
 
 BOUNDS = (0.0, 0.01, 0.05, 0.20, np.inf)
 """Borders of the regions of a map: errors within 1, 5 and 20 %, and beyond."""
 
 
-def draw_beam_deflections(brake: Brake, found: Sequence[Mapping[str, Curve]]) -> Figure:
+def draw_beam_deflections(
+    brake: Brake, found: Sequence[Mapping[str, AbscissasAndOrdinatesOfCurve]]
+) -> Figure:
     """Deflection r along each post, by each elastic model."""
     panels = []
     for shoe, models in zip(brake.shoes, found, strict=True):
@@ -38,7 +50,7 @@ def draw_beam_deflections(brake: Brake, found: Sequence[Mapping[str, Curve]]) ->
     )
 
 
-def draw_torque_over_radius_error(offsets: Offsets) -> Figure:
+def draw_torque_over_radius_error(offsets: TorqueDifferencesOverRadiusOffset) -> Figure:
     """Relative change of each shoe's torque over the error of the lining's radius."""
     panels = []
     for shoe, models in offsets.items():
@@ -53,7 +65,9 @@ def draw_torque_over_radius_error(offsets: Offsets) -> Figure:
     )
 
 
-def draw_merit_over_friction(brake: Brake, found: Merits, key: str, label: str) -> Figure:
+def draw_merit_over_friction(
+    brake: Brake, found: FiguresOfMeritOverFriction, key: str, label: str
+) -> Figure:
     """One figure of merit of each shoe over friction.
 
     Angles are in degrees from the middle of the lining.
@@ -75,14 +89,16 @@ def draw_merit_over_friction(brake: Brake, found: Merits, key: str, label: str) 
     return draw_curves_of_models(panels, "friction coefficient μ", label)
 
 
-def _scaled_curve(values: Sequence[tuple[float, float]], x: float, y: float) -> Curve:
+def _scaled_curve(
+    values: Sequence[tuple[float, float]], x: float, y: float
+) -> AbscissasAndOrdinatesOfCurve:
     """Points as a curve, with a factor on each coordinate."""
     a, b = np.array(values).T
     return a * x, b * y
 
 
 def draw_curves_of_models(
-    panels: Sequence[tuple[str, Mapping[str, Curve]]],
+    panels: Sequence[tuple[str, Mapping[str, AbscissasAndOrdinatesOfCurve]]],
     xlabel: str,
     ylabel: str,
     columns: int = 2,
@@ -103,7 +119,7 @@ def draw_curves_of_models(
     zero : bool
         Whether a line marks y = 0.
     """
-    with mpl.rc_context(STYLE):
+    with mpl.rc_context(MATPLOTLIB_SETTINGS_FOR_PRINT):
         lines = -(-len(panels) // columns)
         figure = make_figure_for_print(2.2 * lines + 0.3)
         grid = figure.subplots(lines, columns, squeeze=False, sharey=True)
@@ -118,13 +134,13 @@ def draw_curves_of_models(
                     marker="o" if points else None,
                     ms=4,
                     lw=0 if points else 1.8,
-                    **(line_style_of_model(model) | ({"ls": ":"} if rest else {})),
+                    **(color_and_line_style_of_model(model) | ({"ls": ":"} if rest else {})),
                     label=f"{title_of_model_in_figures(model)} {rest}".strip(),
                 )
             axes.set_title(title)
             axes.set_xlabel(xlabel)
             if zero:
-                axes.axhline(0, color=FAINT, lw=0.8)
+                axes.axhline(0, color=COLOR_OF_AXES_AND_NOTES, lw=0.8)
         for axes in grid[:, 0]:
             axes.set_ylabel(ylabel)
         for axes in grid.flat[len(panels) :]:
@@ -133,7 +149,9 @@ def draw_curves_of_models(
     return figure
 
 
-def draw_rim_displacements(own: Mapping[str, Curve], one: Mapping[str, Curve]) -> Figure:
+def draw_rim_displacements(
+    own: Mapping[str, AbscissasAndOrdinatesOfCurve], one: Mapping[str, AbscissasAndOrdinatesOfCurve]
+) -> Figure:
     """Displacement around the rim in polar axes, with inward displacements towards the centre.
 
     Parameters
@@ -153,7 +171,7 @@ def draw_rim_displacements(own: Mapping[str, Curve], one: Mapping[str, Curve]) -
             {f"{model} both shoes": _curve_in_mm(z) for model, z in one.items()},
         ),
     )
-    with mpl.rc_context(STYLE):
+    with mpl.rc_context(MATPLOTLIB_SETTINGS_FOR_PRINT):
         figure = make_figure_for_print(4.2)
         grid = figure.subplots(1, len(panels), squeeze=False, subplot_kw={"projection": "polar"})
         # Room inside and outside the rim for the largest displacement.
@@ -167,7 +185,7 @@ def draw_rim_displacements(own: Mapping[str, Curve], one: Mapping[str, Curve]) -
                     theta,
                     -z,
                     lw=1.8,
-                    **(line_style_of_model(model) | {"ls": style}),
+                    **(color_and_line_style_of_model(model) | {"ls": style}),
                     label=f"{title_of_model_in_figures(model)}, {rest}",
                 )
             axes.set_ylim(-3 * largest, 1.3 * largest)
@@ -183,29 +201,29 @@ def draw_rim_displacements(own: Mapping[str, Curve], one: Mapping[str, Curve]) -
     return figure
 
 
-def _curve_in_mm(curve: Curve) -> Curve:
+def _curve_in_mm(curve: AbscissasAndOrdinatesOfCurve) -> AbscissasAndOrdinatesOfCurve:
     """A curve in m as a curve in mm."""
     theta, z = curve
     return theta, z * 1e3
 
 
 def draw_error_maps(
-    rows: Sequence[Sequence[ErrorMap]], mark: Sequence[tuple[float, float]]
+    rows: Sequence[Sequence[TorqueErrorMapOverStiffnessGroups]], mark: Sequence[tuple[float, float]]
 ) -> Figure:
     """Maps of errors. A cell is one pair of solutions with its error in %.
 
     Parameters
     ----------
-    rows : sequence of sequences of ErrorMap
+    rows : sequence of sequences of TorqueErrorMapOverStiffnessGroups
         The maps of each row.
     mark : sequence of pairs
         In each row the place of the study's own brake.
     """
-    with mpl.rc_context(STYLE):
+    with mpl.rc_context(MATPLOTLIB_SETTINGS_FOR_PRINT):
         columns = len(rows[0])
         figure = make_figure_for_print(2.5 * len(rows) + 0.3)
         grid = figure.subplots(len(rows), columns, squeeze=False, sharex=True, sharey=True)
-        shades = ListedColormap(GRADES)
+        shades = ListedColormap(ERROR_SCALE_COLORS)
         norm = BoundaryNorm([0, 1, 2, 3, 4], 4)
         for line, panels, place in zip(grid, rows, mark, strict=True):
             for axes, one in zip(line, panels, strict=True):
@@ -248,7 +266,7 @@ def draw_error_maps(
             axes.set_xlabel(r"beam: $k R^4/EI$ [–]", fontsize=FORMULA_TEXT_SIZE)
         words = ("within 1 %", "within 5 %", "within 20 %", "beyond 20 %")
         handles = []
-        for shade, word in zip(GRADES, words, strict=True):
+        for shade, word in zip(ERROR_SCALE_COLORS, words, strict=True):
             handles.append(mpl.patches.Patch(color=shade, label=word))
         own = mpl.lines.Line2D(
             [], [], marker="s", ms=7, mfc="none", mec=INK, ls="", label="the study's own brake"

@@ -18,7 +18,12 @@ from drumlin import foundation
 from drumlin.base.files import write_text
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import read_brake
-from drumlin.comparison import COLUMNS, Comparison, solve_and_time_model, table_as_csv_text
+from drumlin.comparison import (
+    COLUMNS_OF_COMPARISON_TABLE,
+    ModelComparison,
+    solve_and_time_model,
+    table_as_csv_text,
+)
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.solve import solve
 from drumlin.report import figures as drawing
@@ -31,7 +36,14 @@ from drumlin.report.page import write_html_page
 from drumlin.report.plane_picture import draw_plane_fields_and_return_failure_reason
 from drumlin.response.norms import relative_error_of_number
 from drumlin_studies import post_brake_rows as post
-from drumlin_studies.post_brake_rows import ALL_LIFTS, POST_MODELS, Curve, ErrorMap, Merits, Offsets
+from drumlin_studies.post_brake_rows import (
+    LIFT_OPTION_WITH_ALL_EFFECTS,
+    POST_BRAKE_SOLVERS_BY_MODEL_NAME,
+    AbscissasAndOrdinatesOfCurve,
+    FiguresOfMeritOverFriction,
+    TorqueDifferencesOverRadiusOffset,
+    TorqueErrorMapOverStiffnessGroups,
+)
 
 HERE = Path(__file__).parent
 MERITS = {
@@ -48,17 +60,17 @@ class Result:
     The rows of the tables come from the module `post_brake_rows`.
     """
 
-    comparison: Comparison[Brake]
+    comparison: ModelComparison[Brake]
     lifts: list[dict[str, Any]]
     clearances: list[dict[str, Any]]
-    merits: Merits
-    offsets: Offsets
+    merits: FiguresOfMeritOverFriction
+    offsets: TorqueDifferencesOverRadiusOffset
     assumptions: list[dict[str, Any]]
-    maps: list[list[ErrorMap]]
+    maps: list[list[TorqueErrorMapOverStiffnessGroups]]
     place: list[tuple[float, float]]
     grids: list[dict[str, Any]]
-    beams: list[dict[str, Curve]]
-    rims: tuple[dict[str, Curve], dict[str, Curve]]
+    beams: list[dict[str, AbscissasAndOrdinatesOfCurve]]
+    rims: tuple[dict[str, AbscissasAndOrdinatesOfCurve], dict[str, AbscissasAndOrdinatesOfCurve]]
     elements: int
     seconds: float
 
@@ -76,9 +88,9 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
     outcomes = [
         solve_and_time_model("fem", partial(solve, brake, elements=elements), 1 if short else 3)
     ]
-    for name, model in POST_MODELS.items():
+    for name, model in POST_BRAKE_SOLVERS_BY_MODEL_NAME.items():
         outcomes.append(solve_and_time_model(name, partial(model, brake), repeats))
-    comparison = Comparison("fits", brake, tuple(outcomes))
+    comparison = ModelComparison("fits", brake, tuple(outcomes))
     responses = comparison.responses
     # One simplification after the other is removed from the foundation model.
     say("what each simplification is worth")
@@ -153,8 +165,10 @@ def report(result: Result, folder: Path) -> Path:
             "lifted": error["all"],
         },
         rows=comparison.rows,
-        columns=COLUMNS,
-        left_out=foundation.solve_brake_by_foundation_model(brake, lift=ALL_LIFTS).left_out,
+        columns=COLUMNS_OF_COMPARISON_TABLE,
+        left_out=foundation.solve_brake_by_foundation_model(
+            brake, lift=LIFT_OPTION_WITH_ALL_EFFECTS
+        ).left_out,
         not_drawn=not_drawn,
         file=(HERE / "brake.toml").read_text(),
     )

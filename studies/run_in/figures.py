@@ -14,13 +14,17 @@ from drumlin.lining_wear.archard import interpolate_wear_state_at_distance
 from drumlin.lining_wear.linings import WornLining
 from drumlin.lining_wear.run_in import peak_nodal_pressure_of_wear_state
 from drumlin.report.figures import (
-    STYLE,
+    MATPLOTLIB_SETTINGS_FOR_PRINT,
     draw_legend_below_figure,
     draw_triangles_where_curve_leaves_axes,
     make_figure_for_print,
 )
-from drumlin.report.palette import BLUE, FAINT, INK, RED
-from drumlin_studies.run_in_limits import EqualStepsEnd, Reversals, Run
+from drumlin.report.palette import BLUE, COLOR_OF_AXES_AND_NOTES, INK, RED
+from drumlin_studies.run_in_limits import (
+    LastStateOfEqualWearSteps,
+    WearRunUntilPressureSettles,
+    WearWithRegularDrumReversals,
+)
 
 NEW, LATE, LAW = BLUE, INK, RED
 DISTANCE = "sliding distance s [1/(k K)]"
@@ -36,13 +40,15 @@ class Series(NamedTuple):
     color: str | None = None
 
 
-def draw_pressures_over_distance(one: Run, curves: Sequence[float]) -> Figure:
+def draw_pressures_over_distance(
+    one: WearRunUntilPressureSettles, curves: Sequence[float]
+) -> Figure:
     """Pressure over angle and sliding distance, a row for each lining.
 
     curves : sliding distances of the curves [1/(k K)]; a picture beside them shows all distances.
     """
     setup, states = one.setup, one.states
-    with mpl.rc_context(STYLE):
+    with mpl.rc_context(MATPLOTLIB_SETTINGS_FOR_PRINT):
         rows = len(setup.surfaces)
         figure = make_figure_for_print(2.2 * rows + 0.5)
         grid = figure.subplots(rows, 2, squeeze=False, width_ratios=(1.0, 1.0))
@@ -78,19 +84,23 @@ def draw_pressures_over_distance(one: Run, curves: Sequence[float]) -> Figure:
         # The legend is taken from the panel with the most different labels.
         named = max(grid[:, 0], key=lambda axes: len(set(axes.get_legend_handles_labels()[1])))
         if _has_lining_without_contact_anywhere(one):
-            named.plot([], [], "s", mfc="white", mec=FAINT, label="white: no contact")
+            named.plot(
+                [], [], "s", mfc="white", mec=COLOR_OF_AXES_AND_NOTES, label="white: no contact"
+            )
         draw_legend_below_figure(figure, named)
         bar = mpl.cm.ScalarMappable(mpl.colors.Normalize(0, top * 1e-6), "viridis")
         figure.colorbar(bar, ax=grid[:, 1].tolist(), label="pressure p [MPa]", shrink=0.8)
     return figure
 
 
-def _has_lining_without_contact_anywhere(one: Run) -> bool:
+def _has_lining_without_contact_anywhere(one: WearRunUntilPressureSettles) -> bool:
     """Whether a place of a lining is out of contact in a state of the run."""
     return any(bool((state.pressure <= 0).any()) for state in one.states)
 
 
-def _draw_pressure_map(axes: Axes, one: Run, surface: WornLining, top: float) -> None:
+def _draw_pressure_map(
+    axes: Axes, one: WearRunUntilPressureSettles, surface: WornLining, top: float
+) -> None:
     """Draw p over angle and logarithm of the distance. Places without contact are white."""
     # Distances evenly spread on a logarithmic scale, over four decades.
     end = one.states[-1].s / one.unit
@@ -118,7 +128,7 @@ def _draw_pressure_map(axes: Axes, one: Run, surface: WornLining, top: float) ->
     axes.grid(False)
 
 
-def draw_torques_over_distance(runs: Sequence[Run]) -> Figure:
+def draw_torques_over_distance(runs: Sequence[WearRunUntilPressureSettles]) -> Figure:
     """Relative difference of the torque from the law over the distance, a line for each run."""
     return draw_lines_over_distance(
         [torque_error_series(one, one.name) for one in runs],
@@ -128,7 +138,9 @@ def draw_torques_over_distance(runs: Sequence[Run]) -> Figure:
     )
 
 
-def torque_error_series(one: Run, label: str, color: str | None = None) -> Series:
+def torque_error_series(
+    one: WearRunUntilPressureSettles, label: str, color: str | None = None
+) -> Series:
     """Torque off the law [%] over the distance."""
     return Series(
         label,
@@ -138,7 +150,7 @@ def torque_error_series(one: Run, label: str, color: str | None = None) -> Serie
     )
 
 
-def draw_held_force(one: Run) -> Figure:
+def draw_held_force(one: WearRunUntilPressureSettles) -> Figure:
     """The force that holds the law's torque."""
     force = []
     for state in one.states:
@@ -147,7 +159,9 @@ def draw_held_force(one: Run) -> Figure:
     return draw_lines_over_distance([series], "force off the brake's own [%]", law="law: no change")
 
 
-def draw_reversals(main: Run, turned: Reversals) -> Figure:
+def draw_reversals(
+    main: WearRunUntilPressureSettles, turned: WearWithRegularDrumReversals
+) -> Figure:
     """Torque and pressure of the main brake off its laws as the drum turns both ways."""
     one = replace(main, states=turned.states)
     far = Series(
@@ -173,7 +187,7 @@ def draw_lines_over_distance(
     log: bool = True,
 ) -> Figure:
     """Lines over the sliding distance; a line at 0 called `law`, with a band about it."""
-    with mpl.rc_context(STYLE):
+    with mpl.rc_context(MATPLOTLIB_SETTINGS_FOR_PRINT):
         figure = make_figure_for_print(3.4)
         axes = figure.subplots()
         if law is not None:
@@ -199,13 +213,13 @@ def draw_lines_over_distance(
     return figure
 
 
-def draw_worn_profiles(one: Run, curves: Sequence[float]) -> Figure:
+def draw_worn_profiles(one: WearRunUntilPressureSettles, curves: Sequence[float]) -> Figure:
     """Worn depth over the angle at some distances, and the arcs in contact over the distance.
 
     Each lining has a column.
     """
     setup, states, unit = one.setup, one.states, one.unit
-    with mpl.rc_context(STYLE):
+    with mpl.rc_context(MATPLOTLIB_SETTINGS_FOR_PRINT):
         figure = make_figure_for_print(4.4)
         grid = figure.subplots(2, len(setup.surfaces), squeeze=False, sharey="row", sharex="col")
         shades = mpl.colormaps["viridis_r"](np.linspace(0.12, 1.0, len(curves)))
@@ -240,12 +254,12 @@ def draw_worn_profiles(one: Run, curves: Sequence[float]) -> Figure:
     return figure
 
 
-def draw_checkerboards(surface: WornLining, boards: Sequence[EqualStepsEnd]) -> Figure:
+def draw_checkerboards(surface: WornLining, boards: Sequence[LastStateOfEqualWearSteps]) -> Figure:
     """Nodal pressures of the most loaded third of a lining, a panel for each way to step.
 
     Titles tell the checkerboard of the pressure.
     """
-    with mpl.rc_context(STYLE):
+    with mpl.rc_context(MATPLOTLIB_SETTINGS_FOR_PRINT):
         figure = make_figure_for_print(2.8)
         grid = figure.subplots(1, len(boards), sharey=True, squeeze=False)[0]
         theta = np.degrees(surface.contact_angles_in_growing_order)

@@ -17,11 +17,13 @@ from studies.run_in.figures import DISTANCE, LATE, LAW, NEW
 from drumlin.base.files import temporary_file_replacing_output
 from drumlin.lining_wear.linings import WearSetup
 from drumlin.lining_wear.run_in import peak_nodal_pressure_of_wear_state
-from drumlin.report.figures import SCREEN_STYLE
-from drumlin_studies.run_in_limits import Run, RunFrame
+from drumlin.report.figures import MATPLOTLIB_SETTINGS_FOR_SCREEN
+from drumlin_studies.run_in_limits import AnimationFrameOfWearRun, WearRunUntilPressureSettles
 
 
-def write_film(one: Run, frames: Sequence[RunFrame], path: Path) -> Path:
+def write_film(
+    one: WearRunUntilPressureSettles, frames: Sequence[AnimationFrameOfWearRun], path: Path
+) -> Path:
     """Write a GIF of shoes that run in, and return its path.
 
     It shows the deformed shoes with their stress, and the pressure on the drum and over the angle.
@@ -53,7 +55,10 @@ def write_film(one: Run, frames: Sequence[RunFrame], path: Path) -> Path:
 
 
 def _draw_frame(
-    one: Run, frames: Sequence[RunFrame], number: int, scales: tuple[float, float, float]
+    one: WearRunUntilPressureSettles,
+    frames: Sequence[AnimationFrameOfWearRun],
+    number: int,
+    scales: tuple[float, float, float],
 ) -> Figure:
     """One picture of the film.
 
@@ -61,7 +66,7 @@ def _draw_frame(
     """
     setup, goal, unit = one.setup, one.goal, one.unit
     state, top = frames[number].state, scales[0]
-    with mpl.rc_context(SCREEN_STYLE):
+    with mpl.rc_context(MATPLOTLIB_SETTINGS_FOR_SCREEN):
         figure = Figure(figsize=(10.4, 5.4), layout="constrained")
         left, right = np.asarray(figure.subfigures(1, 2, width_ratios=(1.0, 0.95)), dtype=object)
         _draw_deformed_shoes(left.subplots(), setup, frames[number], frames[0].turns, scales)
@@ -109,7 +114,7 @@ def _draw_frame(
 def _draw_deformed_shoes(
     axes: Axes,
     setup: WearSetup,
-    frame: RunFrame,
+    frame: AnimationFrameOfWearRun,
     first: Sequence[float],
     scales: tuple[float, float, float],
 ) -> None:
@@ -153,7 +158,7 @@ def _draw_deformed_shoes(
         # Bars along the drum show the pressure.
         spread = np.linspace(theta[0], theta[-1], 70)
         tall = np.interp(spread, theta, p) / top * 0.3 * radius
-        sign = brake.shoes[surface.shoe].sign
+        sign = brake.shoes[surface.shoe].sign_internal_plus_external_minus
         ray = np.column_stack([np.cos(spread), np.sin(spread)])
         bars = np.stack([ray * radius, ray * (radius + sign * tall)[:, None]], axis=1)
         axes.add_collection(LineCollection(list(bars * 1e3), colors=LAW, linewidths=2.2))

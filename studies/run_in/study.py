@@ -13,7 +13,7 @@ from drumlin.base.errors import BadInput
 from drumlin.base.files import write_text
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import read_brake
-from drumlin.brake.plane_brake import read_any
+from drumlin.brake.plane_brake import read_drum_or_plane_brake
 from drumlin.comparison import table_as_csv_text
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.lining_wear.linings import wear_setup_by_finite_elements
@@ -21,7 +21,12 @@ from drumlin.lining_wear.run_in import relative_differences_from_end_of_wear
 from drumlin.report import figures as drawing
 from drumlin.report.page import write_html_page
 from drumlin_studies import run_in_limits as limits
-from drumlin_studies.run_in_limits import EqualStepsEnd, Reversals, Run, RunFrame
+from drumlin_studies.run_in_limits import (
+    AnimationFrameOfWearRun,
+    LastStateOfEqualWearSteps,
+    WearRunUntilPressureSettles,
+    WearWithRegularDrumReversals,
+)
 from drumlin_studies.tables import (
     rows_that_have_value_of_key,
     rows_with_given_values,
@@ -63,18 +68,18 @@ class Result:
     The rows of the tables come from the module `run_in_limits`.
     """
 
-    main: Run
-    flexible: Run
-    runs: list[Run]
+    main: WearRunUntilPressureSettles
+    flexible: WearRunUntilPressureSettles
+    runs: list[WearRunUntilPressureSettles]
     brakes: list[dict[str, Any]]
     ratios: list[dict[str, Any]]
     halves: list[dict[str, Any]]
     exponents: list[dict[str, Any]]
-    held: Run
-    reversals: list[Reversals]
+    held: WearRunUntilPressureSettles
+    reversals: list[WearWithRegularDrumReversals]
     steps: list[dict[str, Any]]
-    boards: list[EqualStepsEnd]
-    frames: list[RunFrame]
+    boards: list[LastStateOfEqualWearSteps]
+    frames: list[AnimationFrameOfWearRun]
     skipped: list[str]
     seconds: float
 
@@ -86,7 +91,7 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
     """
     start = time.perf_counter()
     elements = 30 if short else 80
-    runs, brakes = list[Run](), list[dict[str, Any]]()
+    runs, brakes = list[WearRunUntilPressureSettles](), list[dict[str, Any]]()
     found, skipped = brakes_that_run_in(short=short)
     for name, model, brake in found:
         say(f"{name}, {model}")
@@ -126,7 +131,7 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
         )
     # Implicit and explicit steps of equal sizes.
     say("steps")
-    steps, boards = limits.rows_and_ends_of_wear_runs_in_equal_steps(main, END, STEPS)
+    steps, boards = limits.rows_and_last_states_of_wear_runs_in_equal_steps(main, END, STEPS)
     say("film")
     frames = limits.animation_frames_of_run(scene, main, 6 if short else 40)
     return Result(
@@ -155,7 +160,7 @@ def brakes_that_run_in(*, short: bool) -> tuple[list[tuple[str, str, Brake]], li
         if short and name not in SHORT:
             continue
         try:
-            brake = read_any(path)
+            brake = read_drum_or_plane_brake(path)
         except BadInput:
             # The file is no brake.
             continue
@@ -199,7 +204,7 @@ def report(result: Result, folder: Path) -> Path:
         result=result,
         stiff=limits.table_row_of_wear_run_until_settled(result.main),
         soft=limits.table_row_of_wear_run_until_settled(result.flexible),
-        met=len(rows_with_given_values(result.brakes, status=limits.AT_LAW)),
+        met=len(rows_with_given_values(result.brakes, status=limits.STATUS_OF_RUN_ENDING_AT_LAW)),
         within=(limits.PRESSURE_AT_LAW, limits.TORQUE_AT_LAW),
         least=least,
         far=far,
@@ -211,16 +216,21 @@ def report(result: Result, folder: Path) -> Path:
     )
 
 
-def draw_figures(result: Result, least: Run, reversal: Reversals, folder: Path) -> None:
+def draw_figures(
+    result: Result,
+    least: WearRunUntilPressureSettles,
+    reversal: WearWithRegularDrumReversals,
+    folder: Path,
+) -> None:
     """Write the figures and the film.
 
     Parameters
     ----------
     result : Result
         Everything that the report shows.
-    least : Run
+    least : WearRunUntilPressureSettles
         The brake with the smallest contact when new.
-    reversal : Reversals
+    reversal : WearWithRegularDrumReversals
         The run with reversals that is drawn.
     folder : Path
         Folder of the report.

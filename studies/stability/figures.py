@@ -10,7 +10,7 @@ from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch, Rectangle
 
-from drumlin.report.figures import SCREEN_STYLE, draw_legend_below_figure
+from drumlin.report.figures import MATPLOTLIB_SETTINGS_FOR_SCREEN, draw_legend_below_figure
 from drumlin.report.palette import (
     BLUE,
     BROWN,
@@ -50,7 +50,7 @@ Row = Mapping[str, Any]
 
 def draw_outcome_strips(rows: Sequence[Row], knobs: Sequence[str]) -> Figure:
     """The cases of each sweep as cells of a line, coloured by outcome, with their digits."""
-    with mpl.rc_context(SCREEN_STYLE | {"axes.grid": False}):
+    with mpl.rc_context(MATPLOTLIB_SETTINGS_FOR_SCREEN | {"axes.grid": False}):
         longest = max(len(rows_with_given_values(rows, knob=knob)) for knob in knobs)
         figure = Figure(figsize=(12.5, 0.36 * len(knobs) + 1.5), layout="constrained")
         axes = figure.subplots()
@@ -84,7 +84,7 @@ def draw_outcome_grids(rows: Sequence[Row], x: str, y: str, labels: tuple[str, s
     """Outcome and digits over two knobs, with even distances of their values."""
     knobs = values_of_key_in_rows(rows, "knobs")
     across, up = (sorted(set(values_of_key_in_rows(knobs, name))) for name in (x, y))
-    with mpl.rc_context(SCREEN_STYLE | {"axes.grid": False}):
+    with mpl.rc_context(MATPLOTLIB_SETTINGS_FOR_SCREEN | {"axes.grid": False}):
         figure = Figure(figsize=(12.5, 0.36 * len(up) + 2.1), layout="constrained")
         left, right = figure.subplots(1, 2, sharey=True)
         norm = BoundaryNorm(LEVELS, DIGITS.N)
@@ -124,7 +124,7 @@ def draw_digits_over_condition(rows: Sequence[Row]) -> Figure:
 
     A line shows the digits that the condition leaves to double precision.
     """
-    with mpl.rc_context(SCREEN_STYLE):
+    with mpl.rc_context(MATPLOTLIB_SETTINGS_FOR_SCREEN):
         figure = Figure(figsize=(7.2, 4.2), layout="constrained")
         axes = figure.subplots()
         for again, color, label in (
@@ -162,7 +162,7 @@ def draw_digits_over_condition(rows: Sequence[Row]) -> Figure:
 
 def draw_change_by_penalty(series: Mapping[str, Sequence[tuple[float, float]]]) -> Figure:
     """Relative change of the torque by a finite penalty, over the penalty, and a slope of -1."""
-    with mpl.rc_context(SCREEN_STYLE):
+    with mpl.rc_context(MATPLOTLIB_SETTINGS_FOR_SCREEN):
         figure = Figure(figsize=(7.2, 4.2), layout="constrained")
         axes = figure.subplots()
         for (name, values), marker, color in zip(series.items(), "os", (BLUE, RED), strict=False):
@@ -195,7 +195,7 @@ def draw_locking_limits(
     law : float
         Friction that locks the brake by the sine law.
     """
-    with mpl.rc_context(SCREEN_STYLE):
+    with mpl.rc_context(MATPLOTLIB_SETTINGS_FOR_SCREEN):
         figure = Figure(figsize=(5.2 * len(panels), 3.6), layout="constrained")
         grid = figure.subplots(1, len(panels), squeeze=False, sharey=True)
         for axes, (part, curves) in zip(grid.flat, panels, strict=True):
@@ -215,7 +215,7 @@ def draw_torque_poles(rows: Sequence[Row]) -> Figure:
 
     rows : `name`, `mu`, `torque` [N m], `mu_lock`, `law_mu`, `law_torque` [N m], `law`.
     """
-    with mpl.rc_context(SCREEN_STYLE):
+    with mpl.rc_context(MATPLOTLIB_SETTINGS_FOR_SCREEN):
         figure = Figure(figsize=(10.4, 3.8), layout="constrained")
         left, right = figure.subplots(1, 2)
         highest = 6e3

@@ -7,9 +7,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from drumlin.base.journal import Journal
+from drumlin.base.journal import JournalOfCaseResults
 from drumlin.brake.file import read_brake, vary
-from drumlin.fem.model import PENALTY
+from drumlin.fem.model import DEFAULT_PENALTY_FACTOR
 from drumlin_studies.self_locking import (
     row_of_self_locking_friction,
     row_of_torque_curves_by_friction,
@@ -24,11 +24,11 @@ THICKNESSES = (8e-3, 3e-3, 1e-3)
 RING = {"thickness": 0.015, "width": 0.04, "material": {"E": 120e9, "nu": 0.25}, "support": "free"}
 WAYS = ("locking", "opposed")
 SLOPES: dict[str, tuple[dict[str, Any], float]] = {
-    "stiff shoes": ({}, PENALTY),
-    "clockwise": ({"rotation": "clockwise"}, PENALTY),
-    "with a free ring": ({"drum.ring": RING}, PENALTY),
+    "stiff shoes": ({}, DEFAULT_PENALTY_FACTOR),
+    "clockwise": ({"rotation": "clockwise"}, DEFAULT_PENALTY_FACTOR),
+    "with a free ring": ({"drum.ring": RING}, DEFAULT_PENALTY_FACTOR),
     "clearance, soft contact": ({"shoe.lining.clearance": 1e-5}, 100.0),
-    "friction 0.6": ({"friction": 0.6}, PENALTY),
+    "friction 0.6": ({"friction": 0.6}, DEFAULT_PENALTY_FACTOR),
 }
 """Changes of the brake and penalty factor of each table of slopes, by name."""
 
@@ -62,7 +62,10 @@ class Result(NamedTuple):
 
 
 def study(
-    journal: Journal, *, short: bool = False, say: Callable[[str], None] = lambda _: None
+    journal: JournalOfCaseResults,
+    *,
+    short: bool = False,
+    say: Callable[[str], None] = lambda _: None,
 ) -> Result:
     """Compute all rows, each a case of the journal.
 
@@ -78,7 +81,7 @@ def study(
         for key, value in case.items():
             if "." in key:
                 changes[key] = value
-        return journal.get_or_compute_result(
+        return journal.get_or_compute_case_result(
             {"of": "limit", **case},
             lambda: (
                 row_of_self_locking_friction(vary(brake, changes), case.get("n", elements)) | case
@@ -111,7 +114,7 @@ def study(
     say("torque up to the limit")
     drums = {"rigid drum": brake, "with a free ring": vary(brake, {"drum.ring": RING})}
     torque = [
-        journal.get_or_compute_result(
+        journal.get_or_compute_case_result(
             {"of": "torque", "ring": name != "rigid drum", "n": elements},
             partial(row_of_torque_curves_by_friction, drum, name, elements),
         )
@@ -124,7 +127,7 @@ def study(
         for way in WAYS:
             case = {"of": "unique", "seed": k, "way": way, "n": elements}
             unique.append(
-                journal.get_or_compute_result(
+                journal.get_or_compute_case_result(
                     case, partial(row_on_uniqueness_of_contact_solutions, k, way)
                 )
             )
@@ -135,7 +138,9 @@ def study(
             rows_of_torque_slopes_and_differences, vary(brake, changes), name, penalty
         )
         computed = partial(_rows_for_journal, compute)
-        slopes += journal.get_or_compute_result({"of": "slopes", "name": name}, computed)["rows"]
+        slopes += journal.get_or_compute_case_result({"of": "slopes", "name": name}, computed)[
+            "rows"
+        ]
     return Result(shoe, ring, rigid, mesh, torque, unique, slopes)
 
 

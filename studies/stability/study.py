@@ -15,14 +15,14 @@ from typing import Any, NamedTuple
 from studies.stability import figures, locking, ways
 
 from drumlin.base.files import write_text
-from drumlin.base.journal import Journal
+from drumlin.base.journal import JournalOfCaseResults
 from drumlin.comparison import table_as_csv_text
 from drumlin.report.figures import save_figure
 from drumlin.report.page import write_html_page
 from drumlin_studies import consistency, self_locking
 from drumlin_studies.extreme_cases import all_extreme_cases
 from drumlin_studies.outcomes import (
-    POINTWISE_OUTCOMES,
+    OUTCOMES_OF_POINTWISE_PENALTY_TRIALS,
     count_row_values_by_varied_quantity,
     log_slope_of_error_over_penalty,
     relative_torque_changes_due_to_penalty,
@@ -37,11 +37,11 @@ from drumlin_studies.tables import (
     values_of_key_in_rows,
 )
 from drumlin_studies.trial import (
-    ANSWERS,
-    LARGEST_RESIDUAL,
-    REFUSALS,
-    TORQUE_DIGITS,
-    TRIAL_OUTCOMES,
+    ALL_TRIAL_OUTCOMES,
+    LARGEST_RELATIVE_RESIDUAL_OF_RIGHT_ANSWER,
+    REFUSAL_OUTCOMES_BY_MESSAGE_WORDS,
+    TORQUE_DIGITS_THAT_AGREE_WITH_REFINED_SOLUTION,
+    TRIAL_OUTCOMES_WITH_ANSWER,
     solve_and_judge_case,
 )
 
@@ -75,7 +75,7 @@ class Result(NamedTuple):
         A row for each case.
     locked : locking.Result
         Tables on self-locking.
-    compared : list of Check
+    compared : list of TwoPathComparison
         Comparisons of two paths to one quantity.
     seconds : float
         Run time of the study [s].
@@ -83,7 +83,7 @@ class Result(NamedTuple):
 
     rows: list[Row]
     locked: locking.Result
-    compared: list[consistency.Check]
+    compared: list[consistency.TwoPathComparison]
     seconds: float
 
 
@@ -91,14 +91,14 @@ def study(
     *,
     short: bool = False,
     say: Callable[[str], None] = lambda _: None,
-    journal: Journal | None = None,
+    journal: JournalOfCaseResults | None = None,
 ) -> Result:
     """Solve every case with extreme inputs, in two processes.
 
     short : trial run with some 70 cases, all solved in this process.
     """
     start = time.perf_counter()
-    journal = journal or Journal()
+    journal = journal or JournalOfCaseResults()
     # Cases whose results an earlier run left in the journal are not solved again.
     keys = {case: {"case": repr(case)} for case in all_extreme_cases(short=short)}
     left = [case for case, key in keys.items() if key not in journal]
@@ -156,7 +156,7 @@ def report(result: Result, folder: Path) -> Path:
         ways_counted.append(count._asdict())
     below = []
     for row in known:
-        if row["digits"] < min(TORQUE_DIGITS, row["allowed"]):
+        if row["digits"] < min(TORQUE_DIGITS_THAT_AGREE_WITH_REFINED_SOLUTION, row["allowed"]):
             below.append(row)
     return write_html_page(
         HERE / "page.html",
@@ -165,17 +165,19 @@ def report(result: Result, folder: Path) -> Path:
         rows=rows,
         **_rows_by_ending(rows),
         faults=trial_rows_with_fault_as_outcome(rows),
-        residual=LARGEST_RESIDUAL,
-        required=TORQUE_DIGITS,
+        residual=LARGEST_RELATIVE_RESIDUAL_OF_RIGHT_ANSWER,
+        required=TORQUE_DIGITS_THAT_AGREE_WITH_REFINED_SOLUTION,
         grids=grids,
-        outcome_names=TRIAL_OUTCOMES,
-        outcomes=count_row_values_by_varied_quantity(rows, "outcome", TRIAL_OUTCOMES),
+        outcome_names=ALL_TRIAL_OUTCOMES,
+        outcomes=count_row_values_by_varied_quantity(rows, "outcome", ALL_TRIAL_OUTCOMES),
         known=known,
         median_digits=statistics.median(values_of_key_in_rows(known, "digits")),
         below=below,
         worst=rows_with_fewest_correct_digits(rows),
-        pointwise_names=POINTWISE_OUTCOMES,
-        pointwise=count_row_values_by_varied_quantity(rows, "pointwise", POINTWISE_OUTCOMES),
+        pointwise_names=OUTCOMES_OF_POINTWISE_PENALTY_TRIALS,
+        pointwise=count_row_values_by_varied_quantity(
+            rows, "pointwise", OUTCOMES_OF_POINTWISE_PENALTY_TRIALS
+        ),
         penalties=trial_rows_with_varied_penalty(rows) if swept else [],
         stiff=max(changes, default=None),
         slopes=slopes,
@@ -191,9 +193,9 @@ def _rows_by_ending(rows: list[Row]) -> dict[str, list[Row]]:
     """The rows with an answer, those refused for a stated reason, and all without an answer."""
     endings: dict[str, list[Row]] = {"answers": [], "refused": [], "unanswered": []}
     for row in rows:
-        has_answer = row["outcome"] in ANSWERS
+        has_answer = row["outcome"] in TRIAL_OUTCOMES_WITH_ANSWER
         endings["answers" if has_answer else "unanswered"].append(row)
-        if row["outcome"] in (*REFUSALS.values(), "bad input"):
+        if row["outcome"] in (*REFUSAL_OUTCOMES_BY_MESSAGE_WORDS.values(), "bad input"):
             endings["refused"].append(row)
     return endings
 

@@ -6,7 +6,7 @@ from functools import partial
 from multiprocessing import get_context
 from typing import Any, NamedTuple
 
-from drumlin.base.journal import Journal
+from drumlin.base.journal import JournalOfCaseResults
 from drumlin_studies import (
     consistency_blocks,
     consistency_hold,
@@ -14,7 +14,7 @@ from drumlin_studies import (
     consistency_slopes,
     consistency_wear,
 )
-from drumlin_studies.consistency import Check
+from drumlin_studies.consistency import TwoPathComparison
 
 WORKERS = 2
 """Number of processes."""
@@ -26,7 +26,7 @@ class PathCheck(NamedTuple):
     """A check on random brakes: its title, the rows of a seed, and the number of brakes."""
 
     title: str
-    checks: Callable[[int], list[Check]]
+    checks: Callable[[int], list[TwoPathComparison]]
     brakes: int
 
 
@@ -60,8 +60,11 @@ PATH_CHECKS = {
 
 
 def study(
-    journal: Journal, *, short: bool = False, say: Callable[[str], None] = lambda _: None
-) -> list[Check]:
+    journal: JournalOfCaseResults,
+    *,
+    short: bool = False,
+    say: Callable[[str], None] = lambda _: None,
+) -> list[TwoPathComparison]:
     """All comparisons, in two processes.
 
     short : whether two brakes of each check, in this process, are enough.
@@ -86,7 +89,7 @@ def study(
                     journal.add(keys[seed], row)
                     if done % 50 == 0:
                         say(f"{way.title}: {done} of {len(left)}")
-        rows += [Check(**row) for key in keys.values() for row in journal[key]["rows"]]
+        rows += [TwoPathComparison(**row) for key in keys.values() for row in journal[key]["rows"]]
     return rows
 
 

@@ -7,16 +7,20 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
 
-from drumlin.report.figures import STYLE, draw_legend_below_figure, make_figure_for_print
+from drumlin.report.figures import (
+    MATPLOTLIB_SETTINGS_FOR_PRINT,
+    draw_legend_below_figure,
+    make_figure_for_print,
+)
 from drumlin.report.palette import BLUE, GREEN, INK, OCHRE
-from drumlin_studies.throughput import Throughput, torques_of_solved_sweep_cases
+from drumlin_studies.throughput import MeasuredTimeOfSweep, torques_of_solved_sweep_cases
 
 COLORS = {"processes": BLUE, "Dask workers": OCHRE, "Dask workers that keep memory": GREEN}
 
 
-def draw_throughput(measured: Mapping[str, Sequence[Throughput]]) -> Figure:
+def draw_throughput(measured: Mapping[str, Sequence[MeasuredTimeOfSweep]]) -> Figure:
     """Cases a second as bars, a panel for each sweep."""
-    with mpl.rc_context(STYLE):
+    with mpl.rc_context(MATPLOTLIB_SETTINGS_FOR_PRINT):
         figure = make_figure_for_print(2.6)
         for axes, (name, those) in zip(figure.subplots(1, 2), measured.items(), strict=True):
             for place, one in enumerate(those):
@@ -45,12 +49,12 @@ def draw_throughput(measured: Mapping[str, Sequence[Throughput]]) -> Figure:
     return figure
 
 
-def draw_torque_distributions(measured: Mapping[str, Sequence[Throughput]]) -> Figure:
+def draw_torque_distributions(measured: Mapping[str, Sequence[MeasuredTimeOfSweep]]) -> Figure:
     """Distribution of the torque, a panel for each sweep.
 
     Lines show the median and the 2.5 and 97.5 percentiles.
     """
-    with mpl.rc_context(STYLE):
+    with mpl.rc_context(MATPLOTLIB_SETTINGS_FOR_PRINT):
         figure = make_figure_for_print(2.6)
         panels = figure.subplots(1, 2, sharex=True)
         for axes, (name, those), color in zip(panels, measured.items(), (BLUE, GREEN), strict=True):

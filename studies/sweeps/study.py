@@ -17,21 +17,21 @@ from studies.sweeps import figures
 from drumlin.base.files import write_text
 from drumlin.report import figures as drawing
 from drumlin.report.page import write_html_page
-from drumlin.sweeps.cases import Row, solve_all_cases_of_sweep
+from drumlin.sweeps.cases import CaseResultsByName, solve_all_cases_of_sweep
 from drumlin.sweeps.file import Sweep, read_sweep_from_toml_file
 from drumlin.sweeps.sample import positions_of_sample_cases
 from drumlin.sweeps.table import table_lines_of_cases, write_table_file
 from drumlin_studies.throughput import (
-    KEEP,
-    Kill,
-    Throughput,
+    ENVIRONMENT_THAT_KEEPS_FREED_MEMORY,
+    KilledSweepRun,
+    MeasuredTimeOfSweep,
     kill_and_finish_sweep,
     measure_time_of_sweep_by_dask_keeping_memory,
     measure_time_of_sweep_by_dask_workers,
     measure_time_of_sweep_by_processes,
     row_of_torque_distribution,
     rows_of_cases_per_second,
-    rows_of_times_certified_by_sample,
+    rows_of_sweep_times_with_and_without_sample,
     time_and_error_rows_of_coarser_meshes,
 )
 
@@ -47,11 +47,11 @@ FINE = 160
 class Result:
     """All results that the report of this study shows."""
 
-    measured: dict[str, list[Throughput]]
+    measured: dict[str, list[MeasuredTimeOfSweep]]
     same: bool
-    sampled: list[Row]
-    meshes: list[Row]
-    kills: list[Kill]
+    sampled: list[CaseResultsByName]
+    meshes: list[CaseResultsByName]
+    kills: list[KilledSweepRun]
     killed_cases: int
     killed_same: bool
     sweeps: dict[str, Sweep]
@@ -76,7 +76,7 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
     )
     counts = {SHARED: 60 if short else 1000, OWN: 4 if short else 150}
     sweeps = {name: read_sweep_from_toml_file(HERE / file) for name, file in FILES.items()}
-    measured: dict[str, list[Throughput]] = {name: [] for name in sweeps}
+    measured: dict[str, list[MeasuredTimeOfSweep]] = {name: [] for name in sweeps}
     for name, sweep in sweeps.items():
         for way in ways:
             for workers in WORKERS:
@@ -87,7 +87,7 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
     say(f"{OWN}, certified by sample")
     own = sweeps[OWN].cases[: counts[OWN]]
     sample = positions_of_sample_cases(own, 3 if short else "every 10th", seed=1)
-    sampled = rows_of_times_certified_by_sample(
+    sampled = rows_of_sweep_times_with_and_without_sample(
         measured[OWN],
         [measure_time_of_sweep_by_processes(own, workers, sample) for workers in WORKERS],
     )
@@ -156,7 +156,9 @@ def report(result: Result, folder: Path) -> Path:
         ],
         kills=kills,
         with_dask=any(one.by != "processes" for those in result.measured.values() for one in those),
-        keep=" and ".join(f"{name}={value}" for name, value in KEEP.items()),
+        keep=" and ".join(
+            f"{name}={value}" for name, value in ENVIRONMENT_THAT_KEEPS_FREED_MEMORY.items()
+        ),
         fine=FINE,
         files=files,
     )

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 from drumlin.base.errors import NoAnswer
 from drumlin.base.files import write_text
-from drumlin.base.journal import Journal
+from drumlin.base.journal import JournalOfCaseResults
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import read_brake, vary
 from drumlin.comparison import table_as_csv_text
@@ -25,9 +25,15 @@ from drumlin_studies.orders import (
     largest_pressure_distance_of_shoes,
 )
 from drumlin_studies.random_brake import draw_random_brake
-from drumlin_studies.random_kinds import HOLDING_KINDS as KINDS_OF_HOLDING
+from drumlin_studies.random_kinds import (
+    FUNCTIONS_THAT_DRAW_BRAKE_DATA_BY_SUPPORT_KIND as KINDS_OF_HOLDING,
+)
 from drumlin_studies.random_kinds import draw_random_brake_of_support_kind
-from drumlin_studies.side_by_side import PROCESSES, Case, compute_cases_in_parallel_with_journal
+from drumlin_studies.side_by_side import (
+    NUMBER_OF_PROCESSES_OF_STUDY,
+    ComputationInput,
+    compute_cases_in_parallel_with_journal,
+)
 from drumlin_studies.stated_true import (
     JUDGED_TOLERANCES,
     row_of_stated_and_true_errors,
@@ -95,14 +101,14 @@ def study(
     *,
     short: bool = False,
     say: Callable[[str], None] = lambda _: None,
-    journal: Journal | None = None,
+    journal: JournalOfCaseResults | None = None,
 ) -> Result:
     """Compute all tables.
 
     short : trial run with coarser meshes and fewer brakes.
     """
     start = time.perf_counter()
-    journal = journal or Journal()
+    journal = journal or JournalOfCaseResults()
     sizes, fine, other = ((10, 20, 40), 120, 80) if short else ((20, 40, 80, 160), 640, 400)
     tolerances = (1e-2, 3e-3) if short else (1e-2, 3e-3, 1e-3, 3e-4)
     orders, estimates, floor = [], [], {}
@@ -125,7 +131,7 @@ def study(
     say("columns, level by level")
     levels = error_rows_of_hp_levels(read_brake(BRAKE))
     # Random brakes: each is solved to its tolerances and compared with its truth.
-    processes = 0 if short else PROCESSES
+    processes = 0 if short else NUMBER_OF_PROCESSES_OF_STUDY
     cases = []
     for seed in _seeds_of_setting(JUDGED, BRAKES, short):
         cases.append({"seed": seed, "tolerances": _tolerances_of_seed(seed, short=short)})
@@ -139,7 +145,7 @@ def study(
     count = 1 if short else CORNERS
     cases = []
     for k in range(count):
-        cases.append({"corner": corner_rows.FIRST_JUDGED + k})
+        cases.append({"corner": corner_rows.SEED_OF_FIRST_CORNER_BRAKE + k})
     say("random corners and tips")
     corners: list[dict[str, Any]] = []
     for found in compute_cases_in_parallel_with_journal(
@@ -148,7 +154,7 @@ def study(
         corners += found["rows"]
     # Problems whose answer is known from a formula or a source.
     say("benchmark ladder")
-    known = list(map(ladder.run_known_answer_case_and_return_row, ladder.LADDER_CASES))
+    known = list(map(ladder.run_known_answer_case_and_return_row, ladder.ALL_KNOWN_ANSWER_CASES))
     return Result(
         orders, levels, estimates, judged, corners, floor, known, time.perf_counter() - start
     )
@@ -166,7 +172,7 @@ def _tolerances_of_seed(seed: int, *, short: bool) -> list[float]:
     return list(JUDGED_TOLERANCES if seed % THIRD == 0 else JUDGED_TOLERANCES[:-1])
 
 
-def _corner_case_rows(case: Case) -> dict[str, Any]:
+def _corner_case_rows(case: ComputationInput) -> dict[str, Any]:
     """Stated and true errors of a brake that presses with a corner or under a tip."""
     return {"rows": corner_rows.rows_of_stated_and_true_errors_of_corner_brake(case["corner"])}
 
@@ -185,7 +191,7 @@ def _draw_brake(seed: int) -> Brake:
     return brake
 
 
-def _stated_and_true_rows(case: Case) -> dict[str, Any]:
+def _stated_and_true_rows(case: ComputationInput) -> dict[str, Any]:
     """Stated and true errors of a random brake, a row for each tolerance."""
     seed, tolerances = case["seed"], case["tolerances"]
     brake, failure, true = _draw_brake(seed), "", None
@@ -238,7 +244,7 @@ def report(result: Result, folder: Path) -> Path:
         cases=list(CASES),
         judged=summary_rows_of_stated_errors(result.judged),
         corners=corner_rows.error_summary_rows_by_kind(result.corners),
-        steep=corner_rows.STEEPEST_JUDGED,
+        steep=corner_rows.SMALLEST_JUDGED_PRESSURE_EXPONENT,
         independent=summary_rows_of_stated_errors(
             rows_with_given_values(result.judged, truth="triangles")
         ),

@@ -16,11 +16,11 @@ Floats = np.ndarray[Any, np.dtype[np.float64]]
 Ints = np.ndarray[Any, np.dtype[np.int64]]
 Bools = np.ndarray[Any, np.dtype[np.bool_]]
 Complexes = np.ndarray[Any, np.dtype[np.complex128]]
-Values = float | Floats
+NumberOrArray = float | Floats
 """The type of a number, or of an array that broadcasts with the other arguments of a function."""
 
 
-def slices_of_consecutive_parts(sizes: Iterable[int]) -> tuple[slice, ...]:
+def slices_from_lengths_of_consecutive_parts(sizes: Iterable[int]) -> tuple[slice, ...]:
     """The slices that cut an array into consecutive parts; `sizes` are the lengths of the parts."""
     return tuple(slice(a, b) for a, b in pairwise(accumulate(sizes, initial=0)))
 
@@ -49,7 +49,7 @@ def are_nested_values_with_arrays_equal(one: Any, other: Any) -> bool:
     return bool(one == other)
 
 
-class EqualByArrays:
+class BaseClassWithArrayEquality:
     """Base class of results whose fields hold arrays: results with equal fields are equal.
 
     The comparison that Python gives to dataclasses raises an error for arrays. Subclasses are

@@ -15,8 +15,19 @@ from drumlin.base.texts import printable_single_line
 
 # Names in the standard module errno of errors that say: no disk space, memory, open files or
 # processes are left.
-_SHORTAGES = ("ENOSPC", "EDQUOT", "EFBIG", "EIO", "ENOMEM", "EMFILE", "ENFILE", "EAGAIN")
-SHORT_OF = {getattr(errno, name) for name in _SHORTAGES if hasattr(errno, name)}
+_ERRNO_NAMES_OF_RESOURCE_SHORTAGE = (
+    "ENOSPC",
+    "EDQUOT",
+    "EFBIG",
+    "EIO",
+    "ENOMEM",
+    "EMFILE",
+    "ENFILE",
+    "EAGAIN",
+)
+ERROR_NUMBERS_OF_RESOURCE_SHORTAGE = {
+    getattr(errno, name) for name in _ERRNO_NAMES_OF_RESOURCE_SHORTAGE if hasattr(errno, name)
+}
 """Error numbers by which the operating system says that disk, memory, files or processes run out.
 
 drumlin reports them as NoAnswer and not as BadInput, because the user's input does not cause them.
@@ -49,7 +60,7 @@ class DrumlinError(Exception):
             self.command_line_text, self.args = line, (in_python,)
 
 
-ARGUMENTS_WITH_OTHER_NAMES = {
+PYTHON_ARGUMENTS_BY_DIFFERING_OPTION_NAME = {
     "from": "low",
     "to": "high",
     "no-model-error": "model_error=False",
@@ -68,7 +79,7 @@ def _text_with_options_replaced_by_python_arguments(text: str) -> str:
 
     def python_argument_name_of_matched_option(option: re.Match[str]) -> str:
         """The name of the argument for an option; option[1] is the option's name without dashes."""
-        return ARGUMENTS_WITH_OTHER_NAMES.get(option[1], option[1].replace("-", "_"))
+        return PYTHON_ARGUMENTS_BY_DIFFERING_OPTION_NAME.get(option[1], option[1].replace("-", "_"))
 
     return re.sub(r"(?<!\S)--([a-z][a-z-]*)", python_argument_name_of_matched_option, text)
 
@@ -89,14 +100,14 @@ class NoAnswer(DrumlinError):
     exit_status = 3
 
 
-class LostDigits(NoAnswer):
+class AnswerLostToRoundOff(NoAnswer):
     """Round-off hides an answer that exists.
 
     The cause is a brake whose stiffnesses or sizes differ by too many orders of magnitude.
     """
 
 
-class Stopped(BaseException):
+class StoppedBySignal(BaseException):
     """The exception for a signal of the operating system that asks the process to end.
 
     As an exception it lets `finally` blocks delete half-written files. It derives from
@@ -125,7 +136,7 @@ def exception_for_unusable_file(path: object, doing: str, error: BaseException) 
     doing : "read" or "written", the word in the message for what failed
     error : the exception of the operating system
     """
-    short = isinstance(error, OSError) and error.errno in SHORT_OF
+    short = isinstance(error, OSError) and error.errno in ERROR_NUMBERS_OF_RESOURCE_SHORTAGE
     kind = NoAnswer if short else BadInput
     return kind(f"{path}: cannot be {doing} ({system_message_of_error(error)})")
 
@@ -161,7 +172,7 @@ def _error_line_of_any_length_and_exit_status(error: BaseException) -> tuple[str
 
     The text may still be too long, or have line breaks.
     """
-    if isinstance(error, DrumlinError | Stopped):
+    if isinstance(error, DrumlinError | StoppedBySignal):
         line, status = text_of_error_for_command_line(error), error.exit_status
     elif isinstance(error, KeyboardInterrupt):
         line, status = "stopped", 130
@@ -179,7 +190,7 @@ def _error_line_of_any_length_and_exit_status(error: BaseException) -> tuple[str
     elif isinstance(error, OSError):
         where = "" if error.filename is None else f"{error.filename}: "
         line = f"{where}{system_message_of_error(error)}"
-        status = 3 if error.errno in SHORT_OF else 2
+        status = 3 if error.errno in ERROR_NUMBERS_OF_RESOURCE_SHORTAGE else 2
     else:
         # An unexpected exception is a fault of drumlin: the line names the file and its line.
         place = traceback.extract_tb(error.__traceback__)[-1:]

@@ -19,7 +19,7 @@ from pathlib import Path
 
 from drumlin.base.errors import BadInput, exception_for_unusable_file
 
-LONGEST_SUFFIX = 16
+LONGEST_TEMPORARY_FILE_SUFFIX = 16
 """Longest suffix, in characters, that a temporary file takes over from the file that it replaces.
 
 A longer suffix is left out, because the temporary name could become too long for the file system.
@@ -29,7 +29,9 @@ No program that reads the file needs such a suffix.
 # The input files, which must not be overwritten. Each is listed by its status on the disk, which is
 # the same under all names of a file. The list is None outside a block of
 # `protect_input_files_within_block`.
-_inputs: ContextVar[list[os.stat_result] | None] = ContextVar("inputs", default=None)
+_disk_statuses_of_protected_files: ContextVar[list[os.stat_result] | None] = ContextVar(
+    "inputs", default=None
+)
 
 
 @contextmanager
@@ -39,11 +41,11 @@ def protect_input_files_within_block() -> Iterator[None]:
     Input files are those that `read_bytes` reads in the block, and those that are given to
     `protect_file_from_being_overwritten`.
     """
-    token = _inputs.set([])
+    token = _disk_statuses_of_protected_files.set([])
     try:
         yield
     finally:
-        _inputs.reset(token)
+        _disk_statuses_of_protected_files.reset(token)
 
 
 def protect_file_from_being_overwritten(path: Path) -> None:
@@ -52,7 +54,7 @@ def protect_file_from_being_overwritten(path: Path) -> None:
     The protection lasts until the block of `protect_input_files_within_block` ends.
     It holds for all names of the file, such as links, which have the same number on the disk.
     """
-    inputs = _inputs.get()
+    inputs = _disk_statuses_of_protected_files.get()
     with suppress(OSError, ValueError):
         if inputs is not None and path.is_file():
             inputs.append(path.stat())
@@ -60,7 +62,9 @@ def protect_file_from_being_overwritten(path: Path) -> None:
 
 def _is_protected_input_file(status: os.stat_result) -> bool:
     """Whether the file with this status on the disk must not be overwritten or deleted."""
-    return any(os.path.samestat(status, each) for each in _inputs.get() or ())
+    return any(
+        os.path.samestat(status, each) for each in _disk_statuses_of_protected_files.get() or ()
+    )
 
 
 # The functions that read files follow.
@@ -209,7 +213,7 @@ def temporary_file_replacing_output(path: Path) -> Iterator[Path]:
         None if found is None else _pipe_or_stream_number_or_none_for_ordinary_file(path, found)
     )
     folder = target.parent if stream is None else Path(tempfile.gettempdir())
-    suffix = path.suffix if len(path.suffix) <= LONGEST_SUFFIX else ""
+    suffix = path.suffix if len(path.suffix) <= LONGEST_TEMPORARY_FILE_SUFFIX else ""
     partial = folder / f".drumlin-{os.urandom(6).hex()}{suffix}"
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -306,7 +310,7 @@ def write_json(path: Path, data: object) -> None:
 
 # The pattern matches the beginning of a text that a spreadsheet would take for a formula. It does
 # not match a number or a range of numbers, such as "-70 to 55.1".
-_FORMULA = re.compile(r"[=@\t\r]|[-+](?![-+0-9.,;: eEto]*\Z)")
+_PATTERN_OF_FORMULA_BEGINNING = re.compile(r"[=@\t\r]|[-+](?![-+0-9.,;: eEto]*\Z)")
 
 
 def spreadsheet_cell_safe_from_being_run_as_formula(value: object) -> object:
@@ -315,7 +319,11 @@ def spreadsheet_cell_safe_from_being_run_as_formula(value: object) -> object:
     A text that the spreadsheet would take for a formula gets an apostrophe in front. Any other
     value is returned as it is.
     """
-    return f"'{value}" if isinstance(value, str) and _FORMULA.match(value) else value
+    return (
+        f"'{value}"
+        if isinstance(value, str) and _PATTERN_OF_FORMULA_BEGINNING.match(value)
+        else value
+    )
 
 
 def require_fields_file_name_ends_in_vtu(path: Path | None, option: str = "--fields") -> None:

@@ -6,7 +6,7 @@ circle are garbage that only a search finds.
 
 import gc
 
-GARBAGE_THRESHOLD = 200_000
+NEW_OBJECTS_BETWEEN_GARBAGE_SEARCHES = 200_000
 """Number of new objects after which Python searches memory for garbage; Python's default is 700.
 
 The search also visits all imported modules, which stay in memory until the end. With 20 000 it
@@ -17,8 +17,11 @@ takes 5 % of the time of `drumlin solve`, since the imports make more objects th
 
 
 def search_memory_for_garbage_seldom() -> None:
-    """Let Python search the memory of this process for garbage after GARBAGE_THRESHOLD objects."""
-    gc.set_threshold(GARBAGE_THRESHOLD)
+    """Let Python search the memory of this process for garbage seldom.
+
+    It does so after NEW_OBJECTS_BETWEEN_GARBAGE_SEARCHES new objects.
+    """
+    gc.set_threshold(NEW_OBJECTS_BETWEEN_GARBAGE_SEARCHES)
 
 
 def leave_memory_to_operating_system_at_end() -> None:

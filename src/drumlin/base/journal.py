@@ -29,17 +29,17 @@ except ImportError:
     # two runs that write the same journal.
     fcntl = None  # type: ignore[assignment]
 
-LARGEST_LINE = 2**26
+MAX_BYTES_OF_JOURNAL_LINE = 2**26
 """Longest line of a journal [bytes]; a longer line counts as damaged.
 
 The line of a case has some 100 bytes, and a line with the reference values of a study some 100 000.
 If the first line of a file is unknown, undamaged lines are searched in its first 2**26 bytes.
 """
-HEAD = b'{"stamp": "'
+FIRST_BYTES_OF_JOURNAL_FILE = b'{"stamp": "'
 """The beginning of a journal's first line. The stamp follows: a checksum of drumlin's source."""
-LEAD = len('{"sum": "0123456789abcdef", ')
+BYTES_OF_JOURNAL_LINE_CHECKSUM = len('{"sum": "0123456789abcdef", ')
 """Number of bytes at the beginning of a case's line, which hold the checksum of the line."""
-COMPUTING = ("numpy", "scipy", "scikit-fem")
+LIBRARIES_THAT_AFFECT_RESULTS = ("numpy", "scipy", "scikit-fem")
 """Libraries of which another version may change the last digits of a result."""
 
 
@@ -47,10 +47,10 @@ def checksum_of_source_and_libraries(*folders: Path) -> str:
     """A checksum, 16 hexadecimal digits, of everything on which the results of a run depend.
 
     It covers all Python and TOML files of drumlin and of the given folders, and the versions of the
-    libraries COMPUTING.
+    libraries LIBRARIES_THAT_AFFECT_RESULTS.
     """
     digest = hashlib.sha256()
-    for name in COMPUTING:
+    for name in LIBRARIES_THAT_AFFECT_RESULTS:
         digest.update(f"{name} {importlib.metadata.version(name)}\n".encode())
     for folder in (Path(__file__).parents[1], *folders):
         for path in sorted([*folder.rglob("*.py"), *folder.rglob("*.toml")]):
@@ -58,7 +58,7 @@ def checksum_of_source_and_libraries(*folders: Path) -> str:
     return digest.hexdigest()[:16]
 
 
-def journal_key_of_case(case: Mapping[str, Any]) -> str:
+def case_data_as_json_line(case: Mapping[str, Any]) -> str:
     """The data of a case as one line of JSON, by which the journal finds the result of the case.
 
     The keys of the data are sorted. A value that JSON cannot write becomes a text (`str`).
@@ -66,7 +66,7 @@ def journal_key_of_case(case: Mapping[str, Any]) -> str:
     return json.dumps(case, sort_keys=True, default=str)
 
 
-class Journal(AbstractContextManager["Journal"]):
+class JournalOfCaseResults(AbstractContextManager["JournalOfCaseResults"]):
     """The results of finished cases, kept in a file; without a path they are kept in memory only.
 
     `journal[case]` is the result of a finished case, and `case in journal` tells whether the case
@@ -104,21 +104,21 @@ class Journal(AbstractContextManager["Journal"]):
         return True
 
     def __contains__(self, case: Mapping[str, Any]) -> bool:
-        return journal_key_of_case(case) in self._rows
+        return case_data_as_json_line(case) in self._rows
 
     def __getitem__(self, case: Mapping[str, Any]) -> dict[str, Any]:
-        return self._rows[journal_key_of_case(case)]
+        return self._rows[case_data_as_json_line(case)]
 
     def add(self, case: Mapping[str, Any], row: dict[str, Any]) -> None:
         """Store the result `row` of a case. When this method returns, the result is in the file."""
-        self._rows[journal_key_of_case(case)] = row
+        self._rows[case_data_as_json_line(case)] = row
         if self._file is not None:
-            record = json.dumps({"key": journal_key_of_case(case), "row": row}).encode()
+            record = json.dumps({"key": case_data_as_json_line(case), "row": row}).encode()
             self._append_bytes_to_file(
                 self._file, _journal_line_with_checksum(record[1:], self._stamp)
             )
 
-    def get_or_compute_result(
+    def get_or_compute_case_result(
         self, case: Mapping[str, Any], compute: Callable[[], dict[str, Any]]
     ) -> dict[str, Any]:
         """The stored result of a case. If there is none, the case is computed and stored first.
@@ -183,11 +183,16 @@ class Journal(AbstractContextManager["Journal"]):
         Returns True if that was done. A journal of another version of the program's source is
         renamed instead, and the result is False.
         """
-        path, own_head = Path(file.name), HEAD + self._stamp.encode() + b'"}\n'
+        path, own_head = (
+            Path(file.name),
+            FIRST_BYTES_OF_JOURNAL_FILE + self._stamp.encode() + b'"}\n',
+        )
         with path.open("rb") as reader:
-            head = reader.readline(LARGEST_LINE)
+            head = reader.readline(MAX_BYTES_OF_JOURNAL_LINE)
             # The file is new, or its first line is incomplete because the process was killed.
-            if not head or (head.startswith(HEAD) and own_head[:-1].startswith(head)):
+            if not head or (
+                head.startswith(FIRST_BYTES_OF_JOURNAL_FILE) and own_head[:-1].startswith(head)
+            ):
                 file.truncate(0)
                 self._append_bytes_to_file(file, own_head)
                 return True
@@ -195,15 +200,15 @@ class Journal(AbstractContextManager["Journal"]):
             # `end` is the length of the complete lines read so far. A first line with another stamp
             # counts as damaged.
             end, damaged = len(head), int(not is_own)
-            while (is_own or self._rows or end <= LARGEST_LINE) and (
-                line := reader.readline(LARGEST_LINE)
+            while (is_own or self._rows or end <= MAX_BYTES_OF_JOURNAL_LINE) and (
+                line := reader.readline(MAX_BYTES_OF_JOURNAL_LINE)
             ):
                 # The last line is incomplete if the process was killed while it wrote the line.
-                if not line.endswith(b"\n") and len(line) < LARGEST_LINE:
+                if not line.endswith(b"\n") and len(line) < MAX_BYTES_OF_JOURNAL_LINE:
                     break
                 end += len(line)
                 # A line counts only if its checksum is that of its data and this version's stamp.
-                data = line[LEAD:-1]
+                data = line[BYTES_OF_JOURNAL_LINE_CHECKSUM:-1]
                 if line == _journal_line_with_checksum(data, self._stamp):
                     record = json.loads(b"{" + data)
                     self._rows[record["key"]] = record["row"]
@@ -226,7 +231,7 @@ class Journal(AbstractContextManager["Journal"]):
 
         Raises BadInput if the first line `head` of the file is not that of a journal.
         """
-        if not re.fullmatch(re.escape(HEAD) + rb'[^"]*"\}\n', head):
+        if not re.fullmatch(re.escape(FIRST_BYTES_OF_JOURNAL_FILE) + rb'[^"]*"\}\n', head):
             raise BadInput(f"{path}: is no journal; move it away, or write elsewhere")
         names = (path.with_name(f"{path.name}.{n}") for n in count(1))
         # The file stays locked until it is renamed, so that no other run reads it meanwhile. On

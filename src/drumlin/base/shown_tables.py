@@ -2,11 +2,11 @@
 
 from collections.abc import Sequence
 
-Cells = Sequence[Sequence[str]]
+RowsOfCellTexts = Sequence[Sequence[str]]
 """The type of the cells of a table: a row of headings, then the rows of texts."""
 
 
-def text_lines_of_aligned_columns(rows: Cells) -> list[str]:
+def text_lines_of_aligned_columns(rows: RowsOfCellTexts) -> list[str]:
     """The rows of a table as lines of text, with two spaces between the aligned columns."""
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     lines = []
@@ -16,7 +16,7 @@ def text_lines_of_aligned_columns(rows: Cells) -> list[str]:
     return lines
 
 
-def html_table_with_caption(caption: str, rows: Cells) -> str:
+def html_table_with_caption(caption: str, rows: RowsOfCellTexts) -> str:
     """A table as HTML, which notebooks display; the first row holds the headings."""
     # The standard module `html` loads a table of all entities, and only notebooks need it.
     from html import escape  # noqa: PLC0415

@@ -13,21 +13,21 @@ from drumlin.base.written_numbers import (
     number_from_text_as_people_write_it,
 )
 
-SEPARATORS = (",", ";", "\t")
+CELL_SEPARATORS = (",", ";", "\t")
 """Characters that may separate the cells of a table."""
 
 
 def split_text_table_into_cell_rows(text: str) -> list[list[str]]:
     """The rows of a table, each a list of cells.
 
-    The separator is the one of SEPARATORS that the first line has most often.
+    The separator is the one of CELL_SEPARATORS that the first line has most often.
 
     Raises csv.Error for a text that is no table.
     """
     heading = text.partition("\n")[0]
     # If the first line has several separators equally often, or none at all, `max` takes the first
-    # of SEPARATORS, the comma.
-    separator = max(SEPARATORS, key=heading.count)
+    # of CELL_SEPARATORS, the comma.
+    separator = max(CELL_SEPARATORS, key=heading.count)
     return list(csv.reader(io.StringIO(text, newline=""), delimiter=separator))
 
 
@@ -55,8 +55,8 @@ def number_in_table_cell(cell: str, decimal_sign: str) -> float:
 
     Raises ValueError for a cell without a number, or with a number that has two readings.
     """
-    # A plain number needs no check of its commas. It may also be longer than LONGEST_QUANTITY,
-    # which `number_from_text_as_people_write_it` refuses.
+    # A plain number needs no check of its commas. It may also be longer than
+    # MAX_CHARACTERS_OF_QUANTITY_TEXT, which `number_from_text_as_people_write_it` refuses.
     if decimal_sign != "," or not set(".,") & set(cell):
         try:
             return float(cell)

@@ -10,39 +10,41 @@ import sys
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import PurePath
 
-LONGEST_LINE = 600
+MAX_CHARACTERS_OF_ERROR_MESSAGE = 600
 """Longest error message in characters. A longer message is printed without its middle."""
-LONGEST_QUANTITY = 100
+MAX_CHARACTERS_OF_QUANTITY_TEXT = 100
 """Longest text of a number with its unit in a brake file, in characters; longer is refused."""
-MOST_DIGITS = 308
+MAX_CONSECUTIVE_DIGITS_OF_NUMBER = 308
 """Largest number of consecutive digits of a number in a file, and of an integer in Python.
 
 A number with more digits is refused. The largest floating-point number is about 1.8e308: an integer
 of 308 digits can be converted to it, one of 310 digits cannot. The time to parse a number grows
 with the square of its digits.
 """
-MOST_KEY_PARTS = 16
+MAX_PARTS_OF_DOTTED_KEY = 16
 """Largest number of parts of a dotted key a.b.c in a file; a key with more is refused.
 
 The TOML parser walks through all parts of every key: files with long dotted keys would take long.
 """
 
 # The pattern matches the exponent of a number below ten millions, such as e+05.
-_THOUSANDS = re.compile(r"e\+0[0-6]$")
+_PATTERN_OF_EXPONENT_BELOW_TEN_MILLIONS = re.compile(r"e\+0[0-6]$")
 # The pattern matches a zero with a sign, such as -0.00 or +0%.
-_NOTHING = re.compile(r"[-+]0(\.0*)?%?")
+_PATTERN_OF_SIGNED_ZERO = re.compile(r"[-+]0(\.0*)?%?")
 # The pattern matches a number with too many digits; TOML allows _ between digits.
-_DIGITS = re.compile(rf"[0-9_]{{{MOST_DIGITS + 1}}}")
+_PATTERN_OF_TOO_MANY_DIGITS = re.compile(rf"[0-9_]{{{MAX_CONSECUTIVE_DIGITS_OF_NUMBER + 1}}}")
 # The smallest integer with too many digits.
-_TOO_LARGE = 10**MOST_DIGITS
+_SMALLEST_TOO_LARGE_INTEGER = 10**MAX_CONSECUTIVE_DIGITS_OF_NUMBER
 # The pattern matches one part of a dotted TOML key: a bare word, or a text in quotes.
-_PART = r"""(?:[A-Za-z0-9_-]++|"(?:[^"\\\n]|\\.)*+"|'[^'\n]*+')"""
+_PATTERN_OF_TOML_KEY_PART = r"""(?:[A-Za-z0-9_-]++|"(?:[^"\\\n]|\\.)*+"|'[^'\n]*+')"""
 # The pattern matches a dotted key with any number of parts, or a whole comment, so that words in a
 # comment are not taken for keys.
-_KEY = re.compile(rf"#[^\n]*+|{_PART}(?:[ \t]*+\.[ \t]*+{_PART})*+")
+_PATTERN_OF_TOML_KEY_OR_COMMENT = re.compile(
+    rf"#[^\n]*+|{_PATTERN_OF_TOML_KEY_PART}(?:[ \t]*+\.[ \t]*+{_PATTERN_OF_TOML_KEY_PART})*+"
+)
 
 
-def printable_single_line(text: str, most: int = LONGEST_LINE) -> str:
+def printable_single_line(text: str, most: int = MAX_CHARACTERS_OF_ERROR_MESSAGE) -> str:
     """The text as one line; line breaks and other unprintable characters become escape sequences.
 
     A text of more than `most` characters loses its middle.
@@ -91,9 +93,9 @@ def number_as_text(value: float, form: str) -> str:
     ends in "g", a number below ten millions has no exponent.
     """
     text = format(value, form)
-    if form.endswith("g") and _THOUSANDS.search(text):
+    if form.endswith("g") and _PATTERN_OF_EXPONENT_BELOW_TEN_MILLIONS.search(text):
         text = format(float(text), "+.0f" if text.startswith("+") else ".0f")
-    text = text.lstrip("+-") if _NOTHING.fullmatch(text) else text
+    text = text.lstrip("+-") if _PATTERN_OF_SIGNED_ZERO.fullmatch(text) else text
     return f"{text[:-1]} %" if text.endswith("%") else text
 
 
@@ -116,20 +118,25 @@ def did_you_mean_hint(name: str, names: Iterable[str]) -> str:
 
 
 def check_numbers_have_few_digits(text: str) -> None:
-    """Raise ValueError if the text has a number with more than MOST_DIGITS consecutive digits."""
-    if _DIGITS.search(text):
-        raise ValueError(f"has a number of more than {MOST_DIGITS} digits")
+    """Raise ValueError if the text has a number with too many consecutive digits.
+
+    The limit is MAX_CONSECUTIVE_DIGITS_OF_NUMBER.
+    """
+    if _PATTERN_OF_TOO_MANY_DIGITS.search(text):
+        raise ValueError(f"has a number of more than {MAX_CONSECUTIVE_DIGITS_OF_NUMBER} digits")
 
 
 def check_integers_have_few_digits(where: str, value: object) -> None:
     """Raise ValueError if a value, or a value in its lists and tables, is too large an integer.
 
-    An integer may have MOST_DIGITS digits. `where` is the name of the value in the message.
+    An integer may have MAX_CONSECUTIVE_DIGITS_OF_NUMBER digits. `where` is the name of the value in
+    the message.
     """
     if isinstance(value, int):
-        if abs(value) >= _TOO_LARGE:
+        if abs(value) >= _SMALLEST_TOO_LARGE_INTEGER:
             raise ValueError(
-                f"{where} = {value_as_text(value)}: must have at most {MOST_DIGITS} digits"
+                f"{where} = {value_as_text(value)}: must have at most "
+                f"{MAX_CONSECUTIVE_DIGITS_OF_NUMBER} digits"
             )
     elif isinstance(value, Mapping):
         for key, entry in value.items():
@@ -145,14 +152,15 @@ def check_integers_have_few_digits(where: str, value: object) -> None:
 def check_toml_parses_quickly(text: str) -> None:
     """Raise ValueError if a TOML text has a number or a dotted key that takes long to parse.
 
-    A number may have MOST_DIGITS digits, and a key MOST_KEY_PARTS parts.
+    A number may have MAX_CONSECUTIVE_DIGITS_OF_NUMBER digits, and a key MAX_PARTS_OF_DOTTED_KEY
+    parts.
     """
     check_numbers_have_few_digits(text)
-    for match in _KEY.finditer(text):
+    for match in _PATTERN_OF_TOML_KEY_OR_COMMENT.finditer(text):
         key = match.group()
         # Counting the parts exactly takes time, since a part in quotes may have dots itself. The
         # parts are therefore counted only if a key has many dots.
-        if key.count(".") >= MOST_KEY_PARTS and not key.startswith("#"):
-            parts = len(re.findall(_PART, key))
-            if parts > MOST_KEY_PARTS:
-                raise ValueError(f"has a key of {parts} parts; allowed: {MOST_KEY_PARTS}")
+        if key.count(".") >= MAX_PARTS_OF_DOTTED_KEY and not key.startswith("#"):
+            parts = len(re.findall(_PATTERN_OF_TOML_KEY_PART, key))
+            if parts > MAX_PARTS_OF_DOTTED_KEY:
+                raise ValueError(f"has a key of {parts} parts; allowed: {MAX_PARTS_OF_DOTTED_KEY}")

@@ -6,12 +6,15 @@ number. A number that can be read in two ways is refused.
 
 import re
 
-from drumlin.base.texts import LONGEST_QUANTITY
+from drumlin.base.texts import MAX_CHARACTERS_OF_QUANTITY_TEXT
 
-_SPACES = "\t\u00a0\u2000\u2001\u2002\u2003\u2004\u2005\u2006\u2007\u2008\u2009\u200a\u202f\u205f"
-_MINUS_SIGNS = "\u2010\u2011\u2012\u2013\u2212\ufe63\uff0d"
-_PLAIN_CHARACTERS = str.maketrans(
-    _SPACES + _MINUS_SIGNS, " " * len(_SPACES) + "-" * len(_MINUS_SIGNS)
+_TYPOGRAPHIC_SPACES = (
+    "\t\u00a0\u2000\u2001\u2002\u2003\u2004\u2005\u2006\u2007\u2008\u2009\u200a\u202f\u205f"
+)
+_TYPOGRAPHIC_MINUS_SIGNS = "\u2010\u2011\u2012\u2013\u2212\ufe63\uff0d"
+_TRANSLATION_TO_PLAIN_SPACES_AND_MINUS = str.maketrans(
+    _TYPOGRAPHIC_SPACES + _TYPOGRAPHIC_MINUS_SIGNS,
+    " " * len(_TYPOGRAPHIC_SPACES) + "-" * len(_TYPOGRAPHIC_MINUS_SIGNS),
 )
 
 NUMBER_PATTERN = r"[-+]? ?(?:(?:\d+ )?\d+ ?/ ?\d+|[\d.,](?:[\d., ]*[\d.,])?(?:[eE][-+]?\d{1,3})?)"
@@ -20,23 +23,29 @@ NUMBER_PATTERN = r"[-+]? ?(?:(?:\d+ )?\d+ ?/ ?\d+|[\d.,](?:[\d., ]*[\d.,])?(?:[e
 The text must have plain spaces and minus signs, see `text_with_plain_spaces_and_minus_signs`.
 `number_from_text_as_people_write_it` then checks the digits.
 """
-_PLAIN_NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d{1,3})?", re.ASCII)
-_NUMBER = re.compile(rf"\s*({NUMBER_PATTERN})\s*", re.ASCII)
-_FRACTION = re.compile(r"(?:(\d+) )?(\d+) ?/ ?(\d+)", re.ASCII)
+_PATTERN_OF_PLAIN_NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d{1,3})?", re.ASCII)
+_PATTERN_OF_NUMBER_BETWEEN_SPACES = re.compile(rf"\s*({NUMBER_PATTERN})\s*", re.ASCII)
+_PATTERN_OF_FRACTION = re.compile(r"(?:(\d+) )?(\d+) ?/ ?(\d+)", re.ASCII)
 # The pattern matches digits with at most one point, which is the decimal sign: files of drumlin
 # have always had decimal points. In a table with decimal commas such a number is checked further.
-_PLAIN_DIGITS = re.compile(r"\d+\.?\d*|\.\d+", re.ASCII)
-_DECIMAL_COMMA = re.compile(r"(?:\d+|\d{1,3}(?:\.\d{3})+|\d{1,3}(?: \d{3})+|),\d+", re.ASCII)
-_GROUPS_OF_THREE = re.compile(
+_PATTERN_OF_DIGITS_WITH_AT_MOST_ONE_POINT = re.compile(r"\d+\.?\d*|\.\d+", re.ASCII)
+_PATTERN_OF_NUMBER_WITH_DECIMAL_COMMA = re.compile(
+    r"(?:\d+|\d{1,3}(?:\.\d{3})+|\d{1,3}(?: \d{3})+|),\d+", re.ASCII
+)
+_PATTERN_OF_NUMBER_IN_GROUPS_OF_THREE = re.compile(
     r"\d{1,3}(?: \d{3})+(?:\.\d+)?|\d{1,3}(?:,\d{3})+(?:\.\d+)?|\d{1,3}(?:\.\d{3}){2,}", re.ASCII
 )
 # The pattern matches a number such as 1,500, which is 1.5 to some readers and 1500 to others.
-_COMMA_IN_DOUBT = re.compile(r"[1-9]\d{0,2},\d{3}", re.ASCII)
+_PATTERN_OF_NUMBER_WITH_AMBIGUOUS_COMMA = re.compile(r"[1-9]\d{0,2},\d{3}", re.ASCII)
 
 
 def text_with_plain_spaces_and_minus_signs(text: str) -> str:
     """The text with a blank for each typographic space, and a hyphen for each minus sign."""
-    return text if text.isascii() and "\t" not in text else text.translate(_PLAIN_CHARACTERS)
+    return (
+        text
+        if text.isascii() and "\t" not in text
+        else text.translate(_TRANSLATION_TO_PLAIN_SPACES_AND_MINUS)
+    )
 
 
 def number_from_text_as_people_write_it(text: str, decimal_sign: str = "") -> float:
@@ -53,14 +62,16 @@ def number_from_text_as_people_write_it(text: str, decimal_sign: str = "") -> fl
         for a text that is no number, or a number with two readings, in words for the user
     """
     # Most numbers are plain and need no further check.
-    if decimal_sign != "," and _PLAIN_NUMBER.fullmatch(text):
+    if decimal_sign != "," and _PATTERN_OF_PLAIN_NUMBER.fullmatch(text):
         return float(text)
-    match = _NUMBER.fullmatch(text_with_plain_spaces_and_minus_signs(text))
-    if match is None or len(text) > LONGEST_QUANTITY:
+    match = _PATTERN_OF_NUMBER_BETWEEN_SPACES.fullmatch(
+        text_with_plain_spaces_and_minus_signs(text)
+    )
+    if match is None or len(text) > MAX_CHARACTERS_OF_QUANTITY_TEXT:
         raise ValueError("must be a number")
     sign = -1.0 if match.group(1).startswith("-") else 1.0
     digits, _, exponent = match.group(1).lstrip("-+ ").lower().partition("e")
-    fraction = _FRACTION.fullmatch(digits)
+    fraction = _PATTERN_OF_FRACTION.fullmatch(digits)
     if fraction is not None:
         whole, above, below = (int(part or 0) for part in fraction.groups())
         if below == 0:
@@ -75,13 +86,13 @@ def decimal_sign_proved_by_number_text(text: str) -> str:
     """The decimal sign that a text proves, "," or "."; "" if the text proves neither of them."""
     digits = text_with_plain_spaces_and_minus_signs(text).strip().lstrip("-+ ")
     digits = re.sub(r"[eE][-+]?\d{1,3}$", "", digits)
-    if "." in digits and _PLAIN_DIGITS.fullmatch(digits):
+    if "." in digits and _PATTERN_OF_DIGITS_WITH_AT_MOST_ONE_POINT.fullmatch(digits):
         return "."
-    if _COMMA_IN_DOUBT.fullmatch(digits):
+    if _PATTERN_OF_NUMBER_WITH_AMBIGUOUS_COMMA.fullmatch(digits):
         return ""
-    if _DECIMAL_COMMA.fullmatch(digits):
+    if _PATTERN_OF_NUMBER_WITH_DECIMAL_COMMA.fullmatch(digits):
         return ","
-    return "." if "," in digits and _GROUPS_OF_THREE.fullmatch(digits) else ""
+    return "." if "," in digits and _PATTERN_OF_NUMBER_IN_GROUPS_OF_THREE.fullmatch(digits) else ""
 
 
 def _digits_with_decimal_point_and_without_grouping(digits: str, decimal_sign: str) -> str:
@@ -90,16 +101,18 @@ def _digits_with_decimal_point_and_without_grouping(digits: str, decimal_sign: s
     `decimal_sign` is "," or "." if it is known, else "". Raises ValueError for digits that can be
     read as two numbers.
     """
-    if _PLAIN_DIGITS.fullmatch(digits) and not (decimal_sign == "," and "." in digits):
+    if _PATTERN_OF_DIGITS_WITH_AT_MOST_ONE_POINT.fullmatch(digits) and not (
+        decimal_sign == "," and "." in digits
+    ):
         return digits
-    if _COMMA_IN_DOUBT.fullmatch(digits) and not decimal_sign:
+    if _PATTERN_OF_NUMBER_WITH_AMBIGUOUS_COMMA.fullmatch(digits) and not decimal_sign:
         raise ValueError(
             f"must have a decimal point: {digits} may be {digits.replace(',', '.')} "
             f"or {digits.replace(',', '')}"
         )
-    if decimal_sign != "." and _DECIMAL_COMMA.fullmatch(digits):
+    if decimal_sign != "." and _PATTERN_OF_NUMBER_WITH_DECIMAL_COMMA.fullmatch(digits):
         return digits.replace(" ", "").replace(".", "").replace(",", ".")
-    if _GROUPS_OF_THREE.fullmatch(digits):
+    if _PATTERN_OF_NUMBER_IN_GROUPS_OF_THREE.fullmatch(digits):
         # Several points separate groups of digits. One point alone is the decimal sign.
         joined = digits.replace(" ", "").replace(",", "")
         return joined.replace(".", "") if joined.count(".") > 1 else joined
@@ -112,10 +125,10 @@ def number_without_unit_from_text(value: object) -> object:
     Other values, and texts that give no number, are returned unchanged. Raises ValueError for a
     number that has two readings.
     """
-    if not isinstance(value, str) or len(value) > LONGEST_QUANTITY:
+    if not isinstance(value, str) or len(value) > MAX_CHARACTERS_OF_QUANTITY_TEXT:
         return value
     plain = text_with_plain_spaces_and_minus_signs(value).strip()
-    if _NUMBER.fullmatch(plain.removesuffix("%")) is None:
+    if _PATTERN_OF_NUMBER_BETWEEN_SPACES.fullmatch(plain.removesuffix("%")) is None:
         return value
     return number_from_text_as_people_write_it(plain.removesuffix("%")) / (
         100 if plain.endswith("%") else 1

@@ -15,48 +15,55 @@ import numpy as np
 from drumlin.base.arrays import Floats
 
 
-class Axis(NamedTuple):
+class BeamAxis(NamedTuple):
     """The axis of a straight shoe beam, and the conversion of its coordinates to the brake's.
 
     Attributes
     ----------
     hinge : (2,), position of the hinge, where x = 0 [m]
     along : (2,), unit vector from the hinge to the loaded end
-    towards : (2,), unit vector normal to the axis, towards the drum's centre O
+    unit_normal_towards_drum_centre : (2,), unit vector normal to the axis, towards the drum's
+        centre O
     length : L, length of the beam from the hinge to the loaded end [m]
-    foot : x_O, coordinate x of the foot of the perpendicular from O to the axis [m]
-    distance : D, distance of O from the axis [m]
+    x_of_perpendicular_foot : x_O, coordinate x of the foot of the perpendicular from O to the axis
+        [m]
+    distance_from_drum_centre : D, distance of O from the axis [m]
     sense : +1 if x grows with the polar angle about O, -1 if x falls
-    origin : polar angle about O at which the foot of the perpendicular lies [rad]
+    polar_angle_of_perpendicular_foot : polar angle about O at which the foot of the perpendicular
+        lies [rad]
     """
 
     hinge: Floats
     along: Floats
-    towards: Floats
+    unit_normal_towards_drum_centre: Floats
     length: float
-    foot: float
-    distance: float
+    x_of_perpendicular_foot: float
+    distance_from_drum_centre: float
     sense: int
-    origin: float
+    polar_angle_of_perpendicular_foot: float
 
     def angle(self, theta: Floats) -> Floats:
         """Convert polar angles about O [rad] to angles of the beam [rad], same shape.
 
         The angles of the beam are 0 at the foot of the perpendicular and lie from -pi to pi.
         """
-        turned = self.sense * (np.asarray(theta) - self.origin)
+        turned = self.sense * (np.asarray(theta) - self.polar_angle_of_perpendicular_foot)
         return np.asarray(turned - 2 * math.pi * np.round(turned / (2 * math.pi)))
 
     def vector_components_along_and_across_beam(self, vector: Floats) -> tuple[float, float]:
         """Components of a vector (2,) along the beam's axis and normal to it, towards O."""
-        return float(vector @ self.along), float(vector @ self.towards)
+        return float(vector @ self.along), float(vector @ self.unit_normal_towards_drum_centre)
 
     def convert_beam_coordinates_to_brake_points(self, x: Floats, y: Floats) -> Floats:
         """Convert coordinates x, y (...) [m] of the beam to points (..., 2) [m] of the brake."""
-        return self.hinge + np.multiply.outer(x, self.along) + np.multiply.outer(y, self.towards)
+        return (
+            self.hinge
+            + np.multiply.outer(x, self.along)
+            + np.multiply.outer(y, self.unit_normal_towards_drum_centre)
+        )
 
 
-def make_beam_axis(hinge: Floats, end: Floats) -> Axis:
+def make_beam_axis(hinge: Floats, end: Floats) -> BeamAxis:
     """Make the axis of a beam from the positions of its hinge (2,) and its loaded end (2,) [m].
 
     The two points must differ, and the drum's centre O must not lie on the line through them.
@@ -68,14 +75,14 @@ def make_beam_axis(hinge: Floats, end: Floats) -> Axis:
     side = -1.0 if left @ -hinge < 0 else 1.0
     # The vector across the axis points to the side on which O lies.
     towards = side * left
-    return Axis(
+    return BeamAxis(
         hinge=hinge,
         along=along,
-        towards=towards,
+        unit_normal_towards_drum_centre=towards,
         length=length,
-        foot=float(-hinge @ along),
-        distance=float(-hinge @ towards),
+        x_of_perpendicular_foot=float(-hinge @ along),
+        distance_from_drum_centre=float(-hinge @ towards),
         # An axis that has O on its left runs counter-clockwise round O.
         sense=int(side),
-        origin=math.atan2(-towards[1], -towards[0]),
+        polar_angle_of_perpendicular_foot=math.atan2(-towards[1], -towards[0]),
     )

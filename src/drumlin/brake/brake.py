@@ -18,19 +18,34 @@ import numpy as np
 
 from drumlin.base.arrays import Floats
 from drumlin.base.errors import BadInput
-from drumlin.brake.components import Backing, Bar, Beam, Lining, Lobes, Ring
-from drumlin.brake.drive import Drive, Link, reason_why_forces_follow_from_cam_or_strut
-from drumlin.brake.fields import Part, Point
+from drumlin.brake.components import (
+    Backing,
+    BeamBody,
+    DrumRing,
+    Lining,
+    OutOfRoundHarmonic,
+    ShoeBodyOfConstantSection,
+)
+from drumlin.brake.drive import (
+    DriveOfAllShoes,
+    StrutOrStrapBetweenShoes,
+    reason_why_forces_follow_from_cam_or_strut,
+)
+from drumlin.brake.fields import PartOfInputFile, Point
 from drumlin.brake.friction import (
-    FrictionCurve,
+    FrictionOverPressureCurve,
     FrictionTable,
     friction_coefficient_as_text,
     friction_coefficient_curve_of_lining,
 )
 from drumlin.brake.further_loads import Gravity, Lever, Spring
 from drumlin.brake.show import html_table_of_brake, text_of_brake
-from drumlin.brake.support import MOVES, Meshed
-from drumlin.brake.surface import DRUM, PLANE, FrictionSurface
+from drumlin.brake.support import MOTION_TEXTS_BY_KIND_OF_SUPPORT, ShoeWithOptionalMeshFile
+from drumlin.brake.surface import (
+    FRICTION_SURFACE_OF_DRUM,
+    FRICTION_SURFACE_OF_PLANE,
+    FrictionSurface,
+)
 
 
 class ShoeFrame(NamedTuple):
@@ -42,26 +57,28 @@ class ShoeFrame(NamedTuple):
 
     Attributes
     ----------
-    origin : coordinate q of the pin (`Held.pin`)
+    origin : coordinate q of the pin (`SupportedShoe.pin`)
     sense : +1 if phi grows with q, -1 if phi falls
-    unit : change of q per unit of phi
+    surface_coordinate_per_phi : change of q per unit of phi
     """
 
     origin: float
     sense: int
-    unit: float = 1.0
+    surface_coordinate_per_phi: float = 1.0
 
-    def phi(self, theta: Floats) -> Floats:
+    def phi_of_surface_coordinates(self, theta: Floats) -> Floats:
         """Convert coordinates of the surface (theta on a drum) to phi, same shape."""
-        return self.sense * (np.asarray(theta) - self.origin) / self.unit
+        return self.sense * (np.asarray(theta) - self.origin) / self.surface_coordinate_per_phi
 
     def phi_coordinates_as_list(self, theta: Iterable[float]) -> list[float]:
         """Convert coordinates of the surface to phi; the result is a list of numbers."""
-        return [self.sense * (place - self.origin) / self.unit for place in theta]
+        return [
+            self.sense * (place - self.origin) / self.surface_coordinate_per_phi for place in theta
+        ]
 
-    def theta(self, phi: Floats) -> Floats:
+    def surface_coordinates_of_phi(self, phi: Floats) -> Floats:
         """Convert phi to coordinates of the surface (theta on a drum), same shape."""
-        return self.origin + self.sense * self.unit * np.asarray(phi)
+        return self.origin + self.sense * self.surface_coordinate_per_phi * np.asarray(phi)
 
     def distances_along_surface_from_pin(self, theta: Floats) -> Floats:
         """Distance of the coordinates `theta` along the surface from the pin's coordinate.
@@ -85,7 +102,7 @@ class ShoeFrame(NamedTuple):
         return np.asarray(vectors) @ np.array([[c, -self.sense * s], [s, self.sense * c]])
 
 
-class Shoe(Meshed):
+class Shoe(ShoeWithOptionalMeshFile):
     """A shoe with its lining, support and actuation. A shoe without `body` is rigid."""
 
     surface: ClassVar[FrictionSurface]
@@ -100,10 +117,10 @@ class Shoe(Meshed):
         @property
         def backing(self) -> Backing | None: ...
         @property
-        def body(self) -> Bar | Beam | None: ...
+        def body(self) -> ShoeBodyOfConstantSection | BeamBody | None: ...
 
     @property
-    def sign(self) -> int:
+    def sign_internal_plus_external_minus(self) -> int:
         """+1 for an internal shoe and a shoe on a plane, -1 for an external shoe.
 
         On a drum it is the sign of the radial component of the lining's normal towards the drum.
@@ -111,12 +128,12 @@ class Shoe(Meshed):
         return 1 if self.side == "internal" else -1
 
     @property
-    def depth(self) -> float:
+    def total_thickness(self) -> float:
         """Total thickness [m] of lining, backing and body of the shoe."""
         return (
             self.lining.thickness
             + (self.backing.thickness if self.backing else 0.0)
-            + (self.body.depth if self.body else 0.0)
+            + (self.body.total_thickness if self.body else 0.0)
         )
 
     def reason_if_several_linings_are_not_allowed(self, what: str) -> str | None:
@@ -128,7 +145,7 @@ class Shoe(Meshed):
         return None if count == 1 else f"lining: {count} with slots between them; {what} takes one"
 
     @property
-    def flat(self) -> bool:
+    def is_on_plane(self) -> bool:
         """Whether the shoe presses on a plane."""
         return self.surface.is_plane_and_not_drum
 
@@ -164,7 +181,7 @@ class Shoe(Meshed):
     @property
     @abstractmethod
     def pin_position_in_shoe_frame(self) -> Floats:
-        """Position (2,) [m] of the pin (`Held.pin`) in the frame of the shoe."""
+        """Position (2,) [m] of the pin (`SupportedShoe.pin`) in the frame of the shoe."""
 
     @abstractmethod
     def convert_points_to_shoe_frame(self, xy: Floats) -> Floats:
@@ -203,7 +220,7 @@ class Shoe(Meshed):
         """
 
     @abstractmethod
-    def surface_coordinate_of_point(self, point: Point) -> float:
+    def drum_angle_or_plane_x_of_point(self, point: Point) -> float:
         """Coordinate q of a point along the surface (theta on a drum, x on a plane).
 
         On a drum whole turns are added to bring the angle nearest to the lining's middle.
@@ -236,12 +253,12 @@ class Shoe(Meshed):
         With `loaded` it is the middle of the other end face, which the actuation pushes. `size` is
         the size of the brake [m].
         """
-        assert isinstance(self.body, Bar)
+        assert isinstance(self.body, ShoeBodyOfConstantSection)
         ends = self.frame.phi_coordinates_as_list((self.body.start, self.body.end))
         # phi counts from the pin, so that the supported end is the nearer one.
         phi = max(ends, key=abs) if loaded else min(ends, key=abs)
         return self.points_at_depth_and_coordinate_phi(
-            np.array(self.depth - 0.5 * self.body.depth), np.array(phi), size
+            np.array(self.total_thickness - 0.5 * self.body.total_thickness), np.array(phi), size
         )
 
     def is_point_nearer_to_loaded_end_than_to_pin(self, point: Point, size: float) -> bool:
@@ -251,10 +268,10 @@ class Shoe(Meshed):
         support nearer to the pin pushes on the other end of the body, which is held rigidly. `size`
         is the size of the brake [m].
         """
-        # The actuation loads a body of constant section (`Bar`) on its end face. On any other shoe
-        # the loaded end is the point of the actuation.
+        # The actuation loads a body of constant section (`ShoeBodyOfConstantSection`) on its end
+        # face. On any other shoe the loaded end is the point of the actuation.
         loaded = self.convert_points_to_shoe_frame(self.actuation.point.xy)
-        if isinstance(self.body, Bar) and self.mesh is None:
+        if isinstance(self.body, ShoeBodyOfConstantSection) and self.mesh is None:
             loaded = self.middle_of_supported_or_loaded_end_face_of_body(size, loaded=True)
         at = self.convert_points_to_shoe_frame(point.xy)
         return math.dist(at, loaded) < math.dist(at, self.pin_position_in_shoe_frame)
@@ -265,18 +282,18 @@ class Shoe(Meshed):
 
         A pivot and a guide do so, and a hinge does if the body has a `grip`.
         """
-        has_grip = isinstance(self.body, Bar) and self.body.grip is not None
+        has_grip = isinstance(self.body, ShoeBodyOfConstantSection) and self.body.grip is not None
         return self.kind_of_support in {"pivot", "guide"} or has_grip
 
     def interval_of_body_back_held_by_support(self, size: float) -> tuple[float, float] | None:
         """Interval (phi_1, phi_2) of the back of an elastic body that the support holds.
 
-        phi is the coordinate in the frame of the shoe, and `Bar.grip` gives the interval's length.
-        The result is None if the support holds an end face, or if the shoe is rigid, has a mesh
-        file or is a straight beam. `size` is the size of the brake [m].
+        phi is the coordinate in the frame of the shoe, and `ShoeBodyOfConstantSection.grip` gives
+        the interval's length. The result is None if the support holds an end face, or if the shoe
+        is rigid, has a mesh file or is a straight beam. `size` is the size of the brake [m].
         """
         if (
-            not isinstance(self.body, Bar)
+            not isinstance(self.body, ShoeBodyOfConstantSection)
             or self.mesh is not None
             or not self.has_support_on_back_of_body
         ):
@@ -285,7 +302,7 @@ class Shoe(Meshed):
         place = (
             self.lining.middle
             if self.pivot is None
-            else self.surface_coordinate_of_point(self.pivot)
+            else self.drum_angle_or_plane_x_of_point(self.pivot)
         )
         # The held interval has at most 60 % of the lining's length.
         wanted = (
@@ -296,12 +313,12 @@ class Shoe(Meshed):
         half = min(wanted, 0.3 * (end - start))
         # Its middle has the coordinate of the pivot, or of the lining's middle if there is no
         # pivot. It is moved if it would lie too near to an end of the lining.
-        phi = self.frame.phi(np.array(place))
+        phi = self.frame.phi_of_surface_coordinates(np.array(place))
         at = float(np.clip(phi, start + 1.5 * half, end - 1.5 * half))
         return at - half, at + half
 
 
-class Brake(Part):
+class Brake(PartOfInputFile):
     """A brake with its friction coefficient, direction of motion, friction surface and shoes."""
 
     def __repr__(self) -> str:
@@ -331,9 +348,9 @@ class Brake(Part):
         @property
         def shoes(self) -> tuple[Shoe, ...]: ...
         @property
-        def actuation(self) -> Drive | None: ...
+        def actuation(self) -> DriveOfAllShoes | None: ...
         @property
-        def links(self) -> tuple[Link, ...]: ...
+        def links(self) -> tuple[StrutOrStrapBetweenShoes, ...]: ...
         @property
         def springs(self) -> tuple[Spring, ...]: ...
         @property
@@ -351,9 +368,9 @@ class Brake(Part):
         """
         # Data with neither "drum" nor "plane" are read by `DrumBrake`, whose error message names
         # the missing drum.
-        shapes = {shape.surface.word: shape for shape in Brake.__subclasses__()}
-        on_plane = isinstance(data, Mapping) and PLANE.word in data
-        return shapes[PLANE.word if on_plane else DRUM.word]
+        shapes = {shape.surface.name: shape for shape in Brake.__subclasses__()}
+        on_plane = isinstance(data, Mapping) and FRICTION_SURFACE_OF_PLANE.name in data
+        return shapes[FRICTION_SURFACE_OF_PLANE.name if on_plane else FRICTION_SURFACE_OF_DRUM.name]
 
     @classmethod
     def model_validate(cls, obj: Any, **options: Any) -> Self:
@@ -373,7 +390,7 @@ class Brake(Part):
         """Reference length of the brake [m]: the drum's radius, or the first lining's length."""
 
     @property
-    def scale_factor(self) -> float:
+    def length_per_surface_coordinate(self) -> float:
         """Length along the surface per unit of its coordinate: R [m] on a drum, 1 on a plane.
 
         It is also the lever arm that converts a friction force to the torque on a drum, or to the
@@ -382,24 +399,24 @@ class Brake(Part):
         return 1.0 if self.surface.is_plane_and_not_drum else self.size
 
     @property
-    def unit(self) -> float:
+    def surface_coordinate_per_phi(self) -> float:
         """Change of the surface's coordinate q per unit of phi, see `ShoeFrame`."""
-        return self.size / self.scale_factor
+        return self.size / self.length_per_surface_coordinate
 
     @property
-    def ring(self) -> Ring | None:
+    def ring(self) -> DrumRing | None:
         """The elastic ring of the drum; None for a rigid drum and for a plane."""
         return None
 
     @property
-    def motion(self) -> str:
+    def motion_as_text(self) -> str:
         """Text about the motion, such as "drum turns counter-clockwise"."""
-        return f"{self.surface.moves} {self.direction}"
+        return f"{self.surface.words_before_direction} {self.direction}"
 
     @property
-    def sense(self) -> str:
+    def direction_as_text_in_tables(self) -> str:
         """Direction of motion as tables of results show it, such as "counter-clockwise"."""
-        return self.surface.sense.format(self.direction)
+        return self.surface.direction_pattern_for_tables.format(self.direction)
 
     @abstractmethod
     def brake_with_reversed_motion(self) -> Self:
@@ -424,7 +441,7 @@ class Brake(Part):
         return self
 
     @property
-    def out_of_round_harmonics(self) -> tuple[Lobes, ...]:
+    def out_of_round_harmonics(self) -> tuple[OutOfRoundHarmonic, ...]:
         """Harmonics of a drum that is out of round; empty for a plane."""
         return ()
 
@@ -475,7 +492,7 @@ class Brake(Part):
         )
         return float(curve.friction_coefficients_at_pressures(np.zeros(())))
 
-    def friction_coefficient_curve_of_shoe(self, shoe: Shoe) -> FrictionCurve:
+    def friction_coefficient_curve_of_shoe(self, shoe: Shoe) -> FrictionOverPressureCurve:
         """Friction coefficient of a shoe's lining as a function of the pressure.
 
         A coefficient that does not depend on the pressure is a curve of one point.
@@ -642,7 +659,9 @@ class Brake(Part):
             return self.reason_why_cam_or_strut_sets_forces
         for shoe in self.shoes:
             if shoe.kind_of_support != "hinge":
-                return f"shoe {shoe.name!r}: {MOVES[shoe.kind_of_support]}"
+                return (
+                    f"shoe {shoe.name!r}: {MOTION_TEXTS_BY_KIND_OF_SUPPORT[shoe.kind_of_support]}"
+                )
         return None
 
     def check_all_shoes_are_hinged(self, what: str) -> None:

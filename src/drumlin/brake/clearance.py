@@ -21,7 +21,7 @@ from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.components import Lining, indices_of_linings_at_coordinates
 from drumlin.brake.file import vary
 
-SLOPE_CHANGE_ROUND_OFF = 1e-9
+LARGEST_ROUND_OFF_CHANGE_OF_GAP_SLOPE = 1e-9
 """Largest change of the gap's slope, at a row of a clearance table, that counts as round-off.
 
 It is relative to the largest change of slope in the table. A larger change is a kink of the gap.
@@ -56,7 +56,7 @@ def gaps_between_unloaded_lining_and_surface(brake: Brake, shoe: Shoe, theta: Fl
     # Where the drum lies outside its circle, an internal lining has a larger gap, and an external
     # lining a smaller gap.
     off = brake.radial_deviation_of_drum_surface(theta)
-    return total if off is None else total + shoe.sign * off
+    return total if off is None else total + shoe.sign_internal_plus_external_minus * off
 
 
 def gaps_due_to_block_heights(lining: Lining, theta: Floats) -> Floats:
@@ -70,7 +70,7 @@ def gaps_due_to_block_heights(lining: Lining, theta: Floats) -> Floats:
     for begin, depth in lining.misfit.blocks:
         # A cubic polynomial rises from 0 to 1 from one block to the next, with zero slope at both
         # ends.
-        x = np.clip((theta - begin) / lining.step + 0.5, 0.0, 1.0)
+        x = np.clip((theta - begin) / lining.length_of_step_between_blocks + 0.5, 0.0, 1.0)
         gap = gap + (depth - before) * x**2 * (3 - 2 * x)
         before = depth
     return gap
@@ -100,7 +100,7 @@ def coordinates_of_clearance_table_rows(lining: Lining) -> list[float]:
 
 def coordinates_of_step_ends_between_blocks(lining: Lining) -> list[float]:
     """Coordinates (angles on a drum) where the rounded steps between blocks begin and end."""
-    half = lining.step / 2
+    half = lining.length_of_step_between_blocks / 2
     blocks = [block for part in lining.linings for block in part.misfit.blocks]
     return [begin + side for begin, _ in blocks for side in (-half, half)]
 
@@ -113,7 +113,7 @@ def gap_kinks_that_point_to_drum(lining: Lining) -> list[tuple[float, float]]:
     """
     change = clearance_slope_change_at_each_table_row(lining)
     # Where the slope of the gap grows abruptly, the lining has a convex edge towards the drum.
-    sharp = change > SLOPE_CHANGE_ROUND_OFF * np.abs(change).max(initial=0.0)
+    sharp = change > LARGEST_ROUND_OFF_CHANGE_OF_GAP_SLOPE * np.abs(change).max(initial=0.0)
     rows = zip(coordinates_of_clearance_table_rows(lining), change.tolist(), sharp, strict=True)
     return [(angle, slope) for angle, slope, is_sharp in rows if is_sharp]
 
@@ -167,7 +167,7 @@ def solve_brake_at_angular_drum_positions(
     return [solve(vary(brake, {"drum.angle": angle})) for angle in angles]
 
 
-def new_lining_radii_by_key(brake: Brake, mismatch: float) -> dict[str, float]:
+def lining_radii_by_key_for_radius_mismatch(brake: Brake, mismatch: float) -> dict[str, float]:
     """New lining radii, for `vary`: every lining is ground to the drum's radius plus `mismatch`.
 
     The result has the new radius [m] by the key in the brake file, such as
@@ -178,7 +178,7 @@ def new_lining_radii_by_key(brake: Brake, mismatch: float) -> dict[str, float]:
     }
 
 
-def new_lining_circle_offsets_by_key(brake: Brake, size: float) -> dict[str, float]:
+def lining_circle_offsets_towards_hinge_by_key(brake: Brake, size: float) -> dict[str, float]:
     """New offsets of the lining circles, for `vary`: each is moved by `size` [m] towards the hinge.
 
     The circle to which the lining is ground moves along the line from the drum's centre to the

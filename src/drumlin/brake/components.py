@@ -24,17 +24,17 @@ from drumlin.base.arrays import Floats, Ints
 from drumlin.brake.fields import (
     Angle,
     AngularSpeed,
-    AnyMaterial,
     BendingStiffness,
-    Expansion,
+    CartesianOrPolarPoint,
     Force,
+    InterpolationTable,
+    IsotropicOrOrthotropicMaterial,
     Length,
     Material,
-    Part,
-    Place,
+    PartOfInputFile,
     Point,
-    Rows,
     TemperatureRise,
+    ThermalExpansionCoefficient,
     Thickness,
     interpolate_number_or_table,
     make_validator_of_number_or_table,
@@ -42,10 +42,10 @@ from drumlin.brake.fields import (
     make_validator_that_tabulates_function_along_lining,
 )
 from drumlin.brake.friction import FrictionOrTable, FrictionTable
-from drumlin.brake.units import text_in_degrees, text_in_mm
+from drumlin.brake.units import angle_as_text_in_degrees, length_as_text_in_mm
 
 
-class Section(NamedTuple):
+class RectangularCrossSection(NamedTuple):
     """A rectangular cross-section of a ring, a beam or an arc.
 
     Attributes
@@ -57,7 +57,7 @@ class Section(NamedTuple):
 
     thickness: float
     width: float
-    material: AnyMaterial
+    material: IsotropicOrOrthotropicMaterial
 
     @property
     def bending_stiffness(self) -> float:
@@ -65,24 +65,26 @@ class Section(NamedTuple):
         return self.material.E_along * self.width * self.thickness**3 / 12
 
 
-class Bonded(NamedTuple):
+class BondedPlateStiffnesses(NamedTuple):
     """The neutral axis and the stiffnesses of bonded plates that bend as one beam.
 
     Attributes
     ----------
-    depth : depth of the neutral axis below the outer face of the first plate [m]
+    depth_of_neutral_axis : depth of the neutral axis below the outer face of the first plate [m]
     EI : bending stiffness of all plates together, about the neutral axis [N m^2]
     EA : stiffness in tension, the sum over the plates [N]
     GA : stiffness in shear, the sum over the plates [N]
     """
 
-    depth: float
+    depth_of_neutral_axis: float
     EI: float
     EA: float
     GA: float
 
 
-def stiffnesses_of_bonded_plates(plates: Sequence[Section]) -> Bonded:
+def stiffnesses_of_bonded_plates(
+    plates: Sequence[RectangularCrossSection],
+) -> BondedPlateStiffnesses:
     """The stiffnesses of plates that are bonded to each other and bend as one beam.
 
     `plates` are the cross-sections in the order in which they lie on each other.
@@ -99,10 +101,10 @@ def stiffnesses_of_bonded_plates(plates: Sequence[Section]) -> Bonded:
     depth = float(EA @ middle / EA.sum())
     # By Steiner's theorem a plate off the neutral axis adds EA times the square of its distance.
     EI = own + EA * (middle - depth) ** 2
-    return Bonded(depth, float(EI.sum()), float(EA.sum()), float(GA.sum()))
+    return BondedPlateStiffnesses(depth, float(EI.sum()), float(EA.sum()), float(GA.sum()))
 
 
-ASSUMED_STEEL = Material(E=210e9, nu=0.3)
+STEEL_OF_PARTS_WITHOUT_GIVEN_MATERIAL = Material(E=210e9, nu=0.3)
 """Material of a part for which a brake file gives the bending stiffness but no material.
 
 The width is then chosen to give the bending stiffness. Young's modulus itself does not matter,
@@ -111,8 +113,8 @@ because plane stress depends only on its product with the width.
 
 
 def _cross_section_or_none_if_unknown(
-    part: "Ring | Beam | Bar", EI: float | None
-) -> Section | None:
+    part: "DrumRing | BeamBody | ShoeBodyOfConstantSection", EI: float | None
+) -> RectangularCrossSection | None:
     """The cross-section of a ring, a beam or an arc; None if it is unknown.
 
     If the bending stiffness `EI` [N m^2] is given, the width of the section is chosen to give it.
@@ -121,13 +123,15 @@ def _cross_section_or_none_if_unknown(
         return None
     if EI is None:
         known = part.width is not None and part.material is not None
-        return Section(part.thickness, part.width, part.material) if known else None  # type: ignore[arg-type]
+        return RectangularCrossSection(part.thickness, part.width, part.material) if known else None  # type: ignore[arg-type]
     # The width and material may be arbitrary, since the width is scaled to the bending stiffness.
-    section = Section(part.thickness, part.width or 1.0, part.material or ASSUMED_STEEL)
+    section = RectangularCrossSection(
+        part.thickness, part.width or 1.0, part.material or STEEL_OF_PARTS_WITHOUT_GIVEN_MATERIAL
+    )
     return section._replace(width=section.width * EI / section.bending_stiffness)
 
 
-def _check_section_or_stiffness_is_given(part: "Ring | Beam") -> None:
+def _check_section_or_stiffness_is_given(part: "DrumRing | BeamBody") -> None:
     """Raise ValueError unless a part has a complete cross-section or a bending stiffness.
 
     A cross-section is thickness, width and material. With a bending stiffness the part may also
@@ -141,11 +145,11 @@ def _check_section_or_stiffness_is_given(part: "Ring | Beam") -> None:
         )
 
 
-PLAIN_SUPPORTS = ("fixed", "free")
+RING_EDGE_SUPPORTS_THAT_ALL_MODELS_TAKE = ("fixed", "free")
 """Supports of the ring's far edge (away from the shoes) that every model can take."""
 
 
-class Ring(Part):
+class DrumRing(PartOfInputFile):
     """The elastic rim of the drum, which lies behind its friction surface as seen from the shoe.
 
     It has a cross-section (thickness, width and material), or a `bending_stiffness` EI [N m^2], or
@@ -155,7 +159,7 @@ class Ring(Part):
 
     thickness: Thickness | None = None
     width: Thickness | None = None
-    material: AnyMaterial | None = None
+    material: IsotropicOrOrthotropicMaterial | None = None
     bending_stiffness: BendingStiffness | None = None
     support: Literal["fixed", "free"] = "fixed"
 
@@ -172,10 +176,10 @@ class Ring(Part):
         Some models refuse a ring with any other support, see
         `ring_support.reason_if_ring_edge_is_not_fixed_or_free`.
         """
-        return self.support in PLAIN_SUPPORTS
+        return self.support in RING_EDGE_SUPPORTS_THAT_ALL_MODELS_TAKE
 
     @property
-    def section(self) -> Section | None:
+    def section(self) -> RectangularCrossSection | None:
         """The cross-section of the ring, with a width that gives the bending stiffness.
 
         It is None if the brake file has the bending stiffness but no thickness.
@@ -189,7 +193,7 @@ class Ring(Part):
         return section.bending_stiffness if section else float(self.bending_stiffness or 0.0)
 
 
-class Lobes(Part):
+class OutOfRoundHarmonic(PartOfInputFile):
     """One harmonic of the deviation of a drum's friction surface from its circle.
 
     The surface lies outside its circle by amplitude cos(order (theta - phase)) [m]. Order 0 is
@@ -201,7 +205,7 @@ class Lobes(Part):
     phase: Angle = 0.0
 
 
-class Drum(Part):
+class Drum(PartOfInputFile):
     """The drum with the radius R [m] of its friction surface. A drum without `ring` is rigid.
 
     `out_of_round` has the harmonics of the deviation of the surface from its circle. They turn with
@@ -217,37 +221,38 @@ class Drum(Part):
     }
 
     radius: Thickness
-    ring: Ring | None = None
-    out_of_round: tuple[Lobes, ...] = ()
+    ring: DrumRing | None = None
+    out_of_round: tuple[OutOfRoundHarmonic, ...] = ()
     angle: Angle = 0.0
     temperature_rise: TemperatureRise = 0.0
     back_temperature_rise: TemperatureRise | None = None
-    expansion: Expansion | None = None
+    expansion: ThermalExpansionCoefficient | None = None
     speed: AngularSpeed | None = None
 
 
 # Types of quantities that are a number or a table: for a beam a table over the distance from the
 # hinge, for a lining a table over the angle.
-StiffnessAlong = Annotated[
-    float | Rows, make_validator_of_number_or_table("distance", "m", "bending stiffness", "N m^2")
+BendingStiffnessOrTableAlongBeam = Annotated[
+    float | InterpolationTable,
+    make_validator_of_number_or_table("distance", "m", "bending stiffness", "N m^2"),
 ]
-OffsetAlong = Annotated[
-    float | Rows, make_validator_of_number_or_table("distance", "m", "offset", "m")
+AxisOffsetOrTableAlongBeam = Annotated[
+    float | InterpolationTable, make_validator_of_number_or_table("distance", "m", "offset", "m")
 ]
-Clearance = Annotated[
-    float | Rows,
+ClearanceOrTableAlongLining = Annotated[
+    float | InterpolationTable,
     make_validator_of_number_or_table("angle", "rad", "clearance", "m"),
     make_validator_that_tabulates_function_along_lining(),
 ]
 
 
-LARGEST_MISFIT = 0.05
+LARGEST_ALLOWED_RELATIVE_MISFIT = 0.05
 """Largest misfit, relative to the drum's radius or a pad's length; a larger misfit is refused.
 
 A misfit is added to the gap along the drum's radii, which is right for small misfits only.
 """
 
-ROUNDED_STEP = math.radians(1.0)
+ANGLE_OF_ROUNDED_STEP_BETWEEN_BLOCKS = math.radians(1.0)
 """Length [rad] over which the face of a lining rises smoothly from one block to the next.
 
 On a plane it is relative to the lining's length. The edges of blocks are rounded because under a
@@ -255,7 +260,7 @@ sharp edge the pressure would be infinite: its peak would grow with every refine
 """
 
 
-class Misfit(Part):
+class Misfit(PartOfInputFile):
     """Deviation of a lining's surface from the drum's circle, besides its clearance.
 
     `radius` [m] is the radius of the circle to which the lining is ground, by default the drum's.
@@ -266,13 +271,14 @@ class Misfit(Part):
     """
 
     radius: Thickness | None = None
-    offset: Place = Point(x=0.0, y=0.0)
+    offset: CartesianOrPolarPoint = Point(x=0.0, y=0.0)
     taper: Length = 0.0
     blocks: Annotated[
-        Rows, make_validator_of_table_with_growing_coordinates("angle", "rad", "depth", "m")
+        InterpolationTable,
+        make_validator_of_table_with_growing_coordinates("angle", "rad", "depth", "m"),
     ] = ()
 
-    def check(
+    def check_misfit_size_and_blocks(
         self,
         key: str,
         ends: tuple[float, float],
@@ -296,7 +302,9 @@ class Misfit(Part):
         sizes = {"offset": self.offset.radius, "taper": self.taper, "blocks": deepest}
         for name, size in sizes.items():
             if abs(size) > most:
-                raise ValueError(f"{key}.{name} = {text_in_mm(size)}: must be at most {allowed}")
+                raise ValueError(
+                    f"{key}.{name} = {length_as_text_in_mm(size)}: must be at most {allowed}"
+                )
         # Two rounded steps must not overlap or extend beyond an end of the lining.
         edges = [ends[0], *(place for place, _ in self.blocks), ends[1]]
         if self.blocks and min(b - a for a, b in pairwise(edges)) <= step:
@@ -308,7 +316,7 @@ class Misfit(Part):
             )
 
 
-class Lining(Part):
+class Lining(PartOfInputFile):
     """The friction lining from the coordinate `start` to `end` along the surface.
 
     It is the common base class of linings on a drum and on a plane.
@@ -326,9 +334,9 @@ class Lining(Part):
         @property
         def width(self) -> float: ...
         @property
-        def material(self) -> AnyMaterial: ...
+        def material(self) -> IsotropicOrOrthotropicMaterial: ...
         @property
-        def clearance(self) -> float | Rows: ...
+        def clearance(self) -> float | InterpolationTable: ...
         @property
         def misfit(self) -> Misfit: ...
         @property
@@ -371,7 +379,7 @@ class Lining(Part):
 
     @property
     @abstractmethod
-    def step(self) -> float:
+    def length_of_step_between_blocks(self) -> float:
         """Length of the rounded step between two blocks, in the surface's coordinate."""
 
     def copy_of_lining_with_changed_fields(self, changes: Mapping[str, object]) -> Self:
@@ -381,7 +389,9 @@ class Lining(Part):
         """
         return self.model_copy(update=dict(changes))
 
-    def copy_of_lining_with_other_clearances(self, clearances: "Sequence[float | Rows]") -> Self:
+    def copy_of_lining_with_other_clearances(
+        self, clearances: "Sequence[float | InterpolationTable]"
+    ) -> Self:
         """A copy with other clearances, one for each lining; linings that touch count as one.
 
         A clearance is a length [m] or a table of rows (coordinate, clearance).
@@ -403,10 +413,16 @@ def did_you_mean_hint_for_angles_of_arc(start: float, end: float) -> str:
     """
     meant = [math.radians(angle) if abs(angle) > 4 * math.pi else angle for angle in (start, end)]
     if meant != [start, end] and 0 < meant[1] - meant[0] < 2 * math.pi:
-        return f" (did you mean {text_in_degrees(meant[0])} to {text_in_degrees(meant[1])}?)"
+        return (
+            f" (did you mean {angle_as_text_in_degrees(meant[0])} to "
+            f"{angle_as_text_in_degrees(meant[1])}?)"
+        )
     before = start - 2 * math.pi
     if 0 < end - before < math.pi:
-        return f" (did you mean {text_in_degrees(before)} to {text_in_degrees(end)}?)"
+        return (
+            f" (did you mean {angle_as_text_in_degrees(before)} to "
+            f"{angle_as_text_in_degrees(end)}?)"
+        )
     return ""
 
 
@@ -423,38 +439,38 @@ class DrumLining(Lining):
     end: Angle
     thickness: Thickness
     width: Thickness
-    material: AnyMaterial
-    clearance: Clearance = 0.0
+    material: IsotropicOrOrthotropicMaterial
+    clearance: ClearanceOrTableAlongLining = 0.0
     misfit: Misfit = Misfit()
     friction: FrictionOrTable | None = None
     temperature_rise: TemperatureRise = 0.0
     back_temperature_rise: TemperatureRise | None = None
 
     @property
-    def step(self) -> float:
+    def length_of_step_between_blocks(self) -> float:
         """Angle [rad] over which the face rises smoothly from one block's height to the next."""
-        return ROUNDED_STEP
+        return ANGLE_OF_ROUNDED_STEP_BETWEEN_BLOCKS
 
     @model_validator(mode="after")
     def _check_end_follows_start(self) -> Self:
         """Raise ValueError unless the lining's end follows its start within one turn."""
         if not 0 < self.end - self.start < 2 * math.pi:
             raise ValueError(
-                f"end = {text_in_degrees(self.end)} must be greater than start = "
-                f"{text_in_degrees(self.start)}, "
+                f"end = {angle_as_text_in_degrees(self.end)} must be greater than start = "
+                f"{angle_as_text_in_degrees(self.start)}, "
                 f"by less than 360 deg"
                 f"{did_you_mean_hint_for_angles_of_arc(self.start, self.end)}"
             )
         return self
 
 
-SMALLEST_SLOT = 1e-3
+SMALLEST_ANGLE_OF_SLOT_BETWEEN_LININGS = 1e-3
 """Smallest allowed length [rad] of a slot between two linings: 0.15 mm on a drum of radius 150 mm.
 
 A shorter slot is narrower than a saw cut. The two linings could touch each other under load, which
 no model computes. The value is a judgement.
 """
-TOUCHING = 1e-9
+LARGEST_ANGLE_BETWEEN_TOUCHING_LININGS = 1e-9
 """Largest distance [rad] between two linings that touch and count as one lining.
 
 Equal angles that a file gives in degrees differ by less, due to round-off.
@@ -491,22 +507,25 @@ class DrumLiningRow(Lining):
         for k, (before, part) in enumerate(pairwise(self.parts), start=1):
             _check_lining_is_like_first_one(f"lining[{k}]", part, first)
             apart = part.start - before.end
-            if apart < -TOUCHING:
+            if apart < -LARGEST_ANGLE_BETWEEN_TOUCHING_LININGS:
                 raise ValueError(
-                    f"lining[{k}].start = {text_in_degrees(part.start)}: must not be less than "
-                    f"lining[{k - 1}].end = {text_in_degrees(before.end)}; "
+                    f"lining[{k}].start = {angle_as_text_in_degrees(part.start)}: must not be "
+                    f"less than "
+                    f"lining[{k - 1}].end = {angle_as_text_in_degrees(before.end)}; "
                     "linings stand side by side in the order of growing angles"
                 )
             fits = before.clearance == part.clearance and before.misfit == part.misfit == Misfit()
-            if apart <= TOUCHING and not fits:
+            if apart <= LARGEST_ANGLE_BETWEEN_TOUCHING_LININGS and not fits:
                 raise ValueError(
-                    f"lining[{k}].start = {text_in_degrees(part.start)}: linings that touch are "
+                    f"lining[{k}].start = {angle_as_text_in_degrees(part.start)}: linings "
+                    f"that touch are "
                     "one "
                     "lining, and must have the same clearance and no misfit"
                 )
         if not self.end - self.start < 2 * math.pi:
             raise ValueError(
-                f"linings from {text_in_degrees(self.start)} to {text_in_degrees(self.end)}: "
+                f"linings from {angle_as_text_in_degrees(self.start)} to "
+                f"{angle_as_text_in_degrees(self.end)}: "
                 "must cover less than 360 deg"
             )
         return self
@@ -521,7 +540,7 @@ class DrumLiningRow(Lining):
         """The linings by growing angle, where linings that touch are joined to one lining."""
         found = [self.parts[0]]
         for part in self.parts[1:]:
-            if part.start - found[-1].end <= TOUCHING:
+            if part.start - found[-1].end <= LARGEST_ANGLE_BETWEEN_TOUCHING_LININGS:
                 found[-1] = found[-1].model_copy(update={"end": part.end})
             else:
                 found.append(part)
@@ -548,7 +567,7 @@ class DrumLiningRow(Lining):
         return self.parts[0].width
 
     @property
-    def material(self) -> AnyMaterial:
+    def material(self) -> IsotropicOrOrthotropicMaterial:
         """Material of all linings."""
         return self.parts[0].material
 
@@ -568,16 +587,18 @@ class DrumLiningRow(Lining):
         return self.parts[0].back_temperature_rise
 
     @property
-    def step(self) -> float:
+    def length_of_step_between_blocks(self) -> float:
         """Angle [rad] over which a face rises smoothly from one block's height to the next."""
-        return ROUNDED_STEP
+        return ANGLE_OF_ROUNDED_STEP_BETWEEN_BLOCKS
 
     def copy_of_lining_with_changed_fields(self, changes: Mapping[str, object]) -> Self:
         """A copy with other values of some fields of every lining, by the names of the fields."""
         parts = tuple(part.model_copy(update=dict(changes)) for part in self.parts)
         return self.model_copy(update={"parts": parts})
 
-    def copy_of_lining_with_other_clearances(self, clearances: "Sequence[float | Rows]") -> Self:
+    def copy_of_lining_with_other_clearances(
+        self, clearances: "Sequence[float | InterpolationTable]"
+    ) -> Self:
         """A copy with other clearances, one for each lining; linings that touch count as one.
 
         A clearance is a length [m] or a table of rows (angle, clearance).
@@ -607,7 +628,7 @@ def indices_of_linings_at_coordinates(lining: Lining, theta: Floats) -> Ints:
     linings to the first lining.
     """
     # A node on the edge of a lining may lie before its start by round-off.
-    starts = [part.start - TOUCHING for part in lining.linings[1:]]
+    starts = [part.start - LARGEST_ANGLE_BETWEEN_TOUCHING_LININGS for part in lining.linings[1:]]
     return np.searchsorted(np.array(starts), theta, side="right")
 
 
@@ -619,8 +640,8 @@ def _check_lining_is_like_first_one(key: str, part: DrumLining, first: DrumLinin
     """
     kelvin = dict.fromkeys(("temperature_rise", "back_temperature_rise"), "{} K".format)
     texts: dict[str, Callable[[Any], str]] = {
-        "thickness": text_in_mm,
-        "width": text_in_mm,
+        "thickness": length_as_text_in_mm,
+        "width": length_as_text_in_mm,
         "material": str,
         "friction": str,
         **kelvin,
@@ -644,13 +665,13 @@ def _tag_for_one_or_several_linings(data: object) -> str:
 
 
 # In a brake file [shoe.lining] is one lining, and a list of tables [[shoe.lining]] is several.
-AnyDrumLining = Annotated[
+DrumLiningOrDrumLiningRow = Annotated[
     Annotated[DrumLining, Tag("one lining")] | Annotated[DrumLiningRow, Tag("several linings")],
     Discriminator(_tag_for_one_or_several_linings),
 ]
 
 
-class Backing(Part):
+class Backing(PartOfInputFile):
     """A layer between lining and shoe body, such as a wooden block, as long and wide as the lining.
 
     If the shoe has several linings, each of them has a backing of its own. If the shoe body is a
@@ -658,12 +679,12 @@ class Backing(Part):
     """
 
     thickness: Thickness
-    material: AnyMaterial
+    material: IsotropicOrOrthotropicMaterial
     temperature_rise: TemperatureRise = 0.0
     back_temperature_rise: TemperatureRise | None = None
 
 
-class Table(Part):
+class TableOfTSection(PartOfInputFile):
     """The flange of a shoe body with a T-section; it lies between the lining and the web.
 
     `thickness` [m] is in the plane of the brake, `width` [m] normal to it.
@@ -673,7 +694,7 @@ class Table(Part):
     width: Thickness
 
 
-class Bar(Part):
+class ShoeBodyOfConstantSection(PartOfInputFile):
     """An elastic shoe body of constant cross-section behind lining and backing.
 
     Without a `table` (flange) the section is a rectangle of the `thickness` and `width` [m]. With a
@@ -686,8 +707,8 @@ class Bar(Part):
 
     thickness: Thickness
     width: Thickness | None = None
-    material: AnyMaterial | None = None
-    table: Table | None = None
+    material: IsotropicOrOrthotropicMaterial | None = None
+    table: TableOfTSection | None = None
     bending_stiffness: BendingStiffness | None = None
     grip: Thickness | None = None
     temperature_rise: TemperatureRise = 0.0
@@ -717,13 +738,13 @@ class Bar(Part):
             )
         if self.table is not None and self.width is not None and self.table.width < self.width:
             raise ValueError(
-                f"table.width = {text_in_mm(self.table.width)}: must be at least "
-                f"width = {text_in_mm(self.width)}, the web's"
+                f"table.width = {length_as_text_in_mm(self.table.width)}: must be at least "
+                f"width = {length_as_text_in_mm(self.width)}, the web's"
             )
         return self
 
     @property
-    def plates(self) -> dict[str, Section]:
+    def plates(self) -> dict[str, RectangularCrossSection]:
         """The rectangles of the cross-section, by the names of their groups of finite elements.
 
         A T-section has "table", the flange, and then "shoe", the web. Any other section has "shoe"
@@ -734,16 +755,16 @@ class Bar(Part):
         assert own is not None
         if self.table is None:
             return {"shoe": own}
-        table = Section(self.table.thickness, self.table.width, own.material)
+        table = RectangularCrossSection(self.table.thickness, self.table.width, own.material)
         return {"table": table, "shoe": own}
 
     @property
-    def depth(self) -> float:
+    def total_thickness(self) -> float:
         """Thickness of the body, with the flange of a T-section [m]."""
         return self.thickness + (self.table.thickness if self.table else 0.0)
 
 
-class ArcBody(Bar):
+class ArcBody(ShoeBodyOfConstantSection):
     """An elastic shoe body that is an arc of constant section from angle `start` to `end` [rad]."""
 
     shape: Literal["arc"] = "arc"
@@ -751,7 +772,7 @@ class ArcBody(Bar):
     end: Angle
 
 
-class Beam(Part):
+class BeamBody(PartOfInputFile):
     """An elastic shoe body that is a straight beam from the hinge to the point of actuation.
 
     It has a cross-section (thickness, width and material), or a `bending_stiffness` EI [N m^2], or
@@ -764,9 +785,9 @@ class Beam(Part):
     shape: Literal["beam"]
     thickness: Thickness | None = None
     width: Thickness | None = None
-    material: AnyMaterial | None = None
-    bending_stiffness: StiffnessAlong | None = None
-    offset: OffsetAlong = 0.0
+    material: IsotropicOrOrthotropicMaterial | None = None
+    bending_stiffness: BendingStiffnessOrTableAlongBeam | None = None
+    offset: AxisOffsetOrTableAlongBeam = 0.0
     temperature_rise: TemperatureRise = 0.0
     back_temperature_rise: TemperatureRise | None = None
 
@@ -788,7 +809,7 @@ class Beam(Part):
         return self
 
     @property
-    def section(self) -> Section | None:
+    def section(self) -> RectangularCrossSection | None:
         """The cross-section of the beam, with a width that gives the bending stiffness.
 
         It is None if the bending stiffness varies along the beam, or if the brake file has the
@@ -798,13 +819,13 @@ class Beam(Part):
         return None if isinstance(EI, tuple) else _cross_section_or_none_if_unknown(self, EI)
 
     @property
-    def plates(self) -> dict[str, Section]:
+    def plates(self) -> dict[str, RectangularCrossSection]:
         """The rectangular cross-section of the beam, by the name "shoe" of its elements' group."""
         assert self.section is not None  # models refuse a beam without section
         return {"shoe": self.section}
 
     @property
-    def depth(self) -> float:
+    def total_thickness(self) -> float:
         """Thickness of the beam [m]; 0 if it is unknown."""
         return self.thickness or 0.0
 
@@ -833,8 +854,8 @@ def _tag_for_beam_or_arc_shape_of_shoe_body(data: object) -> str:
 
 
 # The key `shape` of a body tells whether it is read as an arc or as a beam.
-AnyBody = Annotated[
-    Annotated[ArcBody, Tag("arc")] | Annotated[Beam, Tag("beam")],
+ArcOrBeamShoeBody = Annotated[
+    Annotated[ArcBody, Tag("arc")] | Annotated[BeamBody, Tag("beam")],
     Discriminator(
         _tag_for_beam_or_arc_shape_of_shoe_body,
         custom_error_type="shape",
@@ -843,17 +864,18 @@ AnyBody = Annotated[
 ]
 
 
-class Actuation(Part):
+class Actuation(PartOfInputFile):
     """The actuation of a shoe: a force [N], its direction [rad] and a point on its line of action.
 
-    If the drive of the brake gives the forces (`Drive`), the file gives no force for the shoe.
+    If the drive of the brake gives the forces (`DriveOfAllShoes`), the file gives no force for the
+    shoe.
     """
 
-    hint_if_several: ClassVar[str] = "; further forces on a shoe are [[shoe.force]]"
+    hint_if_several_are_given: ClassVar[str] = "; further forces on a shoe are [[shoe.force]]"
 
     force: Force = 0.0
     direction: Angle
-    point: Place
+    point: CartesianOrPolarPoint
 
     @property
     def unit_vector_of_force(self) -> Floats:

@@ -15,23 +15,23 @@ from pydantic import Field, model_validator
 
 from drumlin.brake.components import Actuation
 from drumlin.brake.fields import (
-    PURE_NUMBER,
+    PURE_NUMBER_VALIDATOR,
     Angle,
     Area,
+    ElasticModulus,
     Force,
-    Modulus,
     Name,
-    Part,
+    PartOfInputFile,
     Thickness,
     Torque,
 )
-from drumlin.brake.support import Held
+from drumlin.brake.support import SupportedShoe
 
-Efficiency = Annotated[float, Field(gt=0, le=1, strict=True), PURE_NUMBER]
+DriveEfficiency = Annotated[float, Field(gt=0, le=1, strict=True), PURE_NUMBER_VALIDATOR]
 """The type of the efficiency of a drive, a number above 0 and up to 1."""
 
 
-class Chamber(Part):
+class BrakeChamber(PartOfInputFile):
     """A brake chamber: air pressure on a membrane pushes a rod against a return spring.
 
     Attributes
@@ -43,7 +43,7 @@ class Chamber(Part):
     """
 
     area: Area
-    pressure: Modulus
+    pressure: ElasticModulus
     return_force: Annotated[Force, Field(ge=0)] = 0.0
     lever: Thickness | None = None
 
@@ -63,7 +63,7 @@ class Chamber(Part):
         return self.pressure * self.area - self.return_force
 
 
-class Drive(Part):
+class DriveOfAllShoes(PartOfInputFile):
     """The drive of all shoes: a wheel cylinder, a cam or a wedge.
 
     A cylinder has a `pressure` [Pa] and a `diameter` [m]; below the `threshold` [Pa] it does not
@@ -73,15 +73,15 @@ class Drive(Part):
     at the shoes; friction in the drive takes the rest.
     """
 
-    pressure: Modulus | None = None
+    pressure: ElasticModulus | None = None
     diameter: Thickness | None = None
-    threshold: Modulus | None = None
-    chamber: Chamber | None = None
+    threshold: ElasticModulus | None = None
+    chamber: BrakeChamber | None = None
     wedge_angle: Annotated[Angle, Field(gt=0, lt=math.pi)] | None = None
     force: Force | None = None
     torque: Torque | None = None
     radius: Thickness | None = None
-    efficiency: Efficiency = 1.0
+    efficiency: DriveEfficiency = 1.0
 
     @model_validator(mode="after")
     def _check_keys_of_cylinder_or_cam(self) -> Self:
@@ -143,7 +143,7 @@ class Drive(Part):
         return "actuation.force" if self.torque is None else "actuation.torque"
 
 
-class Link(Part):
+class StrutOrStrapBetweenShoes(PartOfInputFile):
     """A strut or a strap between two shoes.
 
     The shoe `from` bears on the strut by its abutment, and the strut pushes or pulls the shoe `to`
@@ -217,7 +217,7 @@ def _is_shoe_pressed_without_actuation(shoe: Any, joined_names: Collection[str |
 
 
 def _strut_actuations_by_shoe_index(
-    shoes: tuple[Any, ...], links: tuple[Link, ...]
+    shoes: tuple[Any, ...], links: tuple[StrutOrStrapBetweenShoes, ...]
 ) -> dict[int, Actuation]:
     """Actuation without force along the line of each strut, by the index of the pushed shoe.
 
@@ -261,7 +261,7 @@ def key_that_sets_actuation_force_of_shoe(brake: Any, shoe: Any) -> str | None:
     return None if name == shoe.name else f"shoe.{name}.actuation.force"
 
 
-LARGEST_BEND_OF_STRUT = 1e-9
+LARGEST_ANGLE_BETWEEN_STRUT_FORCES = 1e-9
 """Largest angle [rad] between the forces at the two ends of a strut that counts as round-off.
 
 The lines of action of the two forces may also be this far apart, relative to the distance of the
@@ -271,7 +271,11 @@ degrees differ by less.
 
 
 def _check_strut_joins_two_shoes_on_anchors(
-    key: str, source: Held, to: Held, before: tuple[Link, ...], link: Link
+    key: str,
+    source: SupportedShoe,
+    to: SupportedShoe,
+    before: tuple[StrutOrStrapBetweenShoes, ...],
+    link: StrutOrStrapBetweenShoes,
 ) -> None:
     """Raise ValueError unless a strut pushes apart the abutments of two shoes on anchors.
 
@@ -297,8 +301,8 @@ def _check_strut_joins_two_shoes_on_anchors(
     along = source.unit_vector_of_smooth_abutment_force
     off = abs(float(between[0] * along[1] - between[1] * along[0]))
     if (
-        abs(turn) > LARGEST_BEND_OF_STRUT
-        or off > LARGEST_BEND_OF_STRUT * math.hypot(*between)
+        abs(turn) > LARGEST_ANGLE_BETWEEN_STRUT_FORCES
+        or off > LARGEST_ANGLE_BETWEEN_STRUT_FORCES * math.hypot(*between)
         or between @ along <= 0
     ):
         raise ValueError(
@@ -308,7 +312,7 @@ def _check_strut_joins_two_shoes_on_anchors(
 
 
 def _actuation_of_shoe_without_strut(
-    key: str, shoe: Any, drive: Drive | None, file: bool
+    key: str, shoe: Any, drive: DriveOfAllShoes | None, file: bool
 ) -> Actuation:
     """Actuation of a shoe that no strut pushes, with the force of the drive if there is a drive.
 
@@ -338,7 +342,10 @@ def _actuation_of_shoe_without_strut(
 
 
 def _actuation_of_shoe_pushed_by_strut(
-    key: str, source: Held, link: Link, before: tuple[Link, ...]
+    key: str,
+    source: SupportedShoe,
+    link: StrutOrStrapBetweenShoes,
+    before: tuple[StrutOrStrapBetweenShoes, ...],
 ) -> Actuation:
     """Actuation of the shoe that a strut pushes: the strut's line of action, with the force 0.
 
@@ -378,7 +385,7 @@ def _actuation_of_shoe_pushed_by_strut(
 
 
 def reason_why_forces_follow_from_cam_or_strut(
-    drive: Drive | None, links: tuple[Link, ...]
+    drive: DriveOfAllShoes | None, links: tuple[StrutOrStrapBetweenShoes, ...]
 ) -> str | None:
     """Text for an error message that the forces on the shoes follow from a cam or a strut.
 

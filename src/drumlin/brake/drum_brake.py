@@ -19,22 +19,26 @@ from drumlin.base.arrays import Floats, polar_angles_within_half_turn_of_angle
 from drumlin.brake.beam_axis import make_beam_axis
 from drumlin.brake.brake import Brake, Shoe, ShoeFrame
 from drumlin.brake.components import (
-    LARGEST_MISFIT,
-    SMALLEST_SLOT,
-    AnyBody,
-    AnyDrumLining,
+    LARGEST_ALLOWED_RELATIVE_MISFIT,
+    SMALLEST_ANGLE_OF_SLOT_BETWEEN_LININGS,
     ArcBody,
+    ArcOrBeamShoeBody,
     Backing,
-    Bar,
-    Beam,
+    BeamBody,
     Drum,
+    DrumLiningOrDrumLiningRow,
+    DrumRing,
     Lining,
-    Lobes,
-    Ring,
-    Table,
+    OutOfRoundHarmonic,
+    ShoeBodyOfConstantSection,
+    TableOfTSection,
     did_you_mean_hint_for_angles_of_arc,
 )
-from drumlin.brake.drive import Drive, Link, shoes_with_forces_of_drive_and_struts
+from drumlin.brake.drive import (
+    DriveOfAllShoes,
+    StrutOrStrapBetweenShoes,
+    shoes_with_forces_of_drive_and_struts,
+)
 from drumlin.brake.fields import AngularSpeed, Point, Title, check_shoe_names_differ
 from drumlin.brake.friction import FrictionOrTable, check_friction_tables_have_sliding_speed
 from drumlin.brake.further_loads import Gravity, Lever, Spring, brake_with_loads_assigned_to_shoes
@@ -47,21 +51,21 @@ from drumlin.brake.off_circle import gaps_of_lining_ground_to_circle, radial_dev
 from drumlin.brake.pattern import (
     DrumPattern,
     brake_data_with_patterned_shoes_repeated,
-    rotation_about_drum_centre,
+    shoe_motion_of_turn_about_drum_centre,
 )
-from drumlin.brake.support import Held, check_rigid_body_modes_close_gap_differently
-from drumlin.brake.surface import DRUM
-from drumlin.brake.units import text_in_degrees, text_in_mm
+from drumlin.brake.support import SupportedShoe, check_rigid_body_modes_close_gap_differently
+from drumlin.brake.surface import FRICTION_SURFACE_OF_DRUM
+from drumlin.brake.units import angle_as_text_in_degrees, length_as_text_in_mm
 
 
 class DrumShoe(Shoe):
     """A shoe on a drum with its lining, support and actuation. Without `body` it is rigid."""
 
-    surface = DRUM
+    surface = FRICTION_SURFACE_OF_DRUM
     side: Literal["internal", "external"]
-    lining: AnyDrumLining
+    lining: DrumLiningOrDrumLiningRow
     backing: Backing | None = None
-    body: AnyBody | None = None
+    body: ArcOrBeamShoeBody | None = None
     pattern: DrumPattern | None = None
 
     @cached_property
@@ -75,7 +79,7 @@ class DrumShoe(Shoe):
 
     @property
     def pin_position_in_shoe_frame(self) -> Floats:
-        """Position (2,) [m] of the pin (`Held.pin`) in the frame of the shoe."""
+        """Position (2,) [m] of the pin (`SupportedShoe.pin`) in the frame of the shoe."""
         return np.array([self.pin.radius, 0.0])
 
     def convert_points_to_shoe_frame(self, xy: Floats) -> Floats:
@@ -98,7 +102,7 @@ class DrumShoe(Shoe):
         size : radius of the drum [m]
         """
         # An internal shoe lies inside the friction surface, an external shoe outside it.
-        r = size - self.sign * depth
+        r = size - self.sign_internal_plus_external_minus * depth
         return np.array([r * np.cos(phi), r * np.sin(phi)])
 
     def distances_from_friction_surface(self, xy: Floats, size: float) -> Floats:
@@ -106,7 +110,7 @@ class DrumShoe(Shoe):
 
         The points (2, ...) [m] are in the frame of the shoe; `size` [m] is the drum's radius.
         """
-        return self.sign * (size - np.hypot(*xy))
+        return self.sign_internal_plus_external_minus * (size - np.hypot(*xy))
 
     def surface_coordinates_of_points_in_shoe_frame(self, xy: Floats, size: float) -> Floats:
         """Polar angles [rad] of points (2, ...) [m], within half a turn of the lining's middle.
@@ -115,13 +119,13 @@ class DrumShoe(Shoe):
         """
         return polar_angles_within_half_turn_of_angle(0.5 * sum(self.arc), xy)
 
-    def surface_coordinate_of_point(self, point: Point) -> float:
+    def drum_angle_or_plane_x_of_point(self, point: Point) -> float:
         """Polar angle [rad] of a point, within half a turn of the middle of the lining."""
         return self.surface.coordinate_plus_turns_nearest_to_middle(point.angle, self.lining.middle)
 
     def length_along_shoe_back_per_unit_of_phi(self, size: float) -> float:
         """Radius [m] of the back of the shoe's body, which is its arc length per radian of phi."""
-        return size - self.sign * self.depth
+        return size - self.sign_internal_plus_external_minus * self.total_thickness
 
     @property
     def angle_of_direction_in_which_lining_closes_gap(self) -> float:
@@ -130,20 +134,25 @@ class DrumShoe(Shoe):
         For an internal lining it is the angle of the lining's middle, and for an external lining
         this angle plus pi.
         """
-        return self.lining.middle + (self.sign < 0) * math.pi
+        return self.lining.middle + (self.sign_internal_plus_external_minus < 0) * math.pi
 
     def gaps_due_to_ground_lining_radius_and_offset(self, theta: Floats, size: float) -> Floats:
         """Gap [m] of a lining that is ground to a circle, at the angles theta [rad], same shape."""
         misfit = self.lining.misfit
         return gaps_of_lining_ground_to_circle(
-            size, misfit.radius, misfit.offset, self.lining.middle, self.sign, theta
+            size,
+            misfit.radius,
+            misfit.offset,
+            self.lining.middle,
+            self.sign_internal_plus_external_minus,
+            theta,
         )
 
 
 class DrumBrake(Brake):
     """A brake on a drum with its friction coefficient, sense of rotation, drum and shoes."""
 
-    surface = DRUM
+    surface = FRICTION_SURFACE_OF_DRUM
     direction_key = "rotation"
     directions = ("counter-clockwise", "clockwise")
 
@@ -152,8 +161,8 @@ class DrumBrake(Brake):
     friction_as_written: Annotated[FrictionOrTable, Field(alias="friction")]
     drum: Drum
     shoes: Annotated[tuple[DrumShoe, ...], Field(alias="shoe", min_length=1)]
-    actuation: Drive | None = None
-    links: Annotated[tuple[Link, ...], Field(alias="link")] = ()
+    actuation: DriveOfAllShoes | None = None
+    links: Annotated[tuple[StrutOrStrapBetweenShoes, ...], Field(alias="link")] = ()
     springs: Annotated[tuple[Spring, ...], Field(alias="spring")] = ()
     levers: Annotated[tuple[Lever, ...], Field(alias="lever")] = ()
     gravity: Gravity | None = None
@@ -180,7 +189,7 @@ class DrumBrake(Brake):
         return self.drum.radius
 
     @property
-    def ring(self) -> Ring | None:
+    def ring(self) -> DrumRing | None:
         """The elastic ring of the drum; None for a rigid drum."""
         return self.drum.ring
 
@@ -220,13 +229,15 @@ class DrumBrake(Brake):
         return self.model_copy(update={"drum": self.drum.model_copy(update={"out_of_round": ()})})
 
     @property
-    def out_of_round_harmonics(self) -> tuple[Lobes, ...]:
+    def out_of_round_harmonics(self) -> tuple[OutOfRoundHarmonic, ...]:
         """Harmonics of the deviation of the drum's surface from its circle.
 
         The growth of a heated drum is a harmonic of order 0.
         """
-        growth = radial_growth_of_heated_drum(self.drum, self.shoes[0].sign)
-        heat = (Lobes(order=0, amplitude=growth),) if growth else ()
+        growth = radial_growth_of_heated_drum(
+            self.drum, self.shoes[0].sign_internal_plus_external_minus
+        )
+        heat = (OutOfRoundHarmonic(order=0, amplitude=growth),) if growth else ()
         return self.drum.out_of_round + heat
 
     def radial_deviation_of_drum_surface(self, theta: Floats) -> Floats | None:
@@ -243,7 +254,7 @@ class DrumBrake(Brake):
     def _repeat_shoes_that_have_pattern(cls, data: object, info: ValidationInfo) -> object:
         """Return the data with several shoes in place of each shoe that has a pattern."""
         return brake_data_with_patterned_shoes_repeated(
-            data, DrumShoe, rotation_about_drum_centre, info
+            data, DrumShoe, shoe_motion_of_turn_about_drum_centre, info
         )
 
     @model_validator(mode="after")
@@ -261,7 +272,7 @@ class DrumBrake(Brake):
         _check_part_is_thick_enough("drum.ring", self.drum.ring, self.drum.radius)
         check_thermal_expansion_of_drum_is_known(self.drum)
         check_thermal_expansion_of_shoes_is_known(shoes)
-        _check_drum_is_round_enough(self.drum, shoes[0].sign)
+        _check_drum_is_round_enough(self.drum, shoes[0].sign_internal_plus_external_minus)
         for i, shoe in enumerate(shoes):
             _check_shoe_fits_drum(f"shoe[{i}]", shoe, self.drum.radius)
             several = len(shoe.lining.linings) > 1
@@ -272,24 +283,27 @@ class DrumBrake(Brake):
 
 
 def _check_drum_is_round_enough(drum: Drum, sign: int) -> None:
-    """Raise ValueError if a drum deviates from its circle by more than LARGEST_MISFIT radii.
+    """Raise ValueError if a drum deviates from its circle by too much.
+
+    The limit is LARGEST_ALLOWED_RELATIVE_MISFIT times the radius.
 
     It deviates by its harmonics, and by its growth when it is heated. `sign` is +1 for a drum
     around its shoes and -1 for a drum within its shoes.
     """
     # In the worst case the amplitudes of all harmonics add up at some angle.
     off = sum(abs(lobes.amplitude) for lobes in drum.out_of_round)
-    most = LARGEST_MISFIT * drum.radius
+    most = LARGEST_ALLOWED_RELATIVE_MISFIT * drum.radius
     if off > most:
         raise ValueError(
-            f"drum.out_of_round = {text_in_mm(off)} in all: "
-            f"must be at most {LARGEST_MISFIT:g} R = {text_in_mm(most)}"
+            f"drum.out_of_round = {length_as_text_in_mm(off)} in all: "
+            f"must be at most {LARGEST_ALLOWED_RELATIVE_MISFIT:g} R = {length_as_text_in_mm(most)}"
         )
     growth = radial_growth_of_heated_drum(drum, sign)
     if abs(growth) > most:
         raise ValueError(
             f"drum.temperature_rise = {drum.temperature_rise:g} K: the radius grows by "
-            f"{text_in_mm(growth)}; must be at most {LARGEST_MISFIT:g} R = {text_in_mm(most)}"
+            f"{length_as_text_in_mm(growth)}; must be at most "
+            f"{LARGEST_ALLOWED_RELATIVE_MISFIT:g} R = {length_as_text_in_mm(most)}"
         )
 
 
@@ -299,17 +313,24 @@ def _check_lining_misfit_is_small(key: str, lining: Lining, radius: float) -> No
     `radius` [m] is the drum's radius, to which the largest misfit is proportional. `key` is the key
     of the misfit in the message.
     """
-    misfit, most = lining.misfit, LARGEST_MISFIT * radius
-    allowed = f"{LARGEST_MISFIT:g} R = {text_in_mm(most)}"
+    misfit, most = lining.misfit, LARGEST_ALLOWED_RELATIVE_MISFIT * radius
+    allowed = f"{LARGEST_ALLOWED_RELATIVE_MISFIT:g} R = {length_as_text_in_mm(most)}"
     if misfit.radius is not None and abs(misfit.radius - radius) > most:
         raise ValueError(
-            f"{key}.radius = {text_in_mm(misfit.radius)}: "
-            f"must be within {allowed} of drum.radius = {text_in_mm(radius)}"
+            f"{key}.radius = {length_as_text_in_mm(misfit.radius)}: "
+            f"must be within {allowed} of drum.radius = {length_as_text_in_mm(radius)}"
         )
-    misfit.check(key, (lining.start, lining.end), lining.step, text_in_degrees, most, allowed)
+    misfit.check_misfit_size_and_blocks(
+        key,
+        (lining.start, lining.end),
+        lining.length_of_step_between_blocks,
+        angle_as_text_in_degrees,
+        most,
+        allowed,
+    )
 
 
-THINNEST = 1e-9
+SMALLEST_PART_THICKNESS_OVER_DRUM_RADIUS = 1e-9
 """Smallest allowed thickness of a part in the brake's plane, relative to the drum's radius.
 
 A thinner part is refused, because round-off would distort its finite elements.
@@ -317,14 +338,20 @@ A thinner part is refused, because round-off would distort its finite elements.
 
 
 def _check_part_is_thick_enough(
-    key: str, part: "Lining | Backing | ArcBody | Beam | Ring | Table | None", radius: float
+    key: str,
+    part: "Lining | Backing | ArcBody | BeamBody | DrumRing | TableOfTSection | None",
+    radius: float,
 ) -> None:
-    """Raise ValueError for a part thinner than THINNEST times the drum's radius [m]."""
+    """Raise ValueError for a part that is too thin for the drum's radius [m].
+
+    The limit is SMALLEST_PART_THICKNESS_OVER_DRUM_RADIUS times the radius.
+    """
     thickness = None if part is None else part.thickness
-    if thickness is not None and thickness < THINNEST * radius:
+    if thickness is not None and thickness < SMALLEST_PART_THICKNESS_OVER_DRUM_RADIUS * radius:
         raise ValueError(
-            f"{key}.thickness = {text_in_mm(thickness)}: "
-            f"must be at least {THINNEST:g} of drum.radius = {text_in_mm(radius)}"
+            f"{key}.thickness = {length_as_text_in_mm(thickness)}: "
+            f"must be at least {SMALLEST_PART_THICKNESS_OVER_DRUM_RADIUS:g} of drum.radius = "
+            f"{length_as_text_in_mm(radius)}"
         )
 
 
@@ -340,21 +367,24 @@ def _check_shoe_fits_drum(key: str, shoe: DrumShoe, radius: float) -> None:
             "about which the shoe would only slide"
         )
     for first, last in shoe.lining.slots:
-        if last - first < SMALLEST_SLOT:
+        if last - first < SMALLEST_ANGLE_OF_SLOT_BETWEEN_LININGS:
             raise ValueError(
-                f"{key}.lining: the slot from {text_in_degrees(first)} to {text_in_degrees(last)} "
+                f"{key}.lining: the slot from {angle_as_text_in_degrees(first)} to "
+                f"{angle_as_text_in_degrees(last)} "
                 "must be at "
-                f"least {text_in_degrees(SMALLEST_SLOT)} wide; linings that touch are one lining"
+                f"least {angle_as_text_in_degrees(SMALLEST_ANGLE_OF_SLOT_BETWEEN_LININGS)} "
+                f"wide; linings that touch are one lining"
             )
     check_shoe_on_abutment_has_no_grip(key, shoe)
     _check_support_lets_shoe_press_on_drum(key, shoe, radius)
     # The layers of an internal shoe must end before the drum's centre.
-    if shoe.sign > 0 and shoe.depth >= radius:
+    if shoe.sign_internal_plus_external_minus > 0 and shoe.total_thickness >= radius:
         raise ValueError(
-            f"{key}: lining, backing and body are {text_in_mm(shoe.depth)} thick together; "
-            f"must be less than drum.radius = {text_in_mm(radius)}"
+            f"{key}: lining, backing and body are "
+            f"{length_as_text_in_mm(shoe.total_thickness)} thick "
+            f"together; must be less than drum.radius = {length_as_text_in_mm(radius)}"
         )
-    if isinstance(shoe.body, Beam):
+    if isinstance(shoe.body, BeamBody):
         _check_beam_fits_outside_drum(key, shoe, radius)
     if isinstance(shoe.body, ArcBody):
         _check_arc_carries_lining(key, shoe.body, shoe.lining)
@@ -364,8 +394,9 @@ def _check_arc_carries_lining(key: str, body: ArcBody, lining: Lining) -> None:
     """Raise ValueError if an arc body has no length, or if its lining extends beyond it."""
     if not 0 < body.end - body.start < 2 * math.pi:
         raise ValueError(
-            f"{key}.body.end = {text_in_degrees(body.end)}: must be greater than body.start = "
-            f"{text_in_degrees(body.start)}, "
+            f"{key}.body.end = {angle_as_text_in_degrees(body.end)}: must be greater than "
+            f"body.start = "
+            f"{angle_as_text_in_degrees(body.start)}, "
             f"by less than 360 deg{did_you_mean_hint_for_angles_of_arc(body.start, body.end)}"
         )
     # Equal angles that a file gives in degrees may differ by round-off.
@@ -377,23 +408,31 @@ def _check_arc_carries_lining(key: str, body: ArcBody, lining: Lining) -> None:
         turns = 2 * math.pi * round((middle - lining.middle) / (2 * math.pi))
         start, end = lining.start + turns, lining.end + turns
         if body.start - slack <= start and end <= body.end + slack:
-            hint = f" (did you mean {text_in_degrees(start)} to {text_in_degrees(end)}?)"
+            hint = (
+                f" (did you mean {angle_as_text_in_degrees(start)} to "
+                f"{angle_as_text_in_degrees(end)}?)"
+            )
         raise ValueError(
-            f"{key}.lining = {text_in_degrees(lining.start)} to {text_in_degrees(lining.end)}: "
-            f"must lie within the body, {text_in_degrees(body.start)} to "
-            f"{text_in_degrees(body.end)}{hint}"
+            f"{key}.lining = {angle_as_text_in_degrees(lining.start)} to "
+            f"{angle_as_text_in_degrees(lining.end)}: "
+            f"must lie within the body, {angle_as_text_in_degrees(body.start)} to "
+            f"{angle_as_text_in_degrees(body.end)}{hint}"
         )
 
 
-def check_shoe_on_abutment_has_no_grip(key: str, shoe: Held) -> None:
+def check_shoe_on_abutment_has_no_grip(key: str, shoe: SupportedShoe) -> None:
     """Raise ValueError if a shoe on an abutment has a `grip`, which only other supports use.
 
     An abutment holds the end face of the shoe's body, and a grip is a length of its back.
     """
     body = getattr(shoe, "body", None)
-    if shoe.abutment is not None and isinstance(body, Bar) and body.grip is not None:
+    if (
+        shoe.abutment is not None
+        and isinstance(body, ShoeBodyOfConstantSection)
+        and body.grip is not None
+    ):
         raise ValueError(
-            f"{key}.body.grip = {text_in_mm(body.grip)}: "
+            f"{key}.body.grip = {length_as_text_in_mm(body.grip)}: "
             "an abutment holds the body's end face; leave it out"
         )
 
@@ -401,7 +440,7 @@ def check_shoe_on_abutment_has_no_grip(key: str, shoe: Held) -> None:
 def _check_beam_fits_outside_drum(key: str, shoe: DrumShoe, radius: float) -> None:
     """Raise ValueError if a straight shoe beam does not fit outside a drum of this radius [m]."""
     shown = f'{key}.body.shape = "beam"'
-    if shoe.sign > 0 or shoe.kind_of_support != "hinge":
+    if shoe.sign_internal_plus_external_minus > 0 or shoe.kind_of_support != "hinge":
         raise ValueError(f"{shown}: only for an external shoe that turns about its hinge")
     if math.dist(shoe.actuation.point.xy, shoe.pin.xy) < 1e-6 * radius:
         raise ValueError(
@@ -409,19 +448,19 @@ def _check_beam_fits_outside_drum(key: str, shoe: DrumShoe, radius: float) -> No
         )
     # The axis of the beam, from the hinge to the point of actuation, must pass outside the drum.
     axis = make_beam_axis(shoe.pin.xy, shoe.actuation.point.xy)
-    if axis.distance <= radius:
+    if axis.distance_from_drum_centre <= radius:
         raise ValueError(
             f"{shown}: the line from the hinge to the actuation's point passes "
-            f"{text_in_mm(axis.distance)} from the drum's centre; must be more than drum.radius = "
-            f"{text_in_mm(radius)}"
+            f"{length_as_text_in_mm(axis.distance_from_drum_centre)} from the drum's centre; "
+            f"must be more than drum.radius = {length_as_text_in_mm(radius)}"
         )
     # The rays from the drum's centre through the lining's ends must meet the beam.
     ends = axis.angle(np.array([shoe.lining.start, shoe.lining.end]))
-    x = axis.foot + radius * np.sin(ends)
+    x = axis.x_of_perpendicular_foot + radius * np.sin(ends)
     if np.abs(ends).max() >= 0.5 * math.pi or x.min() < 0 or x.max() > axis.length:
         raise ValueError(
-            f"{key}.lining = {text_in_degrees(shoe.lining.start)} to "
-            f"{text_in_degrees(shoe.lining.end)}: "
+            f"{key}.lining = {angle_as_text_in_degrees(shoe.lining.start)} to "
+            f"{angle_as_text_in_degrees(shoe.lining.end)}: "
             "must lie between the beam's ends and less than 90 deg from where the beam is "
             "nearest to the drum"
         )
@@ -435,9 +474,11 @@ def _check_support_lets_shoe_press_on_drum(key: str, shoe: DrumShoe, radius: flo
     """
     if shoe.guide is not None:
         # The component of the guide's direction along the lining's normal must point to the drum.
-        away = shoe.sign * math.cos(shoe.guide.direction - shoe.lining.middle)
+        away = shoe.sign_internal_plus_external_minus * math.cos(
+            shoe.guide.direction - shoe.lining.middle
+        )
         if away <= 0:
-            shown = f"{key}.guide.direction = {text_in_degrees(shoe.guide.direction)}"
+            shown = f"{key}.guide.direction = {angle_as_text_in_degrees(shoe.guide.direction)}"
             raise ValueError(f"{shown}: must lead the middle of the lining towards the drum")
     if shoe.abutment is not None and shoe.abutment.point.radius < 1e-9 * radius:
         raise ValueError(f"{key}.abutment.point = (0, 0): must not be the drum's centre")
@@ -446,7 +487,10 @@ def _check_support_lets_shoe_press_on_drum(key: str, shoe: DrumShoe, radius: flo
     if shoe.pivot is None:
         check_rigid_body_modes_close_gap_differently(key, shoe, slice(0, 2))
         return
-    shown = f"{key}.pivot = ({text_in_mm(shoe.pivot.x)}, {text_in_mm(shoe.pivot.y)})"
+    shown = (
+        f"{key}.pivot = ({length_as_text_in_mm(shoe.pivot.x)}, "
+        f"{length_as_text_in_mm(shoe.pivot.y)})"
+    )
     if shoe.pivot.radius < 1e-9 * radius:
         raise ValueError(
             f"{shown}: must not be the drum's centre, about which the shoe would only slide"

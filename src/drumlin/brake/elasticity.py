@@ -14,9 +14,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from drumlin.base.arrays import Bools, Floats
-from drumlin.brake.fields import AnyMaterial, Material
+from drumlin.brake.fields import IsotropicOrOrthotropicMaterial, Material
 
-ISOTROPIC_WITHIN = 1e-14
+RELATIVE_TOLERANCE_OF_ISOTROPY = 1e-14
 """Largest difference of D_11 and D_22 from D_12 + 2 D_33, relative to this sum, that is round-off.
 
 A material with a larger difference counts as orthotropic. In isotropic materials round-off causes
@@ -24,7 +24,7 @@ differences of some 1e-16.
 """
 
 
-def plane_stress_elasticity_matrix(material: AnyMaterial) -> Floats:
+def plane_stress_elasticity_matrix(material: IsotropicOrOrthotropicMaterial) -> Floats:
     """Elasticity matrix (3, 3) [Pa] of a material in plane stress, in the axes of its layer.
 
     It is the inverse of the compliance matrix, with the entries 1/E_along, 1/E_through and
@@ -66,17 +66,17 @@ class ElasticLayer(NamedTuple):
 
     @classmethod
     def make_layer_in_plane_stress(
-        cls, material: AnyMaterial, width: float, along: Floats | None = None
+        cls, material: IsotropicOrOrthotropicMaterial, width: float, along: Floats | None = None
     ) -> "ElasticLayer":
         """Make a layer in plane stress: `width` [m] and `along` are the attributes of the layer."""
         return cls(plane_stress_elasticity_matrix(material), width, along)
 
     @property
-    def stiffness(self) -> Floats:
+    def elasticity_times_width(self) -> Floats:
         """The elasticity matrix times the width of the layer [N/m]."""
         return self.elasticity * self.width
 
-    def directions(self, points: Any) -> Any:
+    def unit_vectors_along_layer(self, points: Any) -> Any:
         """Unit vectors (2, ...) along the layer at points (2, ...) [m].
 
         Their floating-point type, such as double precision, is that of the points.
@@ -96,7 +96,7 @@ def normal_stiffness_in_excess_of_isotropic(elasticity: Any) -> Any:
     isotropic = elasticity[..., 0, 1] + 2 * elasticity[..., 2, 2]
     along, through = elasticity[..., 0, 0] - isotropic, elasticity[..., 1, 1] - isotropic
     found = np.stack([along, through], axis=-1)
-    round_off = ISOTROPIC_WITHIN * np.abs(isotropic)[..., None]
+    round_off = RELATIVE_TOLERANCE_OF_ISOTROPY * np.abs(isotropic)[..., None]
     return np.where(np.abs(found) > round_off, found, 0.0)
 
 

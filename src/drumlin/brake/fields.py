@@ -28,7 +28,11 @@ from pydantic import (
 from drumlin.base.arrays import Floats
 from drumlin.base.texts import did_you_mean_hint
 from drumlin.base.written_numbers import number_without_unit_from_text
-from drumlin.brake.units import EXAMPLES, QUANTITY_NAMES, quantity_in_si
+from drumlin.brake.units import (
+    EXAMPLE_OF_QUANTITY_BY_SI_UNIT,
+    NAME_OF_QUANTITY_BY_SI_UNIT,
+    quantity_in_si,
+)
 
 
 def _quantity_of_brake_key_in_si(
@@ -89,7 +93,7 @@ def check_shoe_names_differ(names: Sequence[str]) -> None:
         )
 
 
-PURE_NUMBER = BeforeValidator(number_without_unit_from_text)
+PURE_NUMBER_VALIDATOR = BeforeValidator(number_without_unit_from_text)
 """The validator that reads a number without unit, which a file may write as "30 %" or "0,3"."""
 
 # Types of the quantities of a brake file: each converts a text with a unit to a number in SI units.
@@ -98,17 +102,21 @@ Thickness = Annotated[float, Field(gt=0), _make_validator_that_converts_quantity
 Angle = Annotated[float, _make_validator_that_converts_quantity_to_si("rad")]
 Force = Annotated[float, _make_validator_that_converts_quantity_to_si("N")]
 Torque = Annotated[float, _make_validator_that_converts_quantity_to_si("N m")]
-Modulus = Annotated[float, Field(gt=0), _make_validator_that_converts_quantity_to_si("Pa")]
+ElasticModulus = Annotated[float, Field(gt=0), _make_validator_that_converts_quantity_to_si("Pa")]
 Area = Annotated[float, Field(gt=0), _make_validator_that_converts_quantity_to_si("m^2")]
 SpringRate = Annotated[float, _make_validator_that_converts_quantity_to_si("N/m")]
 Mass = Annotated[float, Field(gt=0), _make_validator_that_converts_quantity_to_si("kg")]
 Acceleration = Annotated[float, Field(gt=0), _make_validator_that_converts_quantity_to_si("m/s^2")]
 AngularSpeed = Annotated[float, Field(gt=0), _make_validator_that_converts_quantity_to_si("rad/s")]
-PressureOfTable = Annotated[float, Field(ge=0), _make_validator_that_converts_quantity_to_si("Pa")]
-SpeedOfTable = Annotated[float, Field(ge=0), _make_validator_that_converts_quantity_to_si("m/s")]
+PressureInFrictionTable = Annotated[
+    float, Field(ge=0), _make_validator_that_converts_quantity_to_si("Pa")
+]
+SpeedInFrictionTable = Annotated[
+    float, Field(ge=0), _make_validator_that_converts_quantity_to_si("m/s")
+]
 Speed = Annotated[float, Field(gt=0), _make_validator_that_converts_quantity_to_si("m/s")]
 TemperatureRise = Annotated[float, _make_validator_that_converts_quantity_to_si("K")]
-Expansion = Annotated[float, _make_validator_that_converts_quantity_to_si("1/K")]
+ThermalExpansionCoefficient = Annotated[float, _make_validator_that_converts_quantity_to_si("1/K")]
 BendingStiffness = Annotated[
     float, Field(gt=0), _make_validator_that_converts_quantity_to_si("N m^2")
 ]
@@ -118,7 +126,7 @@ Name = Annotated[
 ]
 
 
-class Part(BaseModel):
+class PartOfInputFile(BaseModel):
     """Base class of a brake and of its parts: immutable data that refuse unknown keys."""
 
     model_config = ConfigDict(
@@ -129,7 +137,7 @@ class Part(BaseModel):
     hints_on_other_keys: ClassVar[Mapping[str, str]] = {}
 
     # Text that the error message adds if a file has a list of tables in place of one table.
-    hint_if_several: ClassVar[str] = ""
+    hint_if_several_are_given: ClassVar[str] = ""
 
     @model_validator(mode="before")
     @classmethod
@@ -140,8 +148,8 @@ class Part(BaseModel):
             for key in data:
                 if key not in allowed and key not in cls.model_fields:
                     raise ValueError(cls.message_on_unknown_key(key, allowed))
-        elif not isinstance(data, Part):
-            several = cls.hint_if_several if isinstance(data, list) else ""
+        elif not isinstance(data, PartOfInputFile):
+            several = cls.hint_if_several_are_given if isinstance(data, list) else ""
             raise ValueError(f"must be a table with keys of {', '.join(allowed)}{several}")
         return data
 
@@ -164,7 +172,7 @@ class Part(BaseModel):
 
 
 @cache
-def _keys_of_part_in_files(kind: type[Part]) -> list[str]:
+def _keys_of_part_in_files(kind: type[PartOfInputFile]) -> list[str]:
     """The keys that a file may have for a part: the names of its fields, or their aliases.
 
     A file uses the alias of a field, such as `shoe` for the field `shoes`.
@@ -172,17 +180,17 @@ def _keys_of_part_in_files(kind: type[Part]) -> list[str]:
     return [field.alias or name for name, field in kind.model_fields.items()]
 
 
-class Material(Part):
+class Material(PartOfInputFile):
     """A linear elastic, isotropic material: Young's modulus E [Pa] and Poisson's ratio nu.
 
     `expansion` [1/K] is the coefficient of thermal expansion, which only a heated part needs. The
-    properties of this class have the names of the fields of `Orthotropic`, so that a program can
-    treat both kinds of material alike.
+    properties of this class have the names of the fields of `OrthotropicMaterial`, so that a
+    program can treat both kinds of material alike.
     """
 
-    E: Modulus
-    nu: Annotated[float, Field(gt=-1, lt=0.5, strict=True), PURE_NUMBER]
-    expansion: Expansion | None = None
+    E: ElasticModulus
+    nu: Annotated[float, Field(gt=-1, lt=0.5, strict=True), PURE_NUMBER_VALIDATOR]
+    expansion: ThermalExpansionCoefficient | None = None
 
     @property
     def expansion_along(self) -> float | None:
@@ -228,12 +236,18 @@ class Material(Part):
         return {"E": self.E}
 
 
-PoissonRatio = Annotated[float, Field(strict=True), PURE_NUMBER]
+PoissonRatio = Annotated[float, Field(strict=True), PURE_NUMBER_VALIDATOR]
 """The type of a Poisson's ratio; its bounds depend on the other constants of the material."""
-ACROSS = ("E_across", "G_along_across", "G_through_across", "nu_along_across", "nu_through_across")
+KEYS_OF_ORTHOTROPIC_CONSTANTS_ACROSS_PLANE = (
+    "E_across",
+    "G_along_across",
+    "G_through_across",
+    "nu_along_across",
+    "nu_through_across",
+)
 """Constants of an orthotropic material across the brake's plane, which only solids need."""
 
-DEFINITE_WITHIN = 1e-12
+SMALLEST_SCALED_COMPLIANCE_DETERMINANT = 1e-12
 """Smallest allowed determinant of the scaled compliance matrix of an orthotropic material.
 
 The matrix is scaled to a unit diagonal: entry (i, j) is divided by the square root of the product
@@ -242,7 +256,7 @@ smaller determinant may be positive by round-off only, and the material is refus
 """
 
 
-class Orthotropic(Part):
+class OrthotropicMaterial(PartOfInputFile):
     """A linear elastic orthotropic material of a layer, such as a lining of fibres.
 
     Its axes are "along" (the length of the layer), "through" (its thickness) and "across" (the
@@ -253,17 +267,17 @@ class Orthotropic(Part):
     of thermal expansion [1/K].
     """
 
-    E_along: Modulus
-    E_through: Modulus
-    G_along_through: Modulus
+    E_along: ElasticModulus
+    E_through: ElasticModulus
+    G_along_through: ElasticModulus
     nu_along_through: PoissonRatio
-    E_across: Modulus | None = None
-    G_along_across: Modulus | None = None
-    G_through_across: Modulus | None = None
+    E_across: ElasticModulus | None = None
+    G_along_across: ElasticModulus | None = None
+    G_through_across: ElasticModulus | None = None
     nu_along_across: PoissonRatio | None = None
     nu_through_across: PoissonRatio | None = None
-    expansion_along: Expansion | None = None
-    expansion_through: Expansion | None = None
+    expansion_along: ThermalExpansionCoefficient | None = None
+    expansion_through: ThermalExpansionCoefficient | None = None
 
     @model_validator(mode="after")
     def _check_strain_energy_is_positive(self) -> Self:
@@ -276,12 +290,16 @@ class Orthotropic(Part):
             ("along", "through"),
         )
         # A solid needs all five constants across the layer, plane stress needs none of them.
-        missing = [key for key in ACROSS if getattr(self, key) is None]
-        if len(missing) == len(ACROSS):
+        missing = [
+            key for key in KEYS_OF_ORTHOTROPIC_CONSTANTS_ACROSS_PLANE if getattr(self, key) is None
+        ]
+        if len(missing) == len(KEYS_OF_ORTHOTROPIC_CONSTANTS_ACROSS_PLANE):
             return self
         if missing:
             raise ValueError(
-                f"{missing[0]} is missing: {', '.join(ACROSS)} go together; give all of them "
+                f"{missing[0]} is missing: "
+                f"{', '.join(KEYS_OF_ORTHOTROPIC_CONSTANTS_ACROSS_PLANE)} go together; "
+                f"give all of them "
                 f"or none"
             )
         # No constant across the layer is missing, which was checked above.
@@ -322,7 +340,9 @@ class Orthotropic(Part):
         # The determinant is a quadratic function of c. The bounds of c are its two zeros.
         a = self.nu_along_through * math.sqrt(self.E_through / self.E_along)
         b = nu_along_across * math.sqrt(E_across / self.E_along)
-        reach = math.sqrt(max((1 - a**2) * (1 - b**2) - DEFINITE_WITHIN, 0.0))
+        reach = math.sqrt(
+            max((1 - a**2) * (1 - b**2) - SMALLEST_SCALED_COMPLIANCE_DETERMINANT, 0.0)
+        )
         # Poisson's ratio is c times this factor.
         unit = math.sqrt(self.E_through / E_across)
         return (-a * b - reach) * unit, (-a * b + reach) * unit
@@ -362,7 +382,7 @@ def _check_poisson_ratio_is_small_enough(
     names : names of the two axes
     """
     most = math.sqrt(E / other)
-    if 1 - (nu / most) ** 2 <= DEFINITE_WITHIN:
+    if 1 - (nu / most) ** 2 <= SMALLEST_SCALED_COMPLIANCE_DETERMINANT:
         raise ValueError(
             f"{key} = {nu:g}: must be greater than {-most:.6g} and less than {most:.6g}, "
             f"the root of E_{names[0]} / E_{names[1]}"
@@ -375,18 +395,18 @@ def _tag_for_isotropic_or_orthotropic_material(data: object) -> str:
     Data are orthotropic if they have any key of an orthotropic material.
     """
     if isinstance(data, Mapping):
-        return "orthotropic" if set(data) & set(Orthotropic.model_fields) else "isotropic"
-    return "orthotropic" if isinstance(data, Orthotropic) else "isotropic"
+        return "orthotropic" if set(data) & set(OrthotropicMaterial.model_fields) else "isotropic"
+    return "orthotropic" if isinstance(data, OrthotropicMaterial) else "isotropic"
 
 
 # The keys of a material tell whether it is read as isotropic or as orthotropic.
-AnyMaterial = Annotated[
-    Annotated[Material, Tag("isotropic")] | Annotated[Orthotropic, Tag("orthotropic")],
+IsotropicOrOrthotropicMaterial = Annotated[
+    Annotated[Material, Tag("isotropic")] | Annotated[OrthotropicMaterial, Tag("orthotropic")],
     Discriminator(_tag_for_isotropic_or_orthotropic_material),
 ]
 
 
-class Point(Part):
+class Point(PartOfInputFile):
     """A point with the coordinates x, y [m] in the plane of the brake."""
 
     # The polar angle [rad] in the brake file if it is more than a turn, for a note on wrong units.
@@ -437,10 +457,10 @@ def _point_from_polar_coordinates(data: object, info: ValidationInfo) -> object:
     return point
 
 
-Place = Annotated[Point, BeforeValidator(_point_from_polar_coordinates)]
+CartesianOrPolarPoint = Annotated[Point, BeforeValidator(_point_from_polar_coordinates)]
 """The type of a point that a brake file gives by { x, y } or by { radius, angle }."""
 
-Rows = tuple[tuple[float, float], ...]
+InterpolationTable = tuple[tuple[float, float], ...]
 """The type of a table of rows (coordinate, value), between which values are interpolated."""
 
 
@@ -489,7 +509,7 @@ def array_as_list_of_rows_or_number(value: object) -> object:
 
 def _convert_number_or_table_to_si(
     value: object, info: ValidationInfo, *, si: str, place: str, name: str, row: tuple[str, str]
-) -> float | Rows:
+) -> float | InterpolationTable:
     """Convert a number, or a table of rows (coordinate, value), to SI units.
 
     Raises ValueError for other data and for a table of fewer than two rows. `si` is the SI unit of
@@ -499,7 +519,12 @@ def _convert_number_or_table_to_si(
     if not isinstance(value, list | tuple):
         return _quantity_of_brake_key_in_si(value, info, si)
     rows = _convert_table_rows_to_si(
-        value, info, place=place, name=name, row=row, kinds=f"{QUANTITY_NAMES[si]} or rows"
+        value,
+        info,
+        place=place,
+        name=name,
+        row=row,
+        kinds=f"{NAME_OF_QUANTITY_BY_SI_UNIT[si]} or rows",
     )
     if len(rows) < 2:
         raise ValueError(f"the table needs at least two rows, with growing {place}s")
@@ -514,7 +539,7 @@ def _convert_table_rows_to_si(
     name: str,
     row: tuple[str, str],
     kinds: str = "rows",
-) -> Rows:
+) -> InterpolationTable:
     """Convert the rows (coordinate, value) of a table to SI units.
 
     Raises ValueError for other data and for coordinates that do not grow.
@@ -531,7 +556,10 @@ def _convert_table_rows_to_si(
     rows: list[tuple[float, float]] = []
     for item in items:
         if not isinstance(item, list | tuple) or len(item) != 2:
-            raise ValueError(f'must be {kinds} like ["{EXAMPLES[row[0]]}", "{EXAMPLES[row[1]]}"]')
+            raise ValueError(
+                f'must be {kinds} like ["{EXAMPLE_OF_QUANTITY_BY_SI_UNIT[row[0]]}", '
+                f'"{EXAMPLE_OF_QUANTITY_BY_SI_UNIT[row[1]]}"]'
+            )
         coordinate = _quantity_of_brake_key_in_si(item[0], info, row[0], place)
         rows.append((coordinate, _quantity_of_brake_key_in_si(item[1], info, row[1], name)))
     # Interpolation between the rows needs coordinates that grow from row to row.
@@ -592,7 +620,7 @@ def _validator_argument_in_field_type(annotation: Any, key: str, pure: Any = Non
     return None
 
 
-def table_rows_from_coordinates_and_values(places: Floats, values: Floats) -> Rows:
+def table_rows_from_coordinates_and_values(places: Floats, values: Floats) -> InterpolationTable:
     """Make the table of rows (coordinate, value) from two arrays (n,).
 
     `places` are the coordinates of the rows; they must grow.
@@ -600,7 +628,7 @@ def table_rows_from_coordinates_and_values(places: Floats, values: Floats) -> Ro
     return tuple(zip(places.tolist(), values.tolist(), strict=True))
 
 
-ROWS_OF_FUNCTION = 1001
+NUMBER_OF_ROWS_OF_TABULATED_CLEARANCE = 1001
 """Number of rows of the table, along the lining, that replaces a clearance given as a function.
 
 Between the rows the clearance is linear. A sine whose period is the length of the lining is met
@@ -627,7 +655,9 @@ def _table_rows_of_function_along_lining(value: object, info: ValidationInfo) ->
     if not callable(value) or not {"start", "end"} <= set(info.data):
         return value
     ends = info.data["start"], info.data["end"]
-    return table_rows_of_function_at_coordinates(value, np.linspace(*ends, ROWS_OF_FUNCTION))
+    return table_rows_of_function_at_coordinates(
+        value, np.linspace(*ends, NUMBER_OF_ROWS_OF_TABULATED_CLEARANCE)
+    )
 
 
 def table_rows_of_function_at_coordinates(
@@ -645,7 +675,7 @@ def table_rows_of_function_at_coordinates(
     return np.column_stack([places, values]).tolist()
 
 
-def interpolate_number_or_table(values: float | Rows, places: Floats) -> Floats:
+def interpolate_number_or_table(values: float | InterpolationTable, places: Floats) -> Floats:
     """Interpolate a table linearly at the coordinates `places`; the result has their shape.
 
     Beyond its first and last row a table is constant. A number in place of a table is constant.

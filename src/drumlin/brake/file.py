@@ -20,16 +20,16 @@ from drumlin.brake.brake import Brake
 from drumlin.brake.components import Lining
 from drumlin.brake.drive import key_that_sets_actuation_force_of_shoe
 from drumlin.brake.drum_brake import DrumBrake
-from drumlin.brake.fields import Part, Point, si_unit_of_field_type
+from drumlin.brake.fields import PartOfInputFile, Point, si_unit_of_field_type
 from drumlin.brake.units import quantity_in_si, quantity_with_usual_unit
 
-POLAR_UNITS = {"radius": "m", "angle": "rad"}
+SI_UNITS_BY_POLAR_POINT_KEY = {"radius": "m", "angle": "rad"}
 """The keys of a point in polar coordinates, in a file, with their SI units."""
 
-LARGEST_BRAKE_FILE = 500_000
+MAX_BYTES_OF_BRAKE_FILE = 500_000
 """Largest size of a brake file [bytes]; a larger file is refused. Usual files have 1000 bytes."""
 
-FAULT_TEXTS = {
+ALLOWED_VALUE_TEXT_BY_PYDANTIC_ERROR = {
     "tuple_type": "must be tables, each under [[{key}]]",
     "dict_type": "must be a table, [{key}]",
     "too_short": "needs one entry at least",
@@ -48,7 +48,7 @@ pydantic's own messages for these errors use words of Python, such as "tuple".
 """
 
 
-UNION_TAGS = {
+WORDS_IN_PYDANTIC_PATH_THAT_ARE_NO_KEYS = {
     *("arc", "beam", "isotropic", "orthotropic", "float", "str"),
     *("one lining", "several linings", "parts"),
     *("friction number", "friction table"),
@@ -71,7 +71,7 @@ def _error_line_about_invalid_brake_data(error: ValidationError, data: Any) -> s
     # pydantic's path to the wrong value is followed through the data. It also makes up the key.
     key = ""
     for step in fault["loc"]:
-        if step in UNION_TAGS:
+        if step in WORDS_IN_PYDANTIC_PATH_THAT_ARE_NO_KEYS:
             continue
         key += f"[{step}]" if isinstance(step, int) else f".{step}" if key else str(step)
         try:
@@ -80,8 +80,8 @@ def _error_line_about_invalid_brake_data(error: ValidationError, data: Any) -> s
             data = None
     # A message of pydantic that uses words of Python is replaced.
     message = fault["msg"].removeprefix("Value error, ").replace("Input should be", "must be")
-    if fault["type"] in FAULT_TEXTS:
-        message = FAULT_TEXTS[fault["type"]].format(key=key)
+    if fault["type"] in ALLOWED_VALUE_TEXT_BY_PYDANTIC_ERROR:
+        message = ALLOWED_VALUE_TEXT_BY_PYDANTIC_ERROR[fault["type"]].format(key=key)
     if fault["type"] == "missing":
         return f"{key}: is missing"
     shown = f" = {value_as_text(data)}" if isinstance(data, str | int | float) else ""
@@ -91,12 +91,16 @@ def _error_line_about_invalid_brake_data(error: ValidationError, data: Any) -> s
     return " ".join(f"{key}{shown}: {message}".removeprefix(": ").split())
 
 
-P = TypeVar("P", bound=Part)
+BrakePartTypeVariable = TypeVar("BrakePartTypeVariable", bound=PartOfInputFile)
 
 
 def make_validated_brake_part(
-    kind: type[P], data: Mapping[str, Any], *, unit_required: bool = False, base: Path | None = None
-) -> P:
+    kind: type[BrakePartTypeVariable],
+    data: Mapping[str, Any],
+    *,
+    unit_required: bool = False,
+    base: Path | None = None,
+) -> BrakePartTypeVariable:
     """Make a brake, or a part of a brake, from nested data as a brake file has them.
 
     Parameters
@@ -129,7 +133,7 @@ def make_drum_brake_from_data(
 
 def read_text_of_brake_file(path: Path) -> str:
     """Read the text of a brake file; raises BadInput if the file cannot be read."""
-    return read_text(path, LARGEST_BRAKE_FILE, "a brake file")
+    return read_text(path, MAX_BYTES_OF_BRAKE_FILE, "a brake file")
 
 
 def parse_text_of_brake_file(text: str, path: Path) -> dict[str, Any]:
@@ -144,7 +148,7 @@ def parse_text_of_brake_file(text: str, path: Path) -> dict[str, Any]:
 
 
 # Pairs: a pattern of lines that TOML does not take, and the hint on what to write.
-_TOML_HINTS = (
+_HINTS_WITH_PATTERN_OF_WRONG_TOML_LINE = (
     (r"^\s*\[{1,2}\s*(?:shoe|link)\s*\]", "write [[shoe]] in double brackets above each shoe"),
     ("[“”„‟«»‘’]", 'write quotes as "'),
     (r"[^\x00-\x7f]", "the line has a sign outside of quotes that only looks like a plain one"),
@@ -164,7 +168,7 @@ def _hint_about_toml_error(text: str, error: Exception) -> str:
         return ""
     # Texts in quotes and comments are removed, because they cannot be the cause.
     line = re.sub(r'"[^"]*"|\'[^\']*\'|#.*', "", lines[int(at.group(1)) - 1])
-    for pattern, hint in _TOML_HINTS:
+    for pattern, hint in _HINTS_WITH_PATTERN_OF_WRONG_TOML_LINE:
         if re.search(pattern, line):
             return f"; {hint}"
     return ""
@@ -188,7 +192,7 @@ def read_brake(path: Path, text: str | None = None) -> Brake:
         raise BadInput(f"{path}: {error}") from error
 
 
-def vary(brake: P, changes: Mapping[str, Any]) -> P:
+def vary(brake: BrakePartTypeVariable, changes: Mapping[str, Any]) -> BrakePartTypeVariable:
     """Make a brake in which some keys have other values; it is checked like a brake file.
 
     Parameters
@@ -239,21 +243,21 @@ def _refuse_force_of_shoe_that_drive_or_strut_sets(brake: Any, key: str) -> None
         raise BadInput(f"{key}: has no effect, {by}; change {setting[0]}")
 
 
-def si_unit_of_brake_key(brake: Part, key: str) -> str | None:
+def si_unit_of_brake_key(brake: PartOfInputFile, key: str) -> str | None:
     """The SI unit of the quantity that a key of a brake holds.
 
     It is "" for a number without unit, and None if the value is no number. The key is written as
     for `vary`. Raises BadInput for an unknown key.
     """
     parts, name = parts_and_field_name_of_brake_key(brake, key)
-    if isinstance(parts[0], Point) and name in POLAR_UNITS:
-        return POLAR_UNITS[name]
+    if isinstance(parts[0], Point) and name in SI_UNITS_BY_POLAR_POINT_KEY:
+        return SI_UNITS_BY_POLAR_POINT_KEY[name]
     field = type(parts[0]).model_fields[name]
     kind = Annotated[field.annotation, *field.metadata] if field.metadata else field.annotation
     return si_unit_of_field_type(kind)
 
 
-def are_allowed_values_of_key_an_interval(brake: Part, key: str) -> bool:
+def are_allowed_values_of_key_an_interval(brake: PartOfInputFile, key: str) -> bool:
     """Whether the allowed positive values of a key form one interval, and the negative ones too.
 
     All other keys keep their values. The result is True for lengths, forces, moduli and numbers
@@ -267,7 +271,7 @@ def are_allowed_values_of_key_an_interval(brake: Part, key: str) -> bool:
     )
 
 
-def values_of_brake_key(brake: Part, key: str) -> list[Any]:
+def values_of_brake_key(brake: PartOfInputFile, key: str) -> list[Any]:
     """The values of a key in a list: one value, or one for each shoe if the key means all shoes.
 
     The key is written as for `vary`. Raises BadInput for an unknown key.
@@ -276,12 +280,14 @@ def values_of_brake_key(brake: Part, key: str) -> list[Any]:
     return [getattr(part, name) for part in parts]
 
 
-def parts_and_field_name_of_brake_key(brake: Part, key: str) -> tuple[list[Part], str]:
+def parts_and_field_name_of_brake_key(
+    brake: PartOfInputFile, key: str
+) -> tuple[list[PartOfInputFile], str]:
     """The parts of a brake that have a key, and the Python name of the field for this key.
 
     There are several parts if the key means every shoe. Raises BadInput for an unknown key.
     """
-    found: list[Part] = [brake]
+    found: list[PartOfInputFile] = [brake]
     *path, last = _split_dotted_key(key)
     for step in path:
         if _is_key_word_an_index(step):
@@ -293,20 +299,20 @@ def parts_and_field_name_of_brake_key(brake: Part, key: str) -> tuple[list[Part]
             found = named
             continue
         # A key leads from each part to a part within it, or to several parts, such as all shoes.
-        below: list[Part] = []
+        below: list[PartOfInputFile] = []
         for part in found:
             value = getattr(part, _field_name_of_brake_file_key(part, step, key))
             value = value.linings if isinstance(value, Lining) else value
             below += value if isinstance(value, tuple) else [value]
         found = [part for part in below if part is not None]
-        if not all(isinstance(part, Part) for part in found):
+        if not all(isinstance(part, PartOfInputFile) for part in found):
             raise BadInput(f"{key}: {step!r} has nothing to be set in")
     if not found:
         raise BadInput(f"{key}: the brake has no such part")
     return found, _field_name_of_brake_file_key(found[0], last, key)
 
 
-def _is_key_word_name_of_part(part: Part, step: str) -> bool:
+def _is_key_word_name_of_part(part: PartOfInputFile, step: str) -> bool:
     """Whether `step`, one word of a dotted key, is the name of this part, such as a shoe.
 
     It is False if the part has a key with this word.
@@ -315,7 +321,7 @@ def _is_key_word_name_of_part(part: Part, step: str) -> bool:
     return getattr(part, "name", None) == step and not is_key
 
 
-def _field_name_of_brake_file_key(part: Part, key: str, whole: str) -> str:
+def _field_name_of_brake_file_key(part: PartOfInputFile, key: str, whole: str) -> str:
     """The name in Python of the field of a part that a brake file calls `key`.
 
     Raises BadInput for an unknown key; `whole` is the whole dotted key for the message.
@@ -324,13 +330,13 @@ def _field_name_of_brake_file_key(part: Part, key: str, whole: str) -> str:
     names = {field.alias or name: name for name, field in type(part).model_fields.items()}
     if isinstance(part, Point):
         # A file may give a point in polar coordinates. They are properties of `Point`, no fields.
-        names |= {key: key for key in POLAR_UNITS}
+        names |= {key: key for key in SI_UNITS_BY_POLAR_POINT_KEY}
     if key not in names:
         raise BadInput(f"{whole}: {part.message_on_unknown_key(key, names)}")
     return names[key]
 
 
-def numerical_value_of_brake_key(brake: Part, key: str) -> float:
+def numerical_value_of_brake_key(brake: PartOfInputFile, key: str) -> float:
     """The numerical value [SI] of a key of a brake; the key is written as for `vary`.
 
     Raises BadInput if the value is no number, or if the shoes have different values.
@@ -345,7 +351,9 @@ def numerical_value_of_brake_key(brake: Part, key: str) -> float:
     return float(values[0])
 
 
-def first_key_in_which_two_brakes_differ(one: Part, other: Part) -> str | None:
+def first_key_in_which_two_brakes_differ(
+    one: PartOfInputFile, other: PartOfInputFile
+) -> str | None:
     """The first key in which two brakes differ by more than round-off; None for equal brakes.
 
     Titles are not compared.
@@ -441,13 +449,14 @@ def _convert_point_data_to_coordinate_system_of_key(data: dict[str, Any], key: s
     """
     if key in data or not isinstance(key, str):
         return
-    if set(data) == {"x", "y"} and key in POLAR_UNITS:
+    if set(data) == {"x", "y"} and key in SI_UNITS_BY_POLAR_POINT_KEY:
         x, y = (_point_coordinate_in_si(data[name], "m") for name in ("x", "y"))
         data.clear()
         data.update(radius=math.hypot(x, y), angle=math.atan2(y, x))
-    elif set(data) == set(POLAR_UNITS) and key in {"x", "y"}:
+    elif set(data) == set(SI_UNITS_BY_POLAR_POINT_KEY) and key in {"x", "y"}:
         radius, angle = (
-            _point_coordinate_in_si(data[name], si) for name, si in POLAR_UNITS.items()
+            _point_coordinate_in_si(data[name], si)
+            for name, si in SI_UNITS_BY_POLAR_POINT_KEY.items()
         )
         data.clear()
         data.update(x=radius * math.cos(angle), y=radius * math.sin(angle))

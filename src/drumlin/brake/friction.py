@@ -17,35 +17,44 @@ from pydantic import AfterValidator, BeforeValidator, Discriminator, Field, Tag,
 from drumlin.base.arrays import Floats
 from drumlin.base.errors import BadInput
 from drumlin.brake.fields import (
-    PURE_NUMBER,
-    Part,
-    PressureOfTable,
-    SpeedOfTable,
+    PURE_NUMBER_VALIDATOR,
+    PartOfInputFile,
+    PressureInFrictionTable,
+    SpeedInFrictionTable,
     TemperatureRise,
     array_as_list_of_rows_or_number,
     table_rows_of_function_at_coordinates,
 )
-from drumlin.brake.units import SMALLEST
+from drumlin.brake.units import SMALLEST_NONZERO_NUMBER_IN_SI
 
 if TYPE_CHECKING:
     from drumlin.brake.brake import Brake
 
-Friction = Annotated[
+FrictionCoefficient = Annotated[
     float,
     Field(ge=0, le=1e6, strict=True),
-    AfterValidator(lambda mu: mu if mu >= SMALLEST else 0.0),
-    PURE_NUMBER,
+    AfterValidator(lambda mu: mu if mu >= SMALLEST_NONZERO_NUMBER_IN_SI else 0.0),
+    PURE_NUMBER_VALIDATOR,
 ]
-"""The type of a friction coefficient. A value below SMALLEST is set to 0, as for all quantities."""
+"""The type of a friction coefficient. A value below SMALLEST_NONZERO_NUMBER_IN_SI is set to 0.
 
-MeasuredFriction = Annotated[float, Field(ge=1e-6, le=1e6, strict=True), PURE_NUMBER]
+This holds for all quantities of a brake.
+"""
+
+FrictionCoefficientInTable = Annotated[
+    float, Field(ge=1e-6, le=1e6, strict=True), PURE_NUMBER_VALIDATOR
+]
 """The type of a friction coefficient of a table, which must be greater than 0."""
 
-COLUMN_TEXTS = {"pressure": "pressures", "speed": "speeds", "temperature_rise": "temperatures"}
+WORDS_FOR_FRICTION_TABLE_COLUMNS = {
+    "pressure": "pressures",
+    "speed": "speeds",
+    "temperature_rise": "temperatures",
+}
 """Columns of a table of friction: the words for their values in messages, by the column's key."""
 
 
-class FrictionCurve(NamedTuple):
+class FrictionOverPressureCurve(NamedTuple):
     """The friction coefficient as a function of pressure, at a given speed and temperature.
 
     It is linear between two pressures, and constant beyond the first and the last pressure.
@@ -81,7 +90,7 @@ class FrictionCurve(NamedTuple):
         ]
 
 
-class FrictionTable(Part):
+class FrictionTable(PartOfInputFile):
     """A table of friction coefficients over pressure [Pa], sliding speed [m/s] and temperature [K].
 
     Each key is a column, with a value in each row of the table. The rows are in any order, and have
@@ -89,22 +98,28 @@ class FrictionTable(Part):
     coefficient is linear in each of these three quantities, and constant beyond them.
     """
 
-    mu: tuple[MeasuredFriction, ...]
-    pressure: tuple[PressureOfTable, ...] = ()
-    speed: tuple[SpeedOfTable, ...] = ()
+    mu: tuple[FrictionCoefficientInTable, ...]
+    pressure: tuple[PressureInFrictionTable, ...] = ()
+    speed: tuple[SpeedInFrictionTable, ...] = ()
     temperature_rise: tuple[TemperatureRise, ...] = ()
 
     @property
-    def columns(self) -> dict[str, tuple[float, ...]]:
+    def given_columns_by_key(self) -> dict[str, tuple[float, ...]]:
         """The columns of the table that are given, by key, without the coefficients `mu`."""
-        return {key: values for key in COLUMN_TEXTS if (values := getattr(self, key))}
+        return {
+            key: values
+            for key in WORDS_FOR_FRICTION_TABLE_COLUMNS
+            if (values := getattr(self, key))
+        }
 
     @model_validator(mode="after")
     def _check_rows_hold_each_combination_once(self) -> Self:
         """Raise ValueError unless the rows have each combination of the columns' values once."""
-        if not self.columns:
-            raise ValueError(f"mu: give a column beside it: {', '.join(COLUMN_TEXTS)}")
-        for key, values in self.columns.items():
+        if not self.given_columns_by_key:
+            raise ValueError(
+                f"mu: give a column beside it: {', '.join(WORDS_FOR_FRICTION_TABLE_COLUMNS)}"
+            )
+        for key, values in self.given_columns_by_key.items():
             if len(values) != len(self.mu):
                 raise ValueError(
                     f"{key}: has {len(values)} values; must have {len(self.mu)}, one for each of mu"
@@ -113,10 +128,12 @@ class FrictionTable(Part):
                 raise ValueError(
                     f"{key}: has the same value in all rows; leave it out, or give another"
                 )
-        rows = list(zip(*self.columns.values(), strict=True))
-        grid = math.prod(len(set(values)) for values in self.columns.values())
+        rows = list(zip(*self.given_columns_by_key.values(), strict=True))
+        grid = math.prod(len(set(values)) for values in self.given_columns_by_key.values())
         if len(set(rows)) != len(rows) or len(rows) != grid:
-            words = " at each of the ".join(COLUMN_TEXTS[key] for key in self.columns)
+            words = " at each of the ".join(
+                WORDS_FOR_FRICTION_TABLE_COLUMNS[key] for key in self.given_columns_by_key
+            )
             raise ValueError(
                 f"mu: has {len(rows)} rows, of which {len(set(rows))} differ; must have {grid}: "
                 f"each of the {words} once"
@@ -125,22 +142,24 @@ class FrictionTable(Part):
 
     def friction_coefficient_curve_at_speed_and_temperature_rise(
         self, speed: float, temperature_rise: float
-    ) -> FrictionCurve:
+    ) -> FrictionOverPressureCurve:
         """The coefficient as a function of pressure, at a speed [m/s] and a temperature rise [K].
 
         If the table has no pressures, the curve has one point, at the pressure 0.
         """
-        places = [sorted(set(values)) for values in self.columns.values()]
-        rows = dict(zip(zip(*self.columns.values(), strict=True), self.mu, strict=True))
+        places = [sorted(set(values)) for values in self.given_columns_by_key.values()]
+        rows = dict(
+            zip(zip(*self.given_columns_by_key.values(), strict=True), self.mu, strict=True)
+        )
         grid = np.array([rows[row] for row in product(*places)]).reshape(list(map(len, places)))
         at = {"speed": speed, "temperature_rise": temperature_rise}
         # The table is interpolated in one column after the other, from the last column on. The
         # first column, the pressure, is left.
-        for key, values in reversed(list(zip(self.columns, places, strict=True))):
+        for key, values in reversed(list(zip(self.given_columns_by_key, places, strict=True))):
             if key in at:
                 grid = np.apply_along_axis(partial(np.interp, at[key], values), -1, grid)
         pressure = np.array(places[0]) if self.pressure else np.zeros(1)
-        return FrictionCurve(pressure, grid.reshape(len(pressure)))
+        return FrictionOverPressureCurve(pressure, grid.reshape(len(pressure)))
 
 
 def _tag_for_friction_number_or_table(data: object) -> str:
@@ -148,7 +167,7 @@ def _tag_for_friction_number_or_table(data: object) -> str:
     return "friction table" if isinstance(data, dict | FrictionTable) else "friction number"
 
 
-PRESSURES_OF_FUNCTION = np.append(0.0, np.geomspace(1e3, 1e8, 801))
+PRESSURES_OF_TABULATED_FRICTION = np.append(0.0, np.geomspace(1e3, 1e8, 801))
 """Pressures [Pa] of the table that replaces a function of the pressure as `friction`.
 
 Two neighbours differ by 1.4 %. Between them the coefficient is linear, so that 1/(1 + p/p_0) with
@@ -164,7 +183,7 @@ def _friction_table_from_array_or_function(data: object) -> object:
     [Pa] and returns the coefficient. Other data are returned unchanged.
     """
     if callable(data):
-        rows: object = table_rows_of_function_at_coordinates(data, PRESSURES_OF_FUNCTION)
+        rows: object = table_rows_of_function_at_coordinates(data, PRESSURES_OF_TABULATED_FRICTION)
     else:
         rows = array_as_list_of_rows_or_number(data)
     if not isinstance(rows, list) or rows is data:
@@ -175,7 +194,8 @@ def _friction_table_from_array_or_function(data: object) -> object:
 
 
 FrictionOrTable = Annotated[
-    Annotated[Friction, Tag("friction number")] | Annotated[FrictionTable, Tag("friction table")],
+    Annotated[FrictionCoefficient, Tag("friction number")]
+    | Annotated[FrictionTable, Tag("friction table")],
     Discriminator(_tag_for_friction_number_or_table),
     BeforeValidator(_friction_table_from_array_or_function),
 ]
@@ -188,7 +208,7 @@ pressure.
 
 def friction_coefficient_curve_of_lining(
     written: float | FrictionTable, speed: float, temperature_rise: float
-) -> FrictionCurve:
+) -> FrictionOverPressureCurve:
     """The friction coefficient of a lining as a function of pressure.
 
     The curve has one point if the coefficient does not depend on the pressure.
@@ -203,10 +223,10 @@ def friction_coefficient_curve_of_lining(
         return written.friction_coefficient_curve_at_speed_and_temperature_rise(
             speed, temperature_rise
         )
-    return FrictionCurve(np.zeros(1), np.array([written]))
+    return FrictionOverPressureCurve(np.zeros(1), np.array([written]))
 
 
-def friction_coefficient_as_text(curve: FrictionCurve) -> str:
+def friction_coefficient_as_text(curve: FrictionOverPressureCurve) -> str:
     """A friction coefficient as a text such as "0.3", or "0.42 to 0.36 over the pressure"."""
     if len(curve.mu) == 1:
         return f"{curve.mu[0]:g}"

@@ -19,11 +19,11 @@ from drumlin.brake.components import Actuation
 from drumlin.brake.fields import (
     Acceleration,
     Angle,
+    CartesianOrPolarPoint,
     Force,
     Mass,
     Name,
-    Part,
-    Place,
+    PartOfInputFile,
     SpringRate,
 )
 
@@ -44,50 +44,51 @@ class ForceAtPoint(NamedTuple):
         return np.array([fx, fy, self.point[0] * fy - self.point[1] * fx])
 
 
-class LoadsOfBrake(NamedTuple):
+class SpringLeverAndMassLoads(NamedTuple):
     """The loads on a shoe that follow from keys of the whole brake.
 
     Attributes
     ----------
     forces : force of each spring and lever that acts on the shoe; 0 for a spring without pull
     gravity : (2,) acceleration of free fall [m/s^2]
-    square_of_speed : square of the angular velocity of the shoe about the origin [rad^2/s^2]
+    squared_angular_velocity : square of the angular velocity of the shoe about the origin
+        [rad^2/s^2]
     """
 
     forces: tuple[ForceAtPoint, ...] = ()
     gravity: tuple[float, float] = (0.0, 0.0)
-    square_of_speed: float = 0.0
+    squared_angular_velocity: float = 0.0
 
     def gravity_and_rotation_force_per_mass_at_point(self, point: Floats) -> Floats:
         """Force (2,) per mass [m/s^2] of gravity and rotation on a mass at a point (2,) [m]."""
-        return np.array(self.gravity) + self.square_of_speed * point
+        return np.array(self.gravity) + self.squared_angular_velocity * point
 
 
-NO_LOADS = LoadsOfBrake()
-"""LoadsOfBrake of a shoe without springs, levers, weight and centrifugal force."""
+NO_SPRING_LEVER_AND_MASS_LOADS = SpringLeverAndMassLoads()
+"""The loads of a shoe without springs, levers, weight and centrifugal force."""
 
 
-class ShoeForce(Actuation):
+class FurtherForceOnShoe(Actuation):
     """A further force [N] on a shoe, its direction [rad] and a point on its line of action."""
 
     force: Force
 
 
-class ShoeMass(Part):
+class ShoeMass(PartOfInputFile):
     """The mass [kg] of a shoe with its lining, and its centre of mass."""
 
     mass: Mass
-    point: Place
+    point: CartesianOrPolarPoint
 
 
-class Gravity(Part):
+class Gravity(PartOfInputFile):
     """The direction [rad] in which weight acts, and the acceleration of free fall [m/s^2]."""
 
     direction: Angle
     acceleration: Acceleration = STANDARD_GRAVITY
 
 
-class Spring(Part):
+class Spring(PartOfInputFile):
     """A spring between a point of a shoe and a point of another shoe, or of the frame.
 
     Attributes
@@ -102,9 +103,9 @@ class Spring(Part):
     """
 
     shoe: Name
-    point: Place
+    point: CartesianOrPolarPoint
     to: Name | None = None
-    end: Place
+    end: CartesianOrPolarPoint
     preload: Force
     rate: Annotated[SpringRate, Field(ge=0)] = 0.0
 
@@ -134,7 +135,7 @@ class Spring(Part):
         return make_force_at_point(sign * pull * self.unit_vector_along_spring_to_its_end, at.xy)
 
 
-class Lever(ShoeForce):
+class Lever(FurtherForceOnShoe):
     """A lever on a shoe that pushes another shoe by a strut, as the lever of a parking brake.
 
     Attributes
@@ -147,10 +148,10 @@ class Lever(ShoeForce):
     """
 
     shoe: Name
-    pivot: Place
+    pivot: CartesianOrPolarPoint
     to: Name
-    strut: Place
-    end: Place
+    strut: CartesianOrPolarPoint
+    end: CartesianOrPolarPoint
 
     @model_validator(mode="after")
     def _check_strut_of_lever_pushes(self) -> Self:
@@ -224,11 +225,11 @@ def brake_with_loads_assigned_to_shoes(brake: Any, pulls: Sequence[float] | None
             for spring, pull in zip(brake.springs, pulls, strict=True)
         ]
         acting += [lever.spring_or_lever_force_on_shoe(shoe.name) for lever in brake.levers]
-        loads = LoadsOfBrake(tuple(force for force in acting if force is not None))
+        loads = SpringLeverAndMassLoads(tuple(force for force in acting if force is not None))
         if shoe.mass is not None:
             loads = loads._replace(
                 gravity=(0.0, 0.0) if gravity is None else tuple(gravity.tolist()),
-                square_of_speed=(brake.shoe_speed or 0.0) ** 2,
+                squared_angular_velocity=(brake.shoe_speed or 0.0) ** 2,
             )
         shoes.append(shoe.shoe_with_spring_lever_and_mass_loads(loads))
     return brake.model_copy(update={"shoes": tuple(shoes)})

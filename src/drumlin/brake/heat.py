@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from drumlin.brake.components import Beam, Drum, Lining, Ring
-from drumlin.brake.fields import AnyMaterial, Orthotropic
-from drumlin.brake.units import text_in_mm
+from drumlin.brake.components import BeamBody, Drum, DrumRing, Lining
+from drumlin.brake.fields import IsotropicOrOrthotropicMaterial, OrthotropicMaterial
+from drumlin.brake.units import length_as_text_in_mm
 
 if TYPE_CHECKING:
     from drumlin.brake.brake import Brake, Shoe
@@ -48,9 +48,9 @@ class HeatedLayer(NamedTuple):
     depths: tuple[float, float]
 
     @property
-    def material(self) -> AnyMaterial | None:
+    def material(self) -> IsotropicOrOrthotropicMaterial | None:
         """The material of the layer; None if the brake file gives none."""
-        material: AnyMaterial | None = self.part.material
+        material: IsotropicOrOrthotropicMaterial | None = self.part.material
         return material
 
     def free_thermal_strains_at_depths(self, depth: Any) -> Any:
@@ -71,7 +71,7 @@ def heated_layers_of_shoe(shoe: "Shoe") -> Iterator[HeatedLayer]:
     for key, part in (("lining", shoe.lining), ("backing", shoe.backing), ("body", shoe.body)):
         if part is None:
             continue
-        thickness = getattr(part, "depth", part.thickness) or 0.0
+        thickness = getattr(part, "total_thickness", part.thickness) or 0.0
         if is_part_heated(part):
             yield HeatedLayer(key, part, (depth, depth + thickness))
         depth += thickness
@@ -92,19 +92,19 @@ def _check_thermal_expansion_of_layer_is_known(key: str, shoe: "Shoe", layer: He
     material = layer.material
     near, far = temperature_rises_at_both_faces(layer.part)
     if material is None or material.expansion_along is None or material.expansion_through is None:
-        keys = "expansion_along and expansion_through" * isinstance(material, Orthotropic)
+        keys = "expansion_along and expansion_through" * isinstance(material, OrthotropicMaterial)
         raise ValueError(
             f"{key}.temperature_rise = {near:g} K: its material needs {keys or 'expansion'}, "
             f'such as "12e-6 1/K"'
         )
     # Temperatures vary with the distance from the friction surface. In a straight beam, or in the
     # web of a mesh, this distance does not tell how far a point is from the near face.
-    if layer.key == "body" and near != far and (isinstance(layer.part, Beam) or shoe.mesh):
+    if layer.key == "body" and near != far and (isinstance(layer.part, BeamBody) or shoe.mesh):
         shape = "the body of a mesh" if shoe.mesh else "a straight beam"
         raise ValueError(
             f"{key}.back_temperature_rise = {far:g} K: {shape} has one temperature; leave it out"
         )
-    if layer.key == "backing" and near != far and isinstance(shoe.body, Beam) and shoe.mesh:
+    if layer.key == "backing" and near != far and isinstance(shoe.body, BeamBody) and shoe.mesh:
         raise ValueError(
             f"{key}.back_temperature_rise = {far:g} K: the block of a mesh before a straight beam "
             "has one temperature; leave it out"
@@ -123,7 +123,7 @@ def check_thermal_expansion_of_drum_is_known(drum: Drum) -> None:
         )
     if drum.ring is not None and drum.ring.section is None:
         raise ValueError(f"drum.temperature_rise = {near:g} K: needs drum.ring.thickness")
-    if isinstance(_ring_material(drum.ring), Orthotropic):
+    if isinstance(_ring_material(drum.ring), OrthotropicMaterial):
         raise ValueError(
             f"drum.temperature_rise = {near:g} K: the growth of an orthotropic ring is not modelled"
         )
@@ -133,7 +133,7 @@ def check_thermal_expansion_of_drum_is_known(drum: Drum) -> None:
         )
 
 
-def _ring_material(ring: Ring | None) -> AnyMaterial | None:
+def _ring_material(ring: DrumRing | None) -> IsotropicOrOrthotropicMaterial | None:
     """The material of an elastic ring; None if there is no ring or its material is unknown."""
     return None if ring is None else ring.material
 
@@ -204,7 +204,8 @@ def brake_with_heat_only_in_given_parts(brake: "Brake", keys: Collection[str]) -
         parts = {}
         for layer in heated_layers_of_shoe(shoe):
             if layer.key not in keys:
-                # If the shoe has several linings, `copy_of_lining_with_changed_fields` cools each.
+                # A shoe with several linings has one part "lining" here. The copy is cold in all of
+                # them.
                 part = layer.part
                 is_lining = isinstance(part, Lining)
                 changed = (
@@ -244,7 +245,7 @@ def note_on_heated_parts_of_brake(brake: "Brake") -> str | None:
     line = f"note: heated: {'; '.join(names)}"
     if names[0] == "drum":
         growth = brake.out_of_round_harmonics[-1].amplitude
-        line += f"; the drum's radius grows by {text_in_mm(growth)}"
+        line += f"; the drum's radius grows by {length_as_text_in_mm(growth)}"
     return line
 
 

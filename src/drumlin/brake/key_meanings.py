@@ -10,41 +10,44 @@ from drumlin.brake.components import (
     Actuation,
     ArcBody,
     Backing,
-    Beam,
+    BeamBody,
     Drum,
     DrumLining,
-    Lobes,
+    DrumRing,
     Misfit,
-    Ring,
+    OutOfRoundHarmonic,
 )
-from drumlin.brake.components import Table as SectionTable
-from drumlin.brake.drive import Chamber, Drive, Link
+from drumlin.brake.components import TableOfTSection as SectionTable
+from drumlin.brake.drive import BrakeChamber, DriveOfAllShoes, StrutOrStrapBetweenShoes
 from drumlin.brake.drum_brake import DrumBrake, DrumShoe
-from drumlin.brake.fields import Material, Orthotropic, Part, Point
+from drumlin.brake.fields import Material, OrthotropicMaterial, PartOfInputFile, Point
 from drumlin.brake.friction import FrictionTable
-from drumlin.brake.further_loads import Gravity, Lever, ShoeForce, ShoeMass, Spring
+from drumlin.brake.further_loads import FurtherForceOnShoe, Gravity, Lever, ShoeMass, Spring
 from drumlin.brake.pattern import DrumPattern, FlatPattern
 from drumlin.brake.plane_brake import FlatBody, FlatBrake, FlatLining, FlatMisfit, FlatShoe, Plane
 from drumlin.brake.support import Abutment, Anchor, Guide, MeshGroups
 
-TableOfKeys = tuple[str, type[Part], dict[str, str]]
+KeyMeaningsOfPart = tuple[str, type[PartOfInputFile], dict[str, str]]
 """A part of a file: its heading, the class that reads it, and the meaning of each key."""
 
-_SECTION = {
+_KEY_MEANINGS_OF_SECTION = {
     "thickness": "depth of the section in the plane of the brake",
     "width": "width of the section across the plane of the brake",
     "material": "material of the section",
     "bending_stiffness": "EI; replaces the EI that follows from the section",
 }
-_HEAT = {
+_KEY_MEANINGS_OF_HEAT = {
     "temperature_rise": "temperature of the part above that at which it was made, at the face "
     "towards the friction surface",
     "back_temperature_rise": "the same at its far face, by default as at the near face; the "
     "temperature is linear in between",
 }
-_ARC = {"start": "angle at which the arc begins", "end": "angle at its end, greater than `start`"}
+_KEY_MEANINGS_OF_ARC = {
+    "start": "angle at which the arc begins",
+    "end": "angle at its end, greater than `start`",
+}
 
-_HELD = {
+_KEY_MEANINGS_OF_SHOE = {
     "name": "name of the shoe in tables and file names",
     "hinge": "the pin about which the shoe turns, or the pin of its lever",
     "pivot": "the pin by which the shoe hangs on a lever; `hinge` is then the pin of the lever",
@@ -68,32 +71,32 @@ _HELD = {
     "mesh_interference": "confirms that the contact line of the mesh lies in the drum or the plane "
     "on purpose",
 }
-_SHARED = {
+_KEY_MEANINGS_OF_EVERY_BRAKE = {
     "actuation": "the table `[actuation]`: one cylinder or cam for all shoes",
     "link": "the tables `[[link]]`: struts between shoes",
     "spring": "the tables `[[spring]]`: springs between shoes, or from a shoe to the frame",
     "lever": "the tables `[[lever]]`: levers on one shoe that push another by a strut",
     "gravity": "the table `[gravity]`: weight acts on the masses of the shoes",
 }
-_GRIP = (
+_MEANING_OF_GRIP = (
     "length of the body's back that a pivot or a guide holds, by default the body's thickness; "
     "with a hinge: length of the back that is bolted to the lever"
 )
-_BAR = {
+_KEY_MEANINGS_OF_SHOE_BODY = {
     "width": "width of the rectangular section or of the web", "material": "material of the body",
-    "grip": _GRIP,
+    "grip": _MEANING_OF_GRIP,
     "table": "makes the section a T: the plate between lining and web, `{ thickness = ..., width = "
         "... }`",
     "bending_stiffness": "EI of the section; replaces the EI of width and material",
-    **_HEAT}  # fmt: skip
+    **_KEY_MEANINGS_OF_HEAT}  # fmt: skip
 
-KEYS_OF_BRAKE_FILE: tuple[TableOfKeys, ...] = (
+KEY_MEANINGS_OF_BRAKE_FILE_PARTS: tuple[KeyMeaningsOfPart, ...] = (
     ("The brake", DrumBrake, {
         "title": "title of tables, figures and reports",
         "rotation": "sense in which the drum turns",
         "friction": "friction coefficient μ of linings that have none of their own, or its table",
         "drum": "the table `[drum]`",
-        "shoe": "the tables `[[shoe]]`, one for each shoe", **_SHARED,
+        "shoe": "the tables `[[shoe]]`, one for each shoe", **_KEY_MEANINGS_OF_EVERY_BRAKE,
         "shoe_speed": "speed at which the shoes turn about the drum's centre, as those of a "
             "centrifugal clutch; it acts on the masses of the shoes"}),
     ("`friction`: a table", FrictionTable, {
@@ -104,18 +107,18 @@ KEYS_OF_BRAKE_FILE: tuple[TableOfKeys, ...] = (
         "radius": "radius R of the friction surface",
         "ring": "the table `[drum.ring]`; without it the drum is rigid",
         "out_of_round": "deviation of the friction surface from a circle, as harmonics; see below",
-        "angle": "angle by which the drum, with its harmonics, has turned", **_HEAT,
+        "angle": "angle by which the drum, with its harmonics, has turned", **_KEY_MEANINGS_OF_HEAT,
         "expansion": "coefficient of thermal expansion, by default that of the ring's material",
         "speed": "angular speed of the drum; a table of `friction` over `speed` needs it"}),
-    ("`out_of_round` of `[drum]`: tables", Lobes, {
+    ("`out_of_round` of `[drum]`: tables", OutOfRoundHarmonic, {
         "order": "number of waves around the drum: 0 growth of a hot drum, 1 run-out, 2 ovality",
         "amplitude": "largest distance of the surface outside the circle",
         "phase": "angle of a wave crest"}),
-    ("`[drum.ring]`", Ring, {
-        **_SECTION, "thickness": "radial thickness, away from the shoes",
+    ("`[drum.ring]`", DrumRing, {
+        **_KEY_MEANINGS_OF_SECTION, "thickness": "radial thickness, away from the shoes",
         "support": "of the edge away from the shoes: `fixed`, or `free` except for rigid motion"}),
     ("`[[shoe]]`", DrumShoe, {
-        **_HELD, "side": "whether the shoe is inside or outside of the drum"}),
+        **_KEY_MEANINGS_OF_SHOE, "side": "whether the shoe is inside or outside of the drum"}),
     ("`groups` of a shoe: names or numbers in its mesh file", MeshGroups, {
         "lining": "elements of the lining", "backing": "elements of the backing",
         "table": "elements of the table of a T-section", "shoe": "elements of the body",
@@ -132,13 +135,13 @@ KEYS_OF_BRAKE_FILE: tuple[TableOfKeys, ...] = (
         "clearance": "distance between face and shoe while nothing acts"}),
     ("`[shoe.guide]`", Guide, {"direction": "direction in which the shoe moves without turning"}),
     ("`[shoe.lining]`", DrumLining, {
-        **_ARC, "thickness": "radial thickness", "width": "width of the lining",
+        **_KEY_MEANINGS_OF_ARC, "thickness": "radial thickness", "width": "width of the lining",
         "material": "material of the lining",
         "clearance": "gap of the unloaded lining, positive if open, besides the gap that an "
             "adjuster leaves: one value, or rows of angle and gap",
         "misfit": "further deviation of the surface from the drum's circle; see below",
         "friction": "friction coefficient of this lining, or its table, by default that of the "
-            "brake", **_HEAT}),
+            "brake", **_KEY_MEANINGS_OF_HEAT}),
     ("`misfit` of `[shoe.lining]`", Misfit, {
         "radius": "radius of the lining's own circle, by default the drum's radius",
         "offset": "vector by which the circle is moved",
@@ -148,24 +151,26 @@ KEYS_OF_BRAKE_FILE: tuple[TableOfKeys, ...] = (
     ("`[shoe.backing]`", Backing, {
         "thickness": "thickness of the layer between lining and shoe; behind a straight beam the "
             "block fills the space",
-        "material": "material of the layer", **_HEAT}),
+        "material": "material of the layer", **_KEY_MEANINGS_OF_HEAT}),
     ("`[shoe.body]`, an arc", ArcBody, {
-        "shape": "an arc with a constant section, the default", **_ARC, **_BAR,
+        "shape": "an arc with a constant section, the default",
+        **_KEY_MEANINGS_OF_ARC, **_KEY_MEANINGS_OF_SHOE_BODY,
         "thickness": "radial thickness; of a T-section the depth of the web"}),
     ("`table` of `[shoe.body]`", SectionTable, {
         "thickness": "thickness of the plate between lining and web",
         "width": "width of the plate"}),
-    ("`[shoe.body]`, a straight beam", Beam, {
-        **_SECTION, "shape": "a straight beam from the hinge to the actuation's point",
+    ("`[shoe.body]`, a straight beam", BeamBody, {
+        **_KEY_MEANINGS_OF_SECTION,
+        "shape": "a straight beam from the hinge to the actuation's point",
         "bending_stiffness": "EI, one value or rows over the distance from the hinge; replaces "
             "the EI of the section",
         "offset": "distance of a weakly curved neutral axis behind the straight line, as rows over "
-            "the distance from the hinge", **_HEAT}),
+            "the distance from the hinge", **_KEY_MEANINGS_OF_HEAT}),
     ("`[shoe.actuation]`", Actuation, {
         "force": "force on the shoe or its lever; left out if `[actuation]` gives the force",
         "direction": "angle of the force",
         "point": "any point of the line of action; for a beam its loaded end"}),
-    ("`[[shoe.force]]`: a further force", ShoeForce, {
+    ("`[[shoe.force]]`: a further force", FurtherForceOnShoe, {
         "force": "force on the shoe, beside its actuation",
         "direction": "angle of the force",
         "point": "any point of the line of action"}),
@@ -201,7 +206,7 @@ KEYS_OF_BRAKE_FILE: tuple[TableOfKeys, ...] = (
     ("`[gravity]`", Gravity, {
         "direction": "direction in which weight acts",
         "acceleration": "acceleration of free fall"}),
-    ("`[actuation]`: a cylinder, a cam or a wedge", Drive, {
+    ("`[actuation]`: a cylinder, a cam or a wedge", DriveOfAllShoes, {
         "pressure": "pressure in a wheel cylinder",
         "diameter": "diameter of the piston; each shoe has one piston",
         "threshold": "pressure up to which the cylinder does not push: seals and springs in it",
@@ -212,18 +217,18 @@ KEYS_OF_BRAKE_FILE: tuple[TableOfKeys, ...] = (
         "torque": "torque on a cam, together with `radius`, in place of `force`",
         "radius": "radius of the base circle of the cam",
         "efficiency": "share of the force that arrives at the shoes"}),
-    ("`[actuation.chamber]`: a brake chamber", Chamber, {
+    ("`[actuation.chamber]`: a brake chamber", BrakeChamber, {
         "area": "effective area of the membrane; a chamber of type 30 has 30 square inches",
         "pressure": "pressure of the air",
         "return_force": "force of the return spring on the rod",
         "lever": "length of the slack adjuster, square to the rod; a wedge has none"}),
-    ("`[[link]]`: a strut", Link, {
+    ("`[[link]]`: a strut", StrutOrStrapBetweenShoes, {
         "from": "name of the shoe that bears on the strut",
         "to": "name of the shoe that the strut pushes"}),
     ("A material", Material, {
         "E": "Young's modulus", "nu": "Poisson's ratio",
         "expansion": "coefficient of thermal expansion, for heated parts"}),
-    ("An orthotropic material", Orthotropic, {
+    ("An orthotropic material", OrthotropicMaterial, {
         "E_along": "Young's modulus along the layer",
         "E_through": "Young's modulus through the thickness",
         "G_along_through": "shear modulus between both directions",
@@ -243,11 +248,11 @@ KEYS_OF_BRAKE_FILE: tuple[TableOfKeys, ...] = (
         "title": "title of tables, figures and reports",
         "friction": "friction coefficient μ of linings that have none of their own, or its table",
         "plane": "the table `[plane]`, in place of `[drum]`",
-        "shoe": "the tables `[[shoe]]`", **_SHARED}),
+        "shoe": "the tables `[[shoe]]`", **_KEY_MEANINGS_OF_EVERY_BRAKE}),
     ("`[plane]`", Plane, {
         "sliding": "direction in which the plane slides under the linings",
         "speed": "sliding speed; a table of `friction` over `speed` needs it"}),
-    ("`[[shoe]]` on a plane", FlatShoe, _HELD),
+    ("`[[shoe]]` on a plane", FlatShoe, _KEY_MEANINGS_OF_SHOE),
     ("`[shoe.lining]` on a plane", FlatLining, {
         "start": "place x at which the lining begins", "end": "place x at which the lining ends",
         "width": "width of the lining",
@@ -257,7 +262,7 @@ KEYS_OF_BRAKE_FILE: tuple[TableOfKeys, ...] = (
             "x and gap",
         "misfit": "further deviation of the face from the plane; see below",
         "friction": "friction coefficient of this lining, or its table, by default that of the "
-            "brake", **_HEAT}),
+            "brake", **_KEY_MEANINGS_OF_HEAT}),
     ("`misfit` of `[shoe.lining]` on a plane", FlatMisfit, {
         "radius": "radius of a face that is ground to a circle and meets the plane in its middle: "
             "positive for a crowned face, negative for a hollow face; by default the face is flat",
@@ -267,12 +272,14 @@ KEYS_OF_BRAKE_FILE: tuple[TableOfKeys, ...] = (
             "this depth"}),
     ("`[shoe.body]` on a plane", FlatBody, {
         "start": "place x at which the body begins",
-        "end": "place x at which the body ends", **_BAR,
+        "end": "place x at which the body ends", **_KEY_MEANINGS_OF_SHOE_BODY,
         "thickness": "thickness of the bar; of a T-section the depth of the web"}),
 )  # fmt: skip
 
 
-def add_key_meanings_to_json_schema(parts: dict[str, Any], tables: Iterable[TableOfKeys]) -> None:
+def add_key_meanings_to_json_schema(
+    parts: dict[str, Any], tables: Iterable[KeyMeaningsOfPart]
+) -> None:
     """Write the meaning of each key into the descriptions of a JSON schema.
 
     Text editors show the description of a key. If the schema says already how the value is written,

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from drumlin.base.arrays import Floats
-from drumlin.brake.components import Lobes
+from drumlin.brake.components import OutOfRoundHarmonic
 from drumlin.brake.fields import Point
 
 
@@ -71,7 +71,9 @@ def gaps_of_pad_ground_to_circle(radius: float | None, offset: Point, x: Floats)
     return offset.y + along**2 / (radius + root)
 
 
-def radial_deviation_of_drum(harmonics: Sequence[Lobes], angle: float, theta: Floats) -> Floats:
+def radial_deviation_of_drum(
+    harmonics: Sequence[OutOfRoundHarmonic], angle: float, theta: Floats
+) -> Floats:
     """Radial deviation [m] of a drum that is out of round, at angles theta [rad], same shape.
 
     It is positive where the friction surface lies outside its circle. The deviation turns with the

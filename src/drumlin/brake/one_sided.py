@@ -16,16 +16,16 @@ from drumlin.base.errors import BadInput
 from drumlin.brake.brake import Brake
 from drumlin.brake.components import Actuation
 from drumlin.brake.fields import Point
-from drumlin.brake.support import Held, work_of_force_in_rigid_body_motions
+from drumlin.brake.support import SupportedShoe, work_of_force_in_rigid_body_motions
 
-LARGEST_PULL = 1e-9
+LARGEST_ROUND_OFF_PULL_OF_SUPPORT = 1e-9
 """Largest pull of a support that counts as round-off, relative to the largest force of the brake.
 
 A larger pull means that the support does not bear. An overlap of shoe and support counts as
 round-off up to the same fraction of the largest displacement. The value is far above the round-off
 of an equilibrium, 1e-12, and far below any force in a brake file.
 """
-SINGULAR_SUPPORT = 1e-9
+LARGEST_SINGULAR_VALUE_OF_REDUNDANT_SUPPORT = 1e-9
 """Singular value [m] at or below which one of the bearing supports of a shoe is redundant.
 
 It is the smallest singular value of the matrix that has the opening of each bearing support in each
@@ -34,20 +34,21 @@ independent motions. The limit is a judgement: far above round-off, below any le
 """
 
 
-NOT_HELD_TEXT = (
+ERROR_TEXT_ON_SHOE_THAT_IS_NOT_HELD = (
     "no equilibrium, on no choice of its one-sided supports do pushes balance the actuation"
 )
 """Error text for a shoe that its anchors, abutments and struts cannot hold by pushing."""
 
 
-class SideOfSupport(NamedTuple):
+class SupportPushOnShoe(NamedTuple):
     """The push of a one-sided support on one shoe.
 
-    `shoe` is the index of the shoe in the brake, `push` a force of 1 N with its line of action.
+    `shoe` is the index of the shoe in the brake, `push_of_one_newton` a force of 1 N with its line
+    of action.
     """
 
     shoe: int
-    push: Actuation
+    push_of_one_newton: Actuation
 
 
 class OneSidedSupport(NamedTuple):
@@ -61,7 +62,7 @@ class OneSidedSupport(NamedTuple):
     """
 
     name: str
-    sides: tuple[SideOfSupport, ...]
+    sides: tuple[SupportPushOnShoe, ...]
     clearance: float
 
     @property
@@ -86,7 +87,7 @@ def one_sided_supports_of_brake(brake: Brake) -> tuple[OneSidedSupport, ...]:
             assert shoe.abutment is not None
             on_strut.add(shoe.name)
             push = _force_of_one_newton_at_point(shoe.abutment.point, shoe.abutment.direction)
-            sides.append(SideOfSupport(numbers[shoe.name], push))
+            sides.append(SupportPushOnShoe(numbers[shoe.name], push))
         name = f"the strut from {link.source!r} to {link.to!r}"
         found.append(OneSidedSupport(name, tuple(sides), 0.0))
     for i, shoe in enumerate(brake.shoes):
@@ -94,11 +95,13 @@ def one_sided_supports_of_brake(brake: Brake) -> tuple[OneSidedSupport, ...]:
             continue
         if shoe.abutment is not None and shoe.name not in on_strut:
             push = _force_of_one_newton_at_point(shoe.abutment.point, shoe.abutment.direction)
-            side = SideOfSupport(i, push)
+            side = SupportPushOnShoe(i, push)
             found.append(OneSidedSupport(f"the abutment of {shoe.name!r}", (side,), 0.0))
         for j, anchor in enumerate(shoe.anchors):
             number = f" {j + 1}" if len(shoe.anchors) > 1 else ""
-            side = SideOfSupport(i, _force_of_one_newton_at_point(anchor.point, anchor.direction))
+            side = SupportPushOnShoe(
+                i, _force_of_one_newton_at_point(anchor.point, anchor.direction)
+            )
             name = f"anchor{number} of {shoe.name!r}"
             found.append(OneSidedSupport(name, (side,), anchor.clearance))
     return tuple(found)
@@ -126,7 +129,9 @@ def unit_forces_of_one_sided_supports_on_shoe(brake: Brake, name: str) -> list[A
     """A force of 1 N by each one-sided support on the shoe `name`, in the order of the supports."""
     found = []
     for support in one_sided_supports_of_brake(brake):
-        found += [side.push for side in support.sides if brake.shoes[side.shoe].name == name]
+        found += [
+            side.push_of_one_newton for side in support.sides if brake.shoes[side.shoe].name == name
+        ]
     return found
 
 
@@ -135,7 +140,7 @@ def _force_of_one_newton_at_point(point: Point, direction: float) -> Actuation:
     return Actuation(force=1.0, direction=direction, point=point)
 
 
-class SupportForce(NamedTuple):
+class OneSidedSupportForce(NamedTuple):
     """The force of a one-sided support on a shoe in a solution; 0 if the shoe has left it.
 
     `name` is the text that names the support, `push` the force [N] with its line of action.
@@ -145,11 +150,13 @@ class SupportForce(NamedTuple):
     push: Actuation
 
 
-Bearing = tuple[bool, ...]
+BearingFlagsOfOneSidedSupports = tuple[bool, ...]
 """Whether each one-sided support bears on its shoes, in the order of the supports."""
 
 
-def all_choices_of_bearing_supports(count: int, first: Bearing = ()) -> Iterator[Bearing]:
+def all_choices_of_bearing_supports(
+    count: int, first: BearingFlagsOfOneSidedSupports = ()
+) -> Iterator[BearingFlagsOfOneSidedSupports]:
     """Yield every combination of bearing and open supports, for `count` supports.
 
     Each combination comes once, and the combination `first` before all others.
@@ -163,7 +170,7 @@ def all_choices_of_bearing_supports(count: int, first: Bearing = ()) -> Iterator
 
 def forces_of_one_sided_supports_on_shoe(
     supports: Sequence[OneSidedSupport], forces: Floats, shoe: int
-) -> tuple[SupportForce, ...]:
+) -> tuple[OneSidedSupportForce, ...]:
     """The forces of the supports on which a shoe bears or could bear.
 
     `forces` (m,) [N] are the forces of all supports, and `shoe` is the index of the shoe. A
@@ -173,12 +180,12 @@ def forces_of_one_sided_supports_on_shoe(
     for support, force in zip(supports, np.maximum(forces, 0.0).tolist(), strict=True):
         for side in support.sides:
             if side.shoe == shoe:
-                push = side.push.model_copy(update={"force": force})
-                found.append(SupportForce(support.name, push))
+                push = side.push_of_one_newton.model_copy(update={"force": force})
+                found.append(OneSidedSupportForce(support.name, push))
     return tuple(found)
 
 
-def work_of_support_push_in_rigid_body_modes(shoe: Held, push: Actuation) -> Floats:
+def work_of_support_push_in_rigid_body_modes(shoe: SupportedShoe, push: Actuation) -> Floats:
     """The work (k,) of a support's push in each rigid-body mode of a shoe.
 
     For a push of 1 N it is also the distance by which the support opens, per unit of each mode.
@@ -188,7 +195,7 @@ def work_of_support_push_in_rigid_body_modes(shoe: Held, push: Actuation) -> Flo
     )
 
 
-class HeldMotions(NamedTuple):
+class HeldAndFreeRigidBodyMotions(NamedTuple):
     """The rigid-body motions that c bearing supports prevent, and the motions that they allow.
 
     Each column of both matrices is a motion: the amounts of the k rigid-body modes in it.
@@ -203,7 +210,9 @@ class HeldMotions(NamedTuple):
     held: Floats
 
 
-def divide_motions_into_held_and_free(opening: Floats, sizes: Floats) -> HeldMotions | None:
+def divide_motions_into_held_and_free(
+    opening: Floats, sizes: Floats
+) -> HeldAndFreeRigidBodyMotions | None:
     """Divide the motions of a group of shoes into c that supports prevent and k - c free motions.
 
     The result is None if a support is redundant: then c supports prevent fewer than c motions.
@@ -217,12 +226,12 @@ def divide_motions_into_held_and_free(opening: Floats, sizes: Floats) -> HeldMot
     if count > len(sizes):
         return None
     if not count:
-        return HeldMotions(np.diag(sizes), np.zeros((len(sizes), 0)))
+        return HeldAndFreeRigidBodyMotions(np.diag(sizes), np.zeros((len(sizes), 0)))
     left, values, right = np.linalg.svd(opening * sizes)
-    if values.min() <= SINGULAR_SUPPORT:
+    if values.min() <= LARGEST_SINGULAR_VALUE_OF_REDUNDANT_SUPPORT:
         return None
     held = sizes[:, None] * right[:count].T @ (left / values).T
-    return HeldMotions(sizes[:, None] * right[count:].T, held)
+    return HeldAndFreeRigidBodyMotions(sizes[:, None] * right[count:].T, held)
 
 
 def do_linings_resist_free_motions(closing: Floats, scale: float) -> bool:
@@ -236,7 +245,7 @@ def do_linings_resist_free_motions(closing: Floats, scale: float) -> bool:
     scale : largest decrease of a gap in a motion that displaces points of the brake by about 1 m
     """
     values = np.linalg.svd(closing, compute_uv=False)
-    return bool(values.min(initial=math.inf) > SINGULAR_SUPPORT * scale)
+    return bool(values.min(initial=math.inf) > LARGEST_SINGULAR_VALUE_OF_REDUNDANT_SUPPORT * scale)
 
 
 def require_no_shoe_on_anchors(brake: Brake, what: str) -> None:
@@ -250,7 +259,7 @@ def require_no_shoe_on_anchors(brake: Brake, what: str) -> None:
 
 
 def text_with_names_of_bearing_supports(
-    supports: Sequence[OneSidedSupport], bearing: Bearing
+    supports: Sequence[OneSidedSupport], bearing: BearingFlagsOfOneSidedSupports
 ) -> str:
     """The names of the supports that bear, as a text; "none" if no support bears."""
     names = [support.name for support, bears in zip(supports, bearing, strict=True) if bears]

@@ -6,7 +6,7 @@ These models, such as the closed-form laws, assume isotropic materials.
 from collections.abc import Iterator
 
 from drumlin.brake.brake import Brake
-from drumlin.brake.fields import Orthotropic
+from drumlin.brake.fields import OrthotropicMaterial
 
 
 def names_of_orthotropic_parts(brake: Brake) -> Iterator[str]:
@@ -14,9 +14,9 @@ def names_of_orthotropic_parts(brake: Brake) -> Iterator[str]:
     for shoe in brake.shoes:
         parts = {"lining": shoe.lining, "backing": shoe.backing, "body": shoe.body}
         for name, part in parts.items():
-            if isinstance(getattr(part, "material", None), Orthotropic):
+            if isinstance(getattr(part, "material", None), OrthotropicMaterial):
                 yield f"shoe {shoe.name!r}: {name}.material"
-    if brake.ring is not None and isinstance(brake.ring.material, Orthotropic):
+    if brake.ring is not None and isinstance(brake.ring.material, OrthotropicMaterial):
         yield "drum.ring.material"
 
 

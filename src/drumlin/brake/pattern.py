@@ -12,16 +12,16 @@ from typing import Annotated, Any, NamedTuple
 
 from pydantic import Field, ValidationError, ValidationInfo
 
-from drumlin.brake.fields import Angle, Length, Part, Point
+from drumlin.brake.fields import Angle, Length, PartOfInputFile, Point
 from drumlin.brake.further_loads import Spring
 
-ALONG_SURFACE = ("start", "end")
+KEYS_OF_COORDINATES_ALONG_SURFACE = ("start", "end")
 """Keys of a brake file that hold a coordinate along the surface, which moves with a shoe."""
-ROWS_ALONG_SURFACE = ("clearance", "blocks")
+KEYS_OF_TABLES_ALONG_SURFACE = ("clearance", "blocks")
 """Keys that may hold a table whose rows begin with a coordinate along the surface."""
 
 
-class Pattern(Part):
+class ShoePattern(PartOfInputFile):
     """How often a shoe repeats, and whether each shoe pushes the next by a strut or strap.
 
     `count` is the number of shoes, with the first one. With `linked` the abutment of each shoe
@@ -32,19 +32,19 @@ class Pattern(Part):
     linked: bool = False
 
 
-class DrumPattern(Pattern):
+class DrumPattern(ShoePattern):
     """A pattern of shoes on a drum; `step` [rad] is the angle from each shoe to the next."""
 
     step: Angle
 
 
-class FlatPattern(Pattern):
+class FlatPattern(ShoePattern):
     """A pattern of shoes on a plane; `step` [m] is the length from each shoe to the next."""
 
     step: Length
 
 
-class Move(NamedTuple):
+class RigidMotionOfCopiedShoe(NamedTuple):
     """A rigid-body motion of a shoe: a turn about the drum's centre or a shift along the plane.
 
     Attributes
@@ -59,18 +59,20 @@ class Move(NamedTuple):
     point: Callable[[Point], Point]
 
 
-def rotation_about_drum_centre(angle: float) -> Move:
+def shoe_motion_of_turn_about_drum_centre(angle: float) -> RigidMotionOfCopiedShoe:
     """The motion of a shoe that turns about the drum's centre by an angle [rad]."""
     c, s = math.cos(angle), math.sin(angle)
-    return Move(angle, angle, lambda p: Point(x=c * p.x - s * p.y, y=s * p.x + c * p.y))
+    return RigidMotionOfCopiedShoe(
+        angle, angle, lambda p: Point(x=c * p.x - s * p.y, y=s * p.x + c * p.y)
+    )
 
 
-def translation_along_plane(length: float) -> Move:
+def shoe_motion_of_shift_along_plane(length: float) -> RigidMotionOfCopiedShoe:
     """The motion of a shoe that moves along the plane by a length [m]."""
-    return Move(0.0, length, lambda p: Point(x=p.x + length, y=p.y))
+    return RigidMotionOfCopiedShoe(0.0, length, lambda p: Point(x=p.x + length, y=p.y))
 
 
-def copy_of_part_after_motion(part: Any, move: Move) -> Any:
+def copy_of_part_after_motion(part: Any, move: RigidMotionOfCopiedShoe) -> Any:
     """A copy of a shoe or of a part of it, with all its places and directions moved.
 
     The offset of a misfit is a vector, not a place: it turns with a shoe on a drum, and does not
@@ -84,19 +86,22 @@ def copy_of_part_after_motion(part: Any, move: Move) -> Any:
             changes[name] = value if is_vector else move.point(value)
         elif name == "direction":
             changes[name] = value + move.turn
-        elif name in ALONG_SURFACE:
+        elif name in KEYS_OF_COORDINATES_ALONG_SURFACE:
             changes[name] = value + move.along
-        elif name in ROWS_ALONG_SURFACE and isinstance(value, tuple):
+        elif name in KEYS_OF_TABLES_ALONG_SURFACE and isinstance(value, tuple):
             changes[name] = tuple((place + move.along, size) for place, size in value)
-        elif isinstance(value, Part):
+        elif isinstance(value, PartOfInputFile):
             changes[name] = copy_of_part_after_motion(value, move)
-        elif isinstance(value, tuple) and all(isinstance(item, Part) for item in value):
+        elif isinstance(value, tuple) and all(isinstance(item, PartOfInputFile) for item in value):
             changes[name] = tuple(copy_of_part_after_motion(item, move) for item in value)
     return part.model_copy(update=changes)
 
 
 def brake_data_with_patterned_shoes_repeated(
-    data: object, kind: type[Any], move: Callable[[float], Move], info: ValidationInfo
+    data: object,
+    kind: type[Any],
+    move: Callable[[float], RigidMotionOfCopiedShoe],
+    info: ValidationInfo,
 ) -> object:
     """Return the data of a brake with several shoes in place of each shoe with a pattern.
 
@@ -160,7 +165,7 @@ def _brake_part_from_data_or_none(kind: type[Any], data: object, info: Validatio
 
 
 def _springs_copied_with_repeated_shoe(
-    springs: Any, first: Any, move: Callable[[float], Move], info: ValidationInfo
+    springs: Any, first: Any, move: Callable[[float], RigidMotionOfCopiedShoe], info: ValidationInfo
 ) -> Any:
     """The springs of a brake, with a copy for each copy of a shoe that a spring ties to the frame.
 
@@ -184,7 +189,9 @@ def _springs_copied_with_repeated_shoe(
     return found
 
 
-def _copies_of_shoe_with_pattern(key: str, first: Any, move: Callable[[float], Move]) -> list[Any]:
+def _copies_of_shoe_with_pattern(
+    key: str, first: Any, move: Callable[[float], RigidMotionOfCopiedShoe]
+) -> list[Any]:
     """The shoes that `first`, a shoe with a pattern, stands for; `key` is its key in messages.
 
     `move` returns the motion of a shoe by an angle or length. Raises ValueError for a mesh file in

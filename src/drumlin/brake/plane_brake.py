@@ -18,21 +18,25 @@ from drumlin.base.arrays import Floats
 from drumlin.base.errors import BadInput
 from drumlin.brake.brake import Brake, Shoe, ShoeFrame
 from drumlin.brake.components import (
-    LARGEST_MISFIT,
-    ROUNDED_STEP,
+    ANGLE_OF_ROUNDED_STEP_BETWEEN_BLOCKS,
+    LARGEST_ALLOWED_RELATIVE_MISFIT,
     Backing,
-    Bar,
     Lining,
     Misfit,
+    ShoeBodyOfConstantSection,
 )
-from drumlin.brake.drive import Drive, Link, shoes_with_forces_of_drive_and_struts
+from drumlin.brake.drive import (
+    DriveOfAllShoes,
+    StrutOrStrapBetweenShoes,
+    shoes_with_forces_of_drive_and_struts,
+)
 from drumlin.brake.drum_brake import DrumBrake, check_shoe_on_abutment_has_no_grip
 from drumlin.brake.fields import (
-    AnyMaterial,
+    InterpolationTable,
+    IsotropicOrOrthotropicMaterial,
     Length,
-    Part,
+    PartOfInputFile,
     Point,
-    Rows,
     Speed,
     TemperatureRise,
     Thickness,
@@ -54,14 +58,14 @@ from drumlin.brake.off_circle import gaps_of_pad_ground_to_circle
 from drumlin.brake.pattern import (
     FlatPattern,
     brake_data_with_patterned_shoes_repeated,
-    translation_along_plane,
+    shoe_motion_of_shift_along_plane,
 )
 from drumlin.brake.support import check_rigid_body_modes_close_gap_differently
-from drumlin.brake.surface import PLANE
-from drumlin.brake.units import text_in_degrees, text_in_mm
+from drumlin.brake.surface import FRICTION_SURFACE_OF_PLANE
+from drumlin.brake.units import angle_as_text_in_degrees, length_as_text_in_mm
 
 
-class Plane(Part):
+class Plane(PartOfInputFile):
     """The sliding plane y = 0 and the direction in which the body slides.
 
     `speed` [m/s] is the sliding speed, on which a friction coefficient may depend.
@@ -81,7 +85,8 @@ class FlatMisfit(Misfit):
 
     radius: Length | None = None
     blocks: Annotated[
-        Rows, make_validator_of_table_with_growing_coordinates("place", "m", "depth", "m")
+        InterpolationTable,
+        make_validator_of_table_with_growing_coordinates("place", "m", "depth", "m"),
     ] = ()
 
 
@@ -99,9 +104,9 @@ class FlatLining(Lining):
     end: Length
     width: Thickness
     thickness: Thickness | None = None  # type: ignore[assignment]
-    material: AnyMaterial | None = None  # type: ignore[assignment]
+    material: IsotropicOrOrthotropicMaterial | None = None  # type: ignore[assignment]
     clearance: Annotated[
-        float | Rows,
+        float | InterpolationTable,
         make_validator_of_number_or_table("place", "m", "clearance", "m"),
         make_validator_that_tabulates_function_along_lining(),
     ] = 0.0
@@ -116,29 +121,40 @@ class FlatLining(Lining):
         long, radius = self.end - self.start, self.misfit.radius
         if long <= 0:
             raise ValueError(
-                f"end = {text_in_mm(self.end)} must be greater than start = "
-                f"{text_in_mm(self.start)}"
+                f"end = {length_as_text_in_mm(self.end)} must be greater than start = "
+                f"{length_as_text_in_mm(self.start)}"
             )
         # `least` is the radius with which a face has the largest allowed gap, `most`, at its ends.
-        most = LARGEST_MISFIT * long
-        least = long / (8 * LARGEST_MISFIT)
+        most = LARGEST_ALLOWED_RELATIVE_MISFIT * long
+        least = long / (8 * LARGEST_ALLOWED_RELATIVE_MISFIT)
         if radius is not None and abs(radius) < least:
             raise ValueError(
-                f"misfit.radius = {text_in_mm(radius)}: must be at least {text_in_mm(least)} "
+                f"misfit.radius = {length_as_text_in_mm(radius)}: must be at least "
+                f"{length_as_text_in_mm(least)} "
                 "either way, "
-                f"{1 / (8 * LARGEST_MISFIT):g} times the lining's length"
+                f"{1 / (8 * LARGEST_ALLOWED_RELATIVE_MISFIT):g} times the lining's length"
             )
-        allowed = f"{LARGEST_MISFIT:g} of the lining's length, {text_in_mm(most)}"
-        self.misfit.check("misfit", (self.start, self.end), self.step, text_in_mm, most, allowed)
+        allowed = (
+            f"{LARGEST_ALLOWED_RELATIVE_MISFIT:g} of the lining's length, "
+            f"{length_as_text_in_mm(most)}"
+        )
+        self.misfit.check_misfit_size_and_blocks(
+            "misfit",
+            (self.start, self.end),
+            self.length_of_step_between_blocks,
+            length_as_text_in_mm,
+            most,
+            allowed,
+        )
         return self
 
     @property
-    def step(self) -> float:
+    def length_of_step_between_blocks(self) -> float:
         """Length [m] over which the face rises smoothly from one block's height to the next."""
-        return ROUNDED_STEP * (self.end - self.start)
+        return ANGLE_OF_ROUNDED_STEP_BETWEEN_BLOCKS * (self.end - self.start)
 
 
-class FlatBody(Bar):
+class FlatBody(ShoeBodyOfConstantSection):
     """An elastic shoe body on a plane: a straight bar from x = `start` to x = `end` [m]."""
 
     start: Length
@@ -171,7 +187,7 @@ class FlatFrame(ShoeFrame):
 class FlatShoe(Shoe):
     """A shoe with a flat lining, its support and its actuation. Without `body` it is rigid."""
 
-    surface = PLANE
+    surface = FRICTION_SURFACE_OF_PLANE
     _size: float | None = PrivateAttr(None)
 
     lining: FlatLining
@@ -187,8 +203,10 @@ class FlatShoe(Shoe):
         slack = 1e-9 * (lining.end - lining.start)
         if body and not body.start - slack <= lining.start < lining.end <= body.end + slack:
             raise ValueError(
-                f"lining = {text_in_mm(lining.start)} to {text_in_mm(lining.end)}: "
-                f"must lie within the body, {text_in_mm(body.start)} to {text_in_mm(body.end)}"
+                f"lining = {length_as_text_in_mm(lining.start)} to "
+                f"{length_as_text_in_mm(lining.end)}: "
+                f"must lie within the body, {length_as_text_in_mm(body.start)} to "
+                f"{length_as_text_in_mm(body.end)}"
             )
         return self
 
@@ -219,7 +237,7 @@ class FlatShoe(Shoe):
 
     @property
     def pin_position_in_shoe_frame(self) -> Floats:
-        """Position (2,) [m] of the pin (`Held.pin`) in the frame of the shoe."""
+        """Position (2,) [m] of the pin (`SupportedShoe.pin`) in the frame of the shoe."""
         return np.array([0.0, self.pin.y])
 
     def convert_points_to_shoe_frame(self, xy: Floats) -> Floats:
@@ -250,7 +268,7 @@ class FlatShoe(Shoe):
         """
         return np.asarray(xy[0] / size)
 
-    def surface_coordinate_of_point(self, point: Point) -> float:
+    def drum_angle_or_plane_x_of_point(self, point: Point) -> float:
         """Coordinate x [m] of a point, which is its coordinate along the plane."""
         return point.x
 
@@ -274,7 +292,7 @@ class FlatShoe(Shoe):
 class FlatBrake(Brake):
     """A brake on a plane with its friction coefficient, sliding plane and shoes."""
 
-    surface = PLANE
+    surface = FRICTION_SURFACE_OF_PLANE
     direction_key = "plane.sliding"
     directions = ("+x", "-x")
 
@@ -282,8 +300,8 @@ class FlatBrake(Brake):
     friction_as_written: Annotated[FrictionOrTable, Field(alias="friction")]
     plane: Plane
     shoes: Annotated[tuple[FlatShoe, ...], Field(alias="shoe", min_length=1)]
-    actuation: Drive | None = None
-    links: Annotated[tuple[Link, ...], Field(alias="link")] = ()
+    actuation: DriveOfAllShoes | None = None
+    links: Annotated[tuple[StrutOrStrapBetweenShoes, ...], Field(alias="link")] = ()
     springs: Annotated[tuple[Spring, ...], Field(alias="spring")] = ()
     levers: Annotated[tuple[Lever, ...], Field(alias="lever")] = ()
     gravity: Gravity | None = None
@@ -334,7 +352,7 @@ class FlatBrake(Brake):
     def _repeat_shoes_that_have_pattern(cls, data: object, info: ValidationInfo) -> object:
         """Return the data with several shoes in place of each shoe that has a pattern."""
         return brake_data_with_patterned_shoes_repeated(
-            data, FlatShoe, translation_along_plane, info
+            data, FlatShoe, shoe_motion_of_shift_along_plane, info
         )
 
     @model_validator(mode="after")
@@ -346,7 +364,8 @@ class FlatBrake(Brake):
         check_shoe_names_differ([shoe.name for shoe in self.shoes])
         check_friction_tables_have_sliding_speed(self, "plane.speed", self.plane.speed is not None)
         self.check_brake_has_friction_if_lining_has()
-        # Data of a file need units, which `unit_required` tells; data of a program do not.
+        # Numbers of a brake file need a unit, and numbers that a program gives do not. The entry
+        # `unit_required` of the context is true for a brake file.
         from_file = bool((info.context or {}).get("unit_required"))
         shoes = shoes_with_forces_of_drive_and_struts(self, file=from_file)
         # The length of the first lining is the size of the brake, which all its shoes must know.
@@ -359,7 +378,9 @@ class FlatBrake(Brake):
             # does not close the gap to a plane.
             check_rigid_body_modes_close_gap_differently(f"shoe[{i}]", shoe, slice(1, 3))
             if shoe.guide is not None and abs(math.sin(shoe.guide.direction)) < 1e-6:
-                shown = f"shoe[{i}].guide.direction = {text_in_degrees(shoe.guide.direction)}"
+                shown = (
+                    f"shoe[{i}].guide.direction = {angle_as_text_in_degrees(shoe.guide.direction)}"
+                )
                 raise ValueError(f"{shown}: must lead to the plane, not along it")
         return brake_with_loads_assigned_to_shoes(self.model_copy(update={"shoes": shoes}))
 
@@ -383,7 +404,7 @@ def make_drum_or_plane_brake_from_data(
     )
 
 
-def read_any(path: Path | str, text: str | None = None) -> Brake:
+def read_drum_or_plane_brake(path: Path | str, text: str | None = None) -> Brake:
     """Read a brake from a TOML file: with the table [plane] a brake on a plane, else on a drum.
 
     Parameters
@@ -418,10 +439,10 @@ def read_any(path: Path | str, text: str | None = None) -> Brake:
 def brake_itself_or_read_from_file(brake: Any) -> Brake:
     """The brake that is given itself, or by the path of its brake file.
 
-    Raises BadInput for any other argument, and for a file that `read_any` refuses.
+    Raises BadInput for any other argument, and for a file that `read_drum_or_plane_brake` refuses.
     """
     if isinstance(brake, str | Path):
-        return read_any(brake)
+        return read_drum_or_plane_brake(brake)
     if not isinstance(brake, Brake):
         raise BadInput(
             f"brake: must be a Brake or the path of a brake file, not {type(brake).__name__}"
@@ -432,10 +453,11 @@ def brake_itself_or_read_from_file(brake: Any) -> Brake:
 def read_brake_that_must_be_on_drum(path: Path, what: str, text: str | None = None) -> Brake:
     """Read a brake from a TOML file and require that it is a brake on a drum.
 
-    `text` is the content of the file if it has been read already. Raises BadInput as `read_any`
-    does, and for a brake on a plane; `what` names the computation that needs a drum.
+    `text` is the content of the file if it has been read already. Raises BadInput as
+    `read_drum_or_plane_brake` does, and for a brake on a plane; `what` names the computation that
+    needs a drum.
     """
-    brake = read_any(path, text)
+    brake = read_drum_or_plane_brake(path, text)
     if not isinstance(brake, DrumBrake):
         raise BadInput(f"{path}: is a brake on a plane; {what} takes brakes on a drum")
     return brake

@@ -14,36 +14,42 @@ from typing import Annotated, Any, NamedTuple
 from drumlin.base.texts import number_as_text
 from drumlin.brake.brake import Brake
 from drumlin.brake.drum_brake import DrumBrake
-from drumlin.brake.fields import Material, Orthotropic, Part, Point, si_unit_of_field_type
-from drumlin.brake.units import text_in_mm
+from drumlin.brake.fields import (
+    Material,
+    OrthotropicMaterial,
+    PartOfInputFile,
+    Point,
+    si_unit_of_field_type,
+)
+from drumlin.brake.units import length_as_text_in_mm
 
-FAR_AWAY = 20.0
+LARGEST_USUAL_DISTANCE_OVER_BRAKE_SIZE = 20.0
 """Distance or length, relative to the brake's size, above which a note questions its unit.
 
 The size is the drum's radius, or on a plane the length of the longest lining. Points of random
 brakes are at most 3 radii from the drum's centre, or 9 lengths from the nearest pad.
 """
-NARROW = 1e-3
+SMALLEST_USUAL_WIDTH_OVER_BRAKE_SIZE = 1e-3
 """Width or diameter, relative to the brake's size, below which a note questions its unit.
 
 The widths of random brakes are at least 0.02 of the size.
 """
-THIN = 1e-4
+SMALLEST_USUAL_THICKNESS_OVER_BRAKE_SIZE = 1e-4
 """Thickness, relative to the brake's size, below which a note questions its unit.
 
 The thicknesses of random brakes are at least 0.001 of the size.
 """
-DRUM_RADII = (1e-3, 30.0)
+USUAL_RANGE_OF_DRUM_RADIUS = (1e-3, 30.0)
 """A note questions the unit of a drum's radius [m] outside these two limits.
 
 Drums have radii of some 20 mm to 5 m.
 """
-HIGH_FRICTION = 2.0
+LARGEST_USUAL_FRICTION_COEFFICIENT = 2.0
 """Friction coefficient above which a note asks whether the number is in per cent.
 
 Brake linings reach 0.7, and dry rubber 1.5.
 """
-LARGEST_TURNS_OF_ANGLE = 2.0
+LARGEST_USUAL_NUMBER_OF_TURNS_OF_ANGLE = 2.0
 """Number of turns of an angle above which a note asks whether its unit should be degrees.
 
 An angle of 75 deg that is written as 75 rad is 12 turns.
@@ -55,32 +61,32 @@ They are the smallest modulus of a lining, the smallest of a body, and the large
 Foams have 1e5 Pa, wood across its grain 1e8 Pa, steel 2e11 Pa and diamond 1e12 Pa. A modulus in
 N/m^2 that was meant in N/mm^2 is a million times too small.
 """
-METAL_MODULI = (6e10, 2.2e11)
+MODULUS_RANGE_OF_SHOE_METALS = (6e10, 2.2e11)
 """Moduli [Pa] of the metals of shoes, from aluminium (7e10 Pa) to steel (2.1e11 Pa).
 
 A note questions the modulus of a lining that is stiffer than a shoe of such a metal.
 """
-STIFFEST_USUAL_LINING = 2e10
+LARGEST_USUAL_LINING_MODULUS = 2e10
 """Largest usual modulus [Pa] of a lining's material; organic linings have 1e8 to 5e9 Pa.
 
 If a lining has the modulus of a metal, and its shoe at most this one, a note asks whether the two
 materials were exchanged.
 """
-HOTTEST = 1200.0
+LARGEST_USUAL_TEMPERATURE_RISE = 1200.0
 """Temperature rise [K] above which a note asks whether it is meant. Cast iron melts at 1400 K."""
-LARGEST_EXPANSION = 1e-3
+LARGEST_USUAL_THERMAL_EXPANSION = 1e-3
 """Coefficient of thermal expansion [1/K] above which a note questions its unit.
 
 Steel has 1.2e-5 1/K, rubber 2e-4 1/K. A coefficient in 1e-6/K that was written in 1/K is a million
 times too large.
 """
-LARGE_EVEN_CLEARANCE = 1e-3
+LARGEST_USUAL_UNIFORM_CLEARANCE_OVER_RADIUS = 1e-3
 """Clearance along a whole lining, relative to the drum's radius, above which a note explains it.
 
 Linings that do not fit are some 50 micrometres off drums of 150 mm, 3e-4 of the radius. Adjusters
 leave gaps of 0.2 to 0.5 mm, more than 1e-3, and are not meant by the key.
 """
-CYLINDER_PRESSURES = (1e4, 1e9)
+USUAL_RANGE_OF_CYLINDER_PRESSURE = (1e4, 1e9)
 """A note questions the unit of a wheel cylinder's pressure [Pa] outside these two limits.
 
 Wheel cylinders have some 1 to 20 MPa, and vacuum brakes 5e4 Pa.
@@ -96,7 +102,7 @@ def notes_on_implausible_brake_values(brake: Brake) -> tuple[str, ...]:
     if brake.surface.is_plane_and_not_drum:
         size = max(shoe.lining.end - shoe.lining.start for shoe in brake.shoes)
     lines = [*_notes_on_too_high_friction(brake), *_notes_on_too_stiff_linings(brake)]
-    lines += _notes_on_large_even_clearance(brake)
+    lines += _notes_on_large_uniform_clearance(brake)
     # If the drum's radius itself is probably a mistake, no length is compared with it.
     on_drum = list(_notes_on_unusual_drum_radius(brake))
     lines += on_drum or _notes_on_far_points(brake, size)
@@ -123,11 +129,11 @@ def _merge_equal_notes_on_several_shoes(lines: list[str]) -> Iterator[str]:
         yield f"{line} ({more} more shoe{'s' * (more > 1)} alike)" if more else line
 
 
-class _Quantity(NamedTuple):
+class _BrakeQuantityWithKey(NamedTuple):
     """A quantity of a brake: its key in the brake file, its part, its SI unit and its value."""
 
     key: str
-    part: Part
+    part: PartOfInputFile
     unit: str
     value: float
 
@@ -137,25 +143,27 @@ class _Quantity(NamedTuple):
         return self.key.rpartition(".")[2]
 
 
-def _quantities_of_brake_part(part: Part, key: str) -> Iterator[_Quantity]:
+def _quantities_of_brake_part(part: PartOfInputFile, key: str) -> Iterator[_BrakeQuantityWithKey]:
     """Yield the quantities of a part and of the parts within it; tables of quantities are left out.
 
     `key` is the key of the part itself in the brake file, "" for the whole brake.
     """
     for name, field in type(part).model_fields.items():
         value, below = getattr(part, name), f"{key}.{field.alias or name}".removeprefix(".")
-        if isinstance(value, Part):
+        if isinstance(value, PartOfInputFile):
             yield from _quantities_of_brake_part(value, below)
         elif isinstance(value, tuple):
             for i, each in enumerate(value):
-                if isinstance(each, Part):
+                if isinstance(each, PartOfInputFile):
                     yield from _quantities_of_brake_part(each, f"{below}[{i}]")
         elif isinstance(value, float):
-            yield _Quantity(below, part, _si_unit_of_part_field(type(part), name), value)
+            yield _BrakeQuantityWithKey(
+                below, part, _si_unit_of_part_field(type(part), name), value
+            )
 
 
 @functools.cache
-def _si_unit_of_part_field(kind: type[Part], name: str) -> str:
+def _si_unit_of_part_field(kind: type[PartOfInputFile], name: str) -> str:
     """The SI unit of a field of a class of parts; "" for a number without unit."""
     field = kind.model_fields[name]
     annotation: Any = field.annotation
@@ -165,7 +173,7 @@ def _si_unit_of_part_field(kind: type[Part], name: str) -> str:
 
 
 def _notes_on_too_high_friction(brake: Brake) -> Iterator[str]:
-    """Yield a note for each friction coefficient above HIGH_FRICTION."""
+    """Yield a note for each friction coefficient above LARGEST_USUAL_FRICTION_COEFFICIENT."""
     frictions = {"friction": brake.friction}
     for i, shoe in enumerate(brake.shoes):
         if shoe.lining.friction is not None:
@@ -173,7 +181,7 @@ def _notes_on_too_high_friction(brake: Brake) -> Iterator[str]:
                 brake.friction_coefficient_of_shoe_at_zero_pressure(shoe)
             )
     for key, friction in frictions.items():
-        if friction > HIGH_FRICTION:
+        if friction > LARGEST_USUAL_FRICTION_COEFFICIENT:
             meant = f"; did you mean {friction / 100:g}, which is {friction:g} %?"
             yield (
                 f"{key} = {friction:g} is more than any lining has"
@@ -182,14 +190,14 @@ def _notes_on_too_high_friction(brake: Brake) -> Iterator[str]:
 
 
 def _notes_on_unusual_drum_radius(brake: Brake) -> Iterator[str]:
-    """Yield a note if the drum's radius is outside DRUM_RADII."""
-    low, high = DRUM_RADII
+    """Yield a note if the drum's radius is outside USUAL_RANGE_OF_DRUM_RADIUS."""
+    low, high = USUAL_RANGE_OF_DRUM_RADIUS
     if isinstance(brake, DrumBrake) and not low <= brake.drum.radius <= high:
         meant = _text_of_length_with_unit_that_may_be_meant(
             brake.drum.radius, small=brake.drum.radius < low
         )
         yield (
-            f"drum.radius = {text_in_mm(brake.drum.radius)} is not usual, "
+            f"drum.radius = {length_as_text_in_mm(brake.drum.radius)} is not usual, "
             f"20 mm to 5 m are; "
             f"did you mean {meant}?"
         )
@@ -202,7 +210,7 @@ def _notes_on_far_points(brake: Brake, size: float) -> Iterator[str]:
     """
     for key, point in _points_of_supports_and_loads(brake):
         away = 0.0 if point is None else _distance_from_drum_centre_or_nearest_pad(brake, point)
-        if away > FAR_AWAY * size:
+        if away > LARGEST_USUAL_DISTANCE_OVER_BRAKE_SIZE * size:
             words = _text_of_brake_size_with_its_key(brake, size)
             meant = _text_of_length_with_unit_that_may_be_meant(away, small=False)
             yield (
@@ -245,7 +253,7 @@ def _distance_from_drum_centre_or_nearest_pad(brake: Brake, point: Point) -> flo
 def _text_of_brake_size_with_its_key(brake: Brake, size: float) -> str:
     """Words for the brake's size with its value, such as "drum.radius = 150 mm"."""
     name = "the lining's length" if brake.surface.is_plane_and_not_drum else "drum.radius"
-    return f"{name} = {text_in_mm(size)}"
+    return f"{name} = {length_as_text_in_mm(size)}"
 
 
 def _text_of_length_with_unit_that_may_be_meant(length: float, *, small: bool) -> str:
@@ -259,28 +267,36 @@ def _text_of_length_with_unit_that_may_be_meant(length: float, *, small: bool) -
     return f"{length:.4g} mm or {length:.4g} cm"
 
 
-def _notes_on_unusual_length(value: _Quantity, brake: Brake, size: float) -> Iterator[str]:
+def _notes_on_unusual_length(
+    value: _BrakeQuantityWithKey, brake: Brake, size: float
+) -> Iterator[str]:
     """Yield a note on a width, thickness, grip or diameter too small or large for the brake.
 
     `size` is the drum's radius [m], or on a plane the length of the longest lining.
     """
-    least = {"thickness": THIN, "width": NARROW, "grip": THIN, "diameter": NARROW}.get(value.name)
+    least = {
+        "thickness": SMALLEST_USUAL_THICKNESS_OVER_BRAKE_SIZE,
+        "width": SMALLEST_USUAL_WIDTH_OVER_BRAKE_SIZE,
+        "grip": SMALLEST_USUAL_THICKNESS_OVER_BRAKE_SIZE,
+        "diameter": SMALLEST_USUAL_WIDTH_OVER_BRAKE_SIZE,
+    }.get(value.name)
     if least is None or value.unit != "m":
         return
     words = _text_of_brake_size_with_its_key(brake, size)
-    if value.value > FAR_AWAY * size:
+    if value.value > LARGEST_USUAL_DISTANCE_OVER_BRAKE_SIZE * size:
         yield (
             f"{value.key} = {value.value:.4g} m is {value.value / size:.3g} times {words}; "
             f"did you mean {_text_of_length_with_unit_that_may_be_meant(value.value, small=False)}?"
         )
     elif 0 < value.value < least * size:
         yield (
-            f"{value.key} = {text_in_mm(value.value)} is {value.value / size:.2g} of {words}; "
+            f"{value.key} = {length_as_text_in_mm(value.value)} is {value.value / size:.2g} "
+            f"of {words}; "
             f"did you mean {_text_of_length_with_unit_that_may_be_meant(value.value, small=True)}?"
         )
 
 
-def _notes_on_angle_of_many_turns(value: _Quantity) -> Iterator[str]:
+def _notes_on_angle_of_many_turns(value: _BrakeQuantityWithKey) -> Iterator[str]:
     """Yield a note on an angle of several turns, probably degrees that were written as radians.
 
     The angular position of the drum, `drum.angle`, may be many turns.
@@ -299,18 +315,18 @@ def _notes_on_angle_of_many_turns(value: _Quantity) -> Iterator[str]:
 
 def _note_if_angle_has_many_turns(key: str, angle: float) -> Iterator[str]:
     """Yield a note if an angle [rad] has more turns than allowed; `key` is its key in the file."""
-    if abs(angle) > LARGEST_TURNS_OF_ANGLE * 2 * math.pi:
+    if abs(angle) > LARGEST_USUAL_NUMBER_OF_TURNS_OF_ANGLE * 2 * math.pi:
         turns = abs(angle) / (2 * math.pi)
         yield f"{key} = {angle:.6g} rad is {turns:.3g} turns; did you mean {angle:.6g} deg?"
 
 
-def _notes_on_unit_of_modulus_or_pressure(value: _Quantity) -> Iterator[str]:
+def _notes_on_unit_of_modulus_or_pressure(value: _BrakeQuantityWithKey) -> Iterator[str]:
     """Yield a note on a modulus or pressure if N/m^2 and N/mm^2 were probably confused."""
     if value.unit != "Pa":
         return
-    low, high = CYLINDER_PRESSURES
+    low, high = USUAL_RANGE_OF_CYLINDER_PRESSURE
     what = "a wheel cylinder"
-    if isinstance(value.part, Material | Orthotropic):
+    if isinstance(value.part, Material | OrthotropicMaterial):
         of_lining = ".lining." in value.key or ".backing." in value.key
         low, high = SOFTEST_LINING if of_lining else SOFTEST_BODY, STIFFEST_PART
         what = "a lining" if of_lining else "a shoe or a ring"
@@ -326,11 +342,11 @@ def _notes_on_unit_of_modulus_or_pressure(value: _Quantity) -> Iterator[str]:
         )
 
 
-def _notes_on_temperature_or_expansion(value: _Quantity) -> Iterator[str]:
+def _notes_on_temperature_or_expansion(value: _BrakeQuantityWithKey) -> Iterator[str]:
     """Yield a note on a too large temperature rise or coefficient of thermal expansion."""
-    if value.unit == "K" and abs(value.value) > HOTTEST:
+    if value.unit == "K" and abs(value.value) > LARGEST_USUAL_TEMPERATURE_RISE:
         yield f"{value.key} = {value.value:.4g} K is more than the materials of a brake bear"
-    if value.unit == "1/K" and abs(value.value) > LARGEST_EXPANSION:
+    if value.unit == "1/K" and abs(value.value) > LARGEST_USUAL_THERMAL_EXPANSION:
         yield (
             f"{value.key} = {value.value:.4g} 1/K is large for a solid; "
             f"did you mean {value.value * 1e-6:.4g} 1/K?"
@@ -344,7 +360,7 @@ def _stress_as_text_in_mpa(modulus: float) -> str:
 
 def _notes_on_too_stiff_linings(brake: Brake) -> Iterator[str]:
     """Yield a note on each lining that is stiffer than a metal shoe, or of metal on a soft shoe."""
-    softest_metal, stiffest_metal = METAL_MODULI
+    softest_metal, stiffest_metal = MODULUS_RANGE_OF_SHOE_METALS
     for i, shoe in enumerate(brake.shoes):
         body = None if shoe.body is None else shoe.body.material
         if body is None or shoe.lining.material is None:
@@ -357,11 +373,11 @@ def _notes_on_too_stiff_linings(brake: Brake) -> Iterator[str]:
         key = f"shoe[{i}].lining.material is stiffer than shoe[{i}].body.material, {moduli}"
         if softest_metal <= E_body <= stiffest_metal:
             yield f"{key}; did you mean {_stress_as_text_in_mpa(E_lining * 1e-3)}?"
-        elif softest_metal <= E_lining <= stiffest_metal and E_body <= STIFFEST_USUAL_LINING:
+        elif softest_metal <= E_lining <= stiffest_metal and E_body <= LARGEST_USUAL_LINING_MODULUS:
             yield f"{key}; were the two exchanged?"
 
 
-def _notes_on_large_even_clearance(brake: Brake) -> Iterator[str]:
+def _notes_on_large_uniform_clearance(brake: Brake) -> Iterator[str]:
     """Yield a note on each lining of a hinged shoe with a large clearance that is one number.
 
     People write the gap that an adjuster leaves at rest. A hinged shoe closes this gap by a turn
@@ -374,9 +390,10 @@ def _notes_on_large_even_clearance(brake: Brake) -> Iterator[str]:
             gap = lining.clearance
             if shoe.hinge is None or not isinstance(gap, float):
                 continue
-            if gap > LARGE_EVEN_CLEARANCE * brake.size:
+            if gap > LARGEST_USUAL_UNIFORM_CLEARANCE_OVER_RADIUS * brake.size:
                 yield (
-                    f"shoe[{i}].lining.clearance = {text_in_mm(gap)} is a gap along the whole "
+                    f"shoe[{i}].lining.clearance = {length_as_text_in_mm(gap)} is a gap along "
+                    f"the whole "
                     "lining, "
                     "as of a lining ground to another radius; leave it out for the gap that an "
                     "adjuster leaves, which the shoe closes by a turn about its pin"

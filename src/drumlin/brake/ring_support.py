@@ -2,8 +2,8 @@
 
 Finite elements take any support of a ring. The closed form of the foundation model, the triangular
 elements of the verification and the reduced model take only rings whose far edge is fixed or free
-(see `Ring.has_fixed_or_free_far_edge`). They all call this module, so that they refuse a ring in
-the same words.
+(see `DrumRing.has_fixed_or_free_far_edge`). They all call this module, so that they refuse a ring
+in the same words.
 """
 
 from drumlin.brake.brake import Brake

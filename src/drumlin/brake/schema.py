@@ -14,28 +14,39 @@ from pydantic.json_schema import GenerateJsonSchema, JsonSchemaValue
 from drumlin.base.written_numbers import number_without_unit_from_text
 from drumlin.brake import fields
 from drumlin.brake.drum_brake import DrumBrake
-from drumlin.brake.key_meanings import KEYS_OF_BRAKE_FILE, add_key_meanings_to_json_schema
+from drumlin.brake.key_meanings import (
+    KEY_MEANINGS_OF_BRAKE_FILE_PARTS,
+    add_key_meanings_to_json_schema,
+)
 from drumlin.brake.plane_brake import FlatBrake
-from drumlin.brake.units import EXAMPLES, QUANTITY_NAMES
+from drumlin.brake.units import EXAMPLE_OF_QUANTITY_BY_SI_UNIT, NAME_OF_QUANTITY_BY_SI_UNIT
 
-DIALECT = "https://json-schema.org/draft/2020-12/schema"
+JSON_SCHEMA_DIALECT = "https://json-schema.org/draft/2020-12/schema"
 """The version of JSON schema that the schema of brake files uses."""
 # The patterns match every text that drumlin takes, and some that it refuses: an editor must not
 # mark a correct text as wrong. A number may begin with a typographic minus sign or a decimal sign.
-_BEGINNING_OF_NUMBER = r"^\s*[-+\u2010-\u2013\u2212\ufe63\uff0d]?\s*[.,]?\d"
+_PATTERN_OF_NUMBER_BEGINNING = r"^\s*[-+\u2010-\u2013\u2212\ufe63\uff0d]?\s*[.,]?\d"
 # The pattern matches the text of a quantity in a brake file: a number and some unit.
-QUANTITY = _BEGINNING_OF_NUMBER + r""".*[A-Za-zµμ°º˚%"'″′].*$"""
+PATTERN_OF_QUANTITY_TEXT = _PATTERN_OF_NUMBER_BEGINNING + r""".*[A-Za-zµμ°º˚%"'″′].*$"""
 # The pattern matches a number without unit that is written as a text, such as "30 %" or "0,3".
-_PURE_NUMBER = _BEGINNING_OF_NUMBER + r"[-+\d.,/eE\s]*%?\s*$"
+_PATTERN_OF_PURE_NUMBER_TEXT = _PATTERN_OF_NUMBER_BEGINNING + r"[-+\d.,/eE\s]*%?\s*$"
 
 
 def json_schema_of_quantity_with_unit(si: str) -> dict[str, Any]:
     """The schema of a quantity: a text of a number and a unit of the same dimension as `si`."""
-    said = f"{QUANTITY_NAMES[si]} with its unit, such as {EXAMPLES[si]!r}"
-    return {"type": "string", "pattern": QUANTITY, "description": said, "examples": [EXAMPLES[si]]}
+    said = (
+        f"{NAME_OF_QUANTITY_BY_SI_UNIT[si]} with its unit, such as "
+        f"{EXAMPLE_OF_QUANTITY_BY_SI_UNIT[si]!r}"
+    )
+    return {
+        "type": "string",
+        "pattern": PATTERN_OF_QUANTITY_TEXT,
+        "description": said,
+        "examples": [EXAMPLE_OF_QUANTITY_BY_SI_UNIT[si]],
+    }
 
 
-class UnitSchema(GenerateJsonSchema):
+class JsonSchemaGeneratorWithUnits(GenerateJsonSchema):
     """Generator of JSON schemas in which every quantity is a text with its unit, as in files.
 
     pydantic's own generator would describe numbers in SI, to which the quantities are converted.
@@ -49,16 +60,16 @@ class UnitSchema(GenerateJsonSchema):
         """
         found, function = super().function_before_schema(schema), schema["function"]["function"]
         if function is fields._point_from_polar_coordinates:
-            return {"anyOf": [found, _POLAR]}
+            return {"anyOf": [found, _JSON_SCHEMA_OF_POLAR_POINT]}
         if function is number_without_unit_from_text:
-            return {"anyOf": [found, {"type": "string", "pattern": _PURE_NUMBER}]}
+            return {"anyOf": [found, {"type": "string", "pattern": _PATTERN_OF_PURE_NUMBER_TEXT}]}
         if isinstance(function, partial):
             return _json_schema_of_numbers_as_texts_with_units(found, function.keywords.get("si"))
         return found
 
 
 # The schema of a point in polar coordinates.
-_POLAR = {
+_JSON_SCHEMA_OF_POLAR_POINT = {
     "type": "object",
     "description": "about the drum's centre, counter-clockwise from +x",
     "properties": {
@@ -89,12 +100,14 @@ def _json_schema_of_numbers_as_texts_with_units(
         }
     if found.get("type") == "number":
         return (
-            json_schema_of_quantity_with_unit(si) if si else {"type": "string", "pattern": QUANTITY}
+            json_schema_of_quantity_with_unit(si)
+            if si
+            else {"type": "string", "pattern": PATTERN_OF_QUANTITY_TEXT}
         )
     # Any other schema describes a table of numbers: rows of two quantities.
     row = {
         "type": "array",
-        "items": {"type": "string", "pattern": QUANTITY},
+        "items": {"type": "string", "pattern": PATTERN_OF_QUANTITY_TEXT},
         "minItems": 2,
         "maxItems": 2,
     }
@@ -141,7 +154,9 @@ def json_schema_without_entries_unfit_for_toml(schema: Any) -> Any:
     return found
 
 
-IN_FILES = re.compile(r'"(#/\$defs/)?(?:Drum(Brake|LiningRow|Lining|Shoe)|Arc(Body))"')
+PATTERN_OF_DRUM_BRAKE_CLASS_NAMES = re.compile(
+    r'"(#/\$defs/)?(?:Drum(Brake|LiningRow|Lining|Shoe)|Arc(Body))"'
+)
 """Pattern of the names of the classes that read a brake on a drum.
 
 The schema calls them Brake, Lining, Shoe and Body; editors of users may rely on these names.
@@ -150,8 +165,10 @@ The schema calls them Brake, Lining, Shoe and Body; editors of users may rely on
 
 def json_schema_of_brake_file() -> dict[str, Any]:
     """The JSON schema of a brake file, for brakes on a drum and on a plane."""
-    made = TypeAdapter(DrumBrake | FlatBrake).json_schema(schema_generator=UnitSchema)
-    add_key_meanings_to_json_schema(made["$defs"], KEYS_OF_BRAKE_FILE)
+    made = TypeAdapter(DrumBrake | FlatBrake).json_schema(
+        schema_generator=JsonSchemaGeneratorWithUnits
+    )
+    add_key_meanings_to_json_schema(made["$defs"], KEY_MEANINGS_OF_BRAKE_FILE_PARTS)
     # In a file several linings of a shoe are a list of tables, not a table with the key `parts`.
     row = made["$defs"]["DrumLiningRow"]
     made["$defs"]["DrumLiningRow"] = {
@@ -159,10 +176,12 @@ def json_schema_of_brake_file() -> dict[str, Any]:
         **row["properties"]["parts"],
     }
     found = json.loads(
-        IN_FILES.sub(r'"\1\2\3"', json.dumps(json_schema_without_entries_unfit_for_toml(made)))
+        PATTERN_OF_DRUM_BRAKE_CLASS_NAMES.sub(
+            r'"\1\2\3"', json.dumps(json_schema_without_entries_unfit_for_toml(made))
+        )
     )
     return {
-        "$schema": DIALECT,
+        "$schema": JSON_SCHEMA_DIALECT,
         "title": "drumlin brake file",
         **found,
         "$defs": dict(sorted(found["$defs"].items())),

@@ -12,7 +12,7 @@ def title_line_of_brake(brake: "Brake") -> str:
     """A line of text with the title of a brake, its surface, its motion and its friction."""
     surface = brake.surface
     size = "" if surface.is_plane_and_not_drum else f"drum radius {brake.size * 1e3:.6g} mm, "
-    return f"{brake.title}: {size}{brake.motion}, {brake.friction_coefficients_as_text}"
+    return f"{brake.title}: {size}{brake.motion_as_text}, {brake.friction_coefficients_as_text}"
 
 
 def rows_of_brake_table(brake: "Brake") -> list[tuple[str, ...]]:
@@ -30,7 +30,8 @@ def rows_of_brake_table(brake: "Brake") -> list[tuple[str, ...]]:
     ]
     for shoe in brake.shoes:
         lining = shoe.lining
-        arcs = [f"{a * surface.shown:.6g} to {b * surface.shown:.6g}" for a, b in lining.arcs]
+        shown = surface.si_to_shown_unit_factor
+        arcs = [f"{a * shown:.6g} to {b * shown:.6g}" for a, b in lining.arcs]
         thickness = "" if lining.thickness is None else f"{lining.thickness * 1e3:.6g}"
         rows.append(
             (

@@ -30,45 +30,53 @@ from pydantic import (
 from drumlin.base.arrays import Floats
 from drumlin.base.files import protect_file_from_being_overwritten
 from drumlin.brake.components import Actuation
-from drumlin.brake.fields import PURE_NUMBER, Angle, Length, Name, Part, Place, Point
+from drumlin.brake.fields import (
+    PURE_NUMBER_VALIDATOR,
+    Angle,
+    CartesianOrPolarPoint,
+    Length,
+    Name,
+    PartOfInputFile,
+    Point,
+)
 from drumlin.brake.further_loads import (
-    NO_LOADS,
+    NO_SPRING_LEVER_AND_MASS_LOADS,
     ForceAtPoint,
-    LoadsOfBrake,
-    ShoeForce,
+    FurtherForceOnShoe,
     ShoeMass,
+    SpringLeverAndMassLoads,
     make_force_at_point,
 )
 
-MAIN_SUPPORTS = ("hinge", "abutment", "guide")
+KEYS_OF_SUPPORTS_OF_WHICH_ONE_IS_REQUIRED = ("hinge", "abutment", "guide")
 """Keys of the supports of which a shoe without anchors has exactly one.
 
 A pivot is no such support: it lies on a lever, which turns about the hinge.
 """
 
-MOVES = {
+MOTION_TEXTS_BY_KIND_OF_SUPPORT = {
     "hinge": "it turns about its hinge",
     "pivot": "it turns about a pivot on its lever, not about its hinge",
     "abutment": "its foot slides on an abutment, it has no hinge",
     "guide": "it moves along a guide, it has no hinge",
     "anchor": "it rests on anchors that it can leave, it has no hinge",
 }
-"""How a shoe moves on each support, for error messages, by `Held.kind_of_support`."""
+"""How a shoe moves on each support, for error messages, by `SupportedShoe.kind_of_support`."""
 
-UNHELD = 2
-"""Value of `sense` for `Held.rigid_body_modes_of_support` with which the abutment does not act.
+SENSE_VALUE_OF_ABUTMENT_THAT_DOES_NOT_ACT = 2
+"""Value of `sense` for a support's rigid-body modes with which the abutment does not act.
 
 The foot of the shoe may then slide along the abutment and leave it.
 """
 
-STICKS = 1e-9
+LARGEST_ROUND_OFF_EXCESS_OF_FOOT_FRICTION = 1e-9
 """Largest excess of a sticking foot's friction over the limit of Coulomb that is round-off.
 
 It is relative to the limit. With a larger excess the foot of the shoe slides on the abutment.
 """
 
 
-class Abutment(Part):
+class Abutment(PartOfInputFile):
     """A face on which the foot of a shoe, its end away from the actuation, slides.
 
     The foot bears at `point`. `direction` [rad] is the direction of the face's normal, in which it
@@ -76,54 +84,57 @@ class Abutment(Part):
     and the face.
     """
 
-    point: Place
+    point: CartesianOrPolarPoint
     direction: Angle
-    friction: Annotated[float, Field(ge=0, le=10, strict=True), PURE_NUMBER] = 0.0
+    friction: Annotated[float, Field(ge=0, le=10, strict=True), PURE_NUMBER_VALIDATOR] = 0.0
 
 
-class Anchor(Part):
+class Anchor(PartOfInputFile):
     """A face that pushes on the shoe and cannot pull; the shoe may rest on it or leave it.
 
     The shoe bears at `point`. `direction` [rad] is the direction of the face's force on the shoe.
     `clearance` [m] is the distance between shoe and face while nothing acts.
     """
 
-    point: Place
+    point: CartesianOrPolarPoint
     direction: Angle
     clearance: Annotated[Length, Field(ge=0)] = 0.0
 
 
-class Guide(Part):
+class Guide(PartOfInputFile):
     """A straight guide: the shoe moves only along `direction` [rad] and does not turn."""
 
     direction: Angle
 
 
-class Freedoms(NamedTuple):
+class SupportRigidBodyModes(NamedTuple):
     """The k rigid-body modes of a shoe: the motions that its support allows.
 
     Attributes
     ----------
     motions : (k, 3), dx, dy and turn of each mode, for a turn by 1 rad or a slide by 1 m
-    tests : (k, 3), dx, dy and turn of the test modes, on which the support reactions do no work
-    work : (k,), work of the actuation on each test mode [N m for a turn, N for a slide]
-    further_work : (k,), work of all loads besides the actuation on each test mode [N m or N]
-    tip : (k,), displacement [m] of the actuation's point along the actuation force in each mode
+    test_modes : (k, 3), dx, dy and turn of the test modes, on which the support reactions do no
+        work
+    actuation_work : (k,), work of the actuation on each test mode [N m for a turn, N for a slide]
+    work_of_further_loads : (k,), work of all loads besides the actuation on each test mode [N m or
+        N]
+    actuation_point_travel : (k,), displacement [m] of the actuation's point along the actuation
+        force in each mode
     names : (k,), "turn" (about the pin), "tilt" (about a pivot), "slide" (along an abutment or a
         guide), "off" (away from an abutment), "x" or "y" (translations of a shoe on anchors)
     """
 
     motions: Floats
-    tests: Floats
-    work: Floats
-    further_work: Floats
-    tip: Floats
+    test_modes: Floats
+    actuation_work: Floats
+    work_of_further_loads: Floats
+    actuation_point_travel: Floats
     names: tuple[str, ...]
 
     @property
     def work_of_all_loads_on_test_modes(self) -> Floats:
         """Work (k,) of the actuation and of all other loads on each test mode [N m or N]."""
-        return self.work + self.further_work
+        return self.actuation_work + self.work_of_further_loads
 
 
 def rigid_body_motion_of_turn_about_point(point: Point) -> Floats:
@@ -158,20 +169,20 @@ def displacements_in_rigid_body_motions(motions: Floats, xy: Floats) -> Floats:
     return np.array([dx - turn * y, dy + turn * x])
 
 
-class SupportChange(NamedTuple):
+class RigidBodyModeDerivativesByDatum(NamedTuple):
     """Derivatives of a shoe's k modes by one datum of its support, such as the hinge's x.
 
     Attributes
     ----------
     motions : (k, 3), derivatives of dx, dy and turn of the rigid-body modes
-    tests : (k, 3), derivatives of dx, dy and turn of the test modes
+    test_modes : (k, 3), derivatives of dx, dy and turn of the test modes
     """
 
     motions: Floats
-    tests: Floats
+    test_modes: Floats
 
 
-class Held(Part):
+class SupportedShoe(PartOfInputFile):
     """A shoe with its name, its support and its actuation, on a drum or on a plane.
 
     There are five supports. A `hinge` is a pin about which the shoe turns. With a `pivot`, the
@@ -182,24 +193,30 @@ class Held(Part):
     """
 
     name: Name
-    hinge: Place | None = None
-    pivot: Place | None = None
+    hinge: CartesianOrPolarPoint | None = None
+    pivot: CartesianOrPolarPoint | None = None
     abutment: Abutment | None = None
     guide: Guide | None = None
     anchors: Annotated[tuple[Anchor, ...], Field(alias="anchor")] = ()
     # This default stands for a shoe that a strut pushes, until the brake sets the strut's line.
     actuation: Actuation = Actuation(force=0.0, direction=0.0, point=Point(x=0.0, y=0.0))
-    forces: Annotated[tuple[ShoeForce, ...], Field(alias="force")] = ()
+    forces: Annotated[tuple[FurtherForceOnShoe, ...], Field(alias="force")] = ()
     mass: ShoeMass | None = None
     # The loads on this shoe by springs, levers, gravity and rotation. The brake sets them.
-    _loads_of_brake: LoadsOfBrake = PrivateAttr(NO_LOADS)
+    _spring_lever_and_mass_loads: SpringLeverAndMassLoads = PrivateAttr(
+        NO_SPRING_LEVER_AND_MASS_LOADS
+    )
     # Whether finite elements apply all loads of the shoe where its actuation acts.
     _has_loads_at_actuation: bool = PrivateAttr(False)
 
     @model_validator(mode="after")
     def _check_shoe_has_exactly_one_support(self) -> Self:
         """Raise ValueError unless the shoe has one support: hinge, abutment, guide or anchors."""
-        given = [key for key in MAIN_SUPPORTS if getattr(self, key) is not None]
+        given = [
+            key
+            for key in KEYS_OF_SUPPORTS_OF_WHICH_ONE_IS_REQUIRED
+            if getattr(self, key) is not None
+        ]
         if self.anchors:
             self._check_anchors_fit_other_supports(given)
         elif not given:
@@ -209,7 +226,8 @@ class Held(Part):
             )
         if len(given) > 1:
             raise ValueError(
-                f"{given[1]}: a shoe is held by one of {', '.join(MAIN_SUPPORTS)}, "
+                f"{given[1]}: a shoe is held by one of "
+                f"{', '.join(KEYS_OF_SUPPORTS_OF_WHICH_ONE_IS_REQUIRED)}, "
                 f"not by {' and '.join(given)}"
             )
         # A pivot is no support of its own: it lies on a lever, which turns about the hinge.
@@ -261,10 +279,10 @@ class Held(Part):
         actuation = self.actuation.model_copy(update={"force": force})
         return self.model_copy(update={"actuation": actuation})
 
-    def shoe_with_spring_lever_and_mass_loads(self, loads: LoadsOfBrake) -> Self:
+    def shoe_with_spring_lever_and_mass_loads(self, loads: SpringLeverAndMassLoads) -> Self:
         """A copy of the shoe under loads of springs, levers, gravity and rotation."""
         shoe = self.model_copy()
-        shoe._loads_of_brake = loads
+        shoe._spring_lever_and_mass_loads = loads
         return shoe
 
     def shoe_with_all_loads_moved_to_actuation(self) -> Self:
@@ -282,9 +300,9 @@ class Held(Part):
         return self._has_loads_at_actuation
 
     @property
-    def loads_of_brake(self) -> LoadsOfBrake:
+    def spring_lever_and_mass_loads(self) -> SpringLeverAndMassLoads:
         """The loads on the shoe by springs, levers, gravity and rotation."""
-        return self._loads_of_brake
+        return self._spring_lever_and_mass_loads
 
     @property
     def forces_at_points_besides_actuation(self) -> tuple[ForceAtPoint, ...]:
@@ -293,7 +311,7 @@ class Held(Part):
         The actuation, and gravity and centrifugal force on the mass, are not among them.
         """
         of_shoe = [make_force_at_point(each.force_vector, each.point.xy) for each in self.forces]
-        return (*of_shoe, *self._loads_of_brake.forces)
+        return (*of_shoe, *self._spring_lever_and_mass_loads.forces)
 
     @property
     def _gravity_and_rotation_force_on_mass(self) -> ForceAtPoint | None:
@@ -302,14 +320,18 @@ class Held(Part):
             return None
         at = self.mass.point.xy
         return make_force_at_point(
-            self.mass.mass * self._loads_of_brake.gravity_and_rotation_force_per_mass_at_point(at),
+            self.mass.mass
+            * self._spring_lever_and_mass_loads.gravity_and_rotation_force_per_mass_at_point(at),
             at,
         )
 
     @property
     def has_loads_besides_actuation(self) -> bool:
         """Whether forces act on the shoe besides its actuation and its support."""
-        acting = (*self._loads_of_brake.forces, self._gravity_and_rotation_force_on_mass)
+        acting = (
+            *self._spring_lever_and_mass_loads.forces,
+            self._gravity_and_rotation_force_on_mass,
+        )
         return bool(self.forces) or any(each is not None and any(each.force) for each in acting)
 
     @property
@@ -321,7 +343,10 @@ class Held(Part):
     def largest_force_of_any_load(self) -> float:
         """Largest of the forces [N] on the shoe: actuation, other loads, and force on the mass."""
         forces = [abs(each.force) for each in (self.actuation, *self.forces)]
-        of_brake = (*self._loads_of_brake.forces, self._gravity_and_rotation_force_on_mass)
+        of_brake = (
+            *self._spring_lever_and_mass_loads.forces,
+            self._gravity_and_rotation_force_on_mass,
+        )
         of_brake_sizes = [math.hypot(*each.force) for each in of_brake if each is not None]
         return max(*forces, *of_brake_sizes, 0.0)
 
@@ -401,19 +426,21 @@ class Held(Part):
             return bearing > 0
         # The foot sticks if the force along the face is at most the limit of Coulomb friction.
         if sense == 0:
-            return abs(along) <= self.abutment.friction * bearing * (1 + STICKS)
+            return abs(along) <= self.abutment.friction * bearing * (
+                1 + LARGEST_ROUND_OFF_EXCESS_OF_FOOT_FRICTION
+            )
         return sense * slide <= 0
 
-    def rigid_body_modes_of_support(self, sense: int = 1) -> Freedoms:
+    def rigid_body_modes_of_support(self, sense: int = 1) -> SupportRigidBodyModes:
         """The rigid-body modes of the shoe.
 
         Parameters
         ----------
         sense : sense of the friction of an abutment on the foot. It is +1 in the direction of the
             face's normal turned by +90 deg, -1 in the opposite direction, and 0 if the foot sticks.
-            With UNHELD the abutment is left out: the foot may slide and leave the face. For other
-            supports the sense has no effect. A shoe on anchors has three modes: its supports are
-            inequalities, see `one_sided.OneSidedSupport`.
+            With SENSE_VALUE_OF_ABUTMENT_THAT_DOES_NOT_ACT the abutment is left out: the foot may
+            slide and leave the face. For other supports the sense has no effect. A shoe on anchors
+            has three modes: its supports are inequalities, see `one_sided.OneSidedSupport`.
         """
         at = self.actuation.point.xy
         # Every shoe except a guided one turns about its pin. A lever or an abutment adds a mode,
@@ -439,12 +466,17 @@ class Held(Part):
             along = self.abutment.direction + math.pi / 2
             # Friction rotates the test mode by the friction angle, so that it stays perpendicular
             # to the reaction.
-            leaning = (sense != UNHELD) * sense * math.atan(self.abutment.friction)
+            leaning = (
+                (sense != SENSE_VALUE_OF_ABUTMENT_THAT_DOES_NOT_ACT)
+                * sense
+                * math.atan(self.abutment.friction)
+            )
             motions.append(rigid_body_motion_of_unit_translation(along))
             tests.append(rigid_body_motion_of_unit_translation(along + leaning))
             names.append("slide")
-        # With UNHELD the foot may also leave the face, along the normal of the face.
-        if on_abutment and sense == UNHELD:
+        # With SENSE_VALUE_OF_ABUTMENT_THAT_DOES_NOT_ACT the foot may also leave the face, along the
+        # normal of the face.
+        if on_abutment and sense == SENSE_VALUE_OF_ABUTMENT_THAT_DOES_NOT_ACT:
             assert self.abutment is not None
             motions.append(rigid_body_motion_of_unit_translation(self.abutment.direction))
             tests.append(motions[-1])
@@ -456,7 +488,7 @@ class Held(Part):
         # pivot: the actuation does no work.
         if self.pivot is not None:
             work[1] = tip[1] = 0.0
-        return Freedoms(
+        return SupportRigidBodyModes(
             moved,
             tested,
             work,
@@ -467,7 +499,7 @@ class Held(Part):
 
     def derivatives_of_rigid_body_modes_by_support_data(
         self, sense: int = 1
-    ) -> dict[str, tuple[SupportChange, ...]]:
+    ) -> dict[str, tuple[RigidBodyModeDerivativesByDatum, ...]]:
         """Exact derivatives of the rigid-body modes with respect to the data of the support.
 
         The result has a tuple by the key of each datum: two derivatives, by x and y [per m], for a
@@ -495,10 +527,14 @@ class Held(Part):
         of_motion = rigid_body_motion_of_unit_translation(along + math.pi / 2)
         change_of_motion = _derivatives_of_one_rigid_body_mode(k, 1, of_motion)
         change_of_test = _derivatives_of_one_rigid_body_mode(k, 1, tested)
-        found["abutment.direction"] = (SupportChange(change_of_motion, change_of_test),)
+        found["abutment.direction"] = (
+            RigidBodyModeDerivativesByDatum(change_of_motion, change_of_test),
+        )
         if mu > 0:
             of_test = _derivatives_of_one_rigid_body_mode(k, 1, sense * tested / (1 + mu**2))
-            found["abutment.friction"] = (SupportChange(np.zeros((k, 3)), of_test),)
+            found["abutment.friction"] = (
+                RigidBodyModeDerivativesByDatum(np.zeros((k, 3)), of_test),
+            )
         return found
 
 
@@ -527,7 +563,7 @@ def _read_group_names(value: object, read: ValidatorFunctionWrapHandler) -> obje
         ) from error
 
 
-GroupNames = Annotated[
+NamesOfMeshGroupInMeshFile = Annotated[
     Name | StrictInt | tuple[Name | StrictInt, ...] | None, WrapValidator(_read_group_names)
 ]
 """How a mesh file calls a group of elements: a name, a number, or several of them.
@@ -536,19 +572,19 @@ With None the group has the name that drumlin gives it.
 """
 
 
-class MeshGroups(Part):
+class MeshGroups(PartOfInputFile):
     """The names or numbers of a shoe's groups of elements or nodes in its mesh file.
 
     A group whose field is None has the name of the field in the mesh file, such as "lining".
     """
 
-    lining: GroupNames = None
-    backing: GroupNames = None
-    table: GroupNames = None
-    shoe: GroupNames = None
-    contact: GroupNames = None
-    hinge: GroupNames = None
-    actuation: GroupNames = None
+    lining: NamesOfMeshGroupInMeshFile = None
+    backing: NamesOfMeshGroupInMeshFile = None
+    table: NamesOfMeshGroupInMeshFile = None
+    shoe: NamesOfMeshGroupInMeshFile = None
+    contact: NamesOfMeshGroupInMeshFile = None
+    hinge: NamesOfMeshGroupInMeshFile = None
+    actuation: NamesOfMeshGroupInMeshFile = None
 
     def names_of_group_in_mesh_file(self, group: str) -> list[str]:
         """The names or numbers, as texts in lower case, of the group `group` in the mesh file."""
@@ -564,7 +600,7 @@ class MeshGroups(Part):
         return [group for group in type(self).model_fields if getattr(self, group) is not None]
 
 
-class Meshed(Held):
+class ShoeWithOptionalMeshFile(SupportedShoe):
     """A shoe that may have a mesh file, `mesh`, in place of the parametric mesh.
 
     `mesh_frame` says whether the mesh has the coordinates of the brake or of the shoe's own frame,
@@ -600,25 +636,31 @@ def _derivatives_of_one_rigid_body_mode(count: int, row: int, change: Floats) ->
     return found
 
 
-def _equal_derivatives_of_mode_and_test_mode(count: int, row: int, change: Floats) -> SupportChange:
+def _equal_derivatives_of_mode_and_test_mode(
+    count: int, row: int, change: Floats
+) -> RigidBodyModeDerivativesByDatum:
     """Derivatives of `count` modes of which only mode number `row` changes, with its test mode.
 
     `change` (3,) is the derivative of dx, dy and turn, of the rigid-body mode and of the test mode.
     """
-    return SupportChange(
+    return RigidBodyModeDerivativesByDatum(
         _derivatives_of_one_rigid_body_mode(count, row, change),
         _derivatives_of_one_rigid_body_mode(count, row, change),
     )
 
 
-def _mode_derivatives_by_turning_point_position(count: int, row: int) -> tuple[SupportChange, ...]:
+def _mode_derivatives_by_turning_point_position(
+    count: int, row: int
+) -> tuple[RigidBodyModeDerivativesByDatum, ...]:
     """Derivatives of `count` modes by x and y of the point about which mode number `row` turns."""
     along_x = _equal_derivatives_of_mode_and_test_mode(count, row, np.array([0.0, -1.0, 0.0]))
     along_y = _equal_derivatives_of_mode_and_test_mode(count, row, np.array([1.0, 0.0, 0.0]))
     return along_x, along_y
 
 
-def check_rigid_body_modes_close_gap_differently(key: str, shoe: Held, columns: slice) -> None:
+def check_rigid_body_modes_close_gap_differently(
+    key: str, shoe: SupportedShoe, columns: slice
+) -> None:
     """Raise ValueError if the two rigid-body modes of a shoe close its gap in the same way.
 
     Some combination of the two modes would then not change the gap, so that contact could not

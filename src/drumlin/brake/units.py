@@ -9,7 +9,7 @@ import re
 from typing import Any
 
 from drumlin.base.errors import BadInput
-from drumlin.base.texts import LONGEST_QUANTITY
+from drumlin.base.texts import MAX_CHARACTERS_OF_QUANTITY_TEXT
 from drumlin.base.written_numbers import (
     NUMBER_PATTERN,
     number_from_text_as_people_write_it,
@@ -20,34 +20,38 @@ from drumlin.base.written_numbers import (
 # most, joined by a blank, a point, a hyphen, * or /. The last denominator may be in brackets. Other
 # texts are refused before pint, the package for units, gets them: it would compute a unit such as
 # m^9^9^9 for ever.
-_WORD = r"[A-Za-zµμ°%][\wµμ°%]{0,30}\.?(?: ?(?:\^|\*\*) ?-?\d(?!\d))?"
-_UNIT = (
-    rf"(?:1 ?/ ?)?{_WORD}(?:[ */-]{{0,3}}(?<![\wµμ°%]){_WORD}){{0,5}}"
-    rf"(?: ?/ ?\( ?{_WORD}(?:[ *-]{{0,3}}(?<![\wµμ°%]){_WORD}){{0,5}} ?\))?"
+_PATTERN_OF_UNIT_WORD = r"[A-Za-zµμ°%][\wµμ°%]{0,30}\.?(?: ?(?:\^|\*\*) ?-?\d(?!\d))?"
+_PATTERN_OF_UNIT = (
+    rf"(?:1 ?/ ?)?{_PATTERN_OF_UNIT_WORD}(?:[ */-]{{0,3}}(?<![\wµμ°%]){_PATTERN_OF_UNIT_WORD})"
+    rf"{{0,5}}"
+    rf"(?: ?/ ?\( ?{_PATTERN_OF_UNIT_WORD}(?:[ *-]{{0,3}}(?<![\wµμ°%]){_PATTERN_OF_UNIT_WORD})"
+    rf"{{0,5}} ?\))?"
 )
-_QUANTITY = re.compile(rf"\s*({NUMBER_PATTERN})\s*({_UNIT}|[\"'])\s*", re.ASCII)
-_NUMBER_WITHOUT_UNIT = re.compile(rf"\s*{NUMBER_PATTERN}\s*", re.ASCII)
+_PATTERN_OF_QUANTITY = re.compile(
+    rf"\s*({NUMBER_PATTERN})\s*({_PATTERN_OF_UNIT}|[\"'])\s*", re.ASCII
+)
+_PATTERN_OF_NUMBER_WITHOUT_UNIT = re.compile(rf"\s*{NUMBER_PATTERN}\s*", re.ASCII)
 # Signs that word processors and keyboards put into units, each with the sign that pint reads.
-_PLAIN_UNIT_SIGNS = str.maketrans(
+_TRANSLATION_TO_PINT_UNIT_SIGNS = str.maketrans(
     {"·": "*", "⋅": "*", "∙": "*", "×": "*", "º": "°", "˚": "°", "″": '"', "′": "'"}
 )
-_SUPERSCRIPTS = re.compile(r"⁻?[⁰¹²³⁴⁵⁶⁷⁸⁹]")
-_PLAIN_DIGITS_OF_SUPERSCRIPTS = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")
+_PATTERN_OF_SUPERSCRIPT_DIGIT = re.compile(r"⁻?[⁰¹²³⁴⁵⁶⁷⁸⁹]")
+_TRANSLATION_OF_SUPERSCRIPTS_TO_DIGITS = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")
 
-LARGEST_NUMBER_SI = 1e30
+LARGEST_ALLOWED_NUMBER_IN_SI = 1e30
 """Largest number of a brake in SI units; a larger number is refused.
 
 No brake needs a larger number, and products of such numbers stay finite.
 """
 
-SMALLEST = 1e-30
+SMALLEST_NONZERO_NUMBER_IN_SI = 1e-30
 """Smallest absolute value of a number of a brake in SI units; a smaller number is set to 0.
 
 The square of a number below some 1e-162 is 0 in floating point although the number is not 0.
 """
 
 # Examples of quantities in error messages, by SI unit.
-EXAMPLES = {
+EXAMPLE_OF_QUANTITY_BY_SI_UNIT = {
     "m": "8 mm",
     "N": "2 kN",
     "Pa": "300 MPa",
@@ -65,7 +69,7 @@ EXAMPLES = {
     "1/K": "12e-6 1/K",
 }
 # Names of quantities in error messages, by SI unit.
-QUANTITY_NAMES = {
+NAME_OF_QUANTITY_BY_SI_UNIT = {
     "m": "a length",
     "N": "a force",
     "Pa": "a stress",
@@ -84,7 +88,7 @@ QUANTITY_NAMES = {
 }
 # Factors that convert the usual units to SI, by SI unit. With them most files are read without the
 # package pint, which takes long to load. The tests compare them with the factors of pint.
-COMMON = {
+FACTORS_OF_COMMON_UNITS_BY_SI_UNIT = {
     "m": {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "in": 0.0254},
     "N": {"N": 1.0, "kN": 1e3, "lbf": 4.4482216152605},
     "Pa": {"Pa": 1.0, "MPa": 1e6, "GPa": 1e9, "N/mm^2": 1e6, "bar": 1e5, "psi": 6894.757293168361},
@@ -101,12 +105,16 @@ COMMON = {
     "1/K": {"1/K": 1.0, "1/degC": 1.0, "1/°C": 1.0, "um/(m K)": 1e-6},
 }
 
-USUAL_UNITS = {"m": ("mm", 1e3), "rad": ("deg", math.degrees(1)), "Pa": ("MPa", 1e-6)}
+PRINTED_UNIT_AND_FACTOR_BY_SI_UNIT = {
+    "m": ("mm", 1e3),
+    "rad": ("deg", math.degrees(1)),
+    "Pa": ("MPa", 1e-6),
+}
 """Units in which quantities are printed, by SI unit, each with the factor from the SI unit."""
 
 # Definitions of units that pint does not know or takes for something else. In pint Nm is a unit of
 # textile fibres, and in some versions of pint a pond is 1 kgf.
-_FURTHER_UNITS = (
+_PINT_DEFINITIONS_OF_FURTHER_UNITS = (
     "newton_meter = newton * meter = Nm",
     "newton_centimeter = newton * centimeter = Ncm",
     "newton_millimeter = newton * millimeter = Nmm",
@@ -114,19 +122,20 @@ _FURTHER_UNITS = (
     "kilogram_weight = 9.80665 * newton = kp",
 )
 # Units that pint reads as a mass or an angle, each with the force or length that may be meant.
-_OTHER_MEANINGS = {"lb": "lbf", "lbs": "lbf", "mil": "thou", "mils": "thou"}
+_SECOND_MEANING_BY_UNIT_WORD = {"lb": "lbf", "lbs": "lbf", "mil": "thou", "mils": "thou"}
 
 
 @functools.cache
 def _pint_unit_registry() -> Any:
     """The registry of units of the package pint, with drumlin's further units.
 
-    pint takes 0.25 s to load. It is loaded only for a unit that is not in COMMON.
+    pint takes 0.25 s to load. It is loaded only for a unit that is not in
+    FACTORS_OF_COMMON_UNITS_BY_SI_UNIT.
     """
     import pint  # noqa: PLC0415
 
     registry = pint.UnitRegistry(on_redefinition="ignore")
-    for definition in _FURTHER_UNITS:
+    for definition in _PINT_DEFINITIONS_OF_FURTHER_UNITS:
         registry.define(definition)
     return registry
 
@@ -137,7 +146,7 @@ def _si_factor_of_unit(unit: str, si: str) -> float:
 
     Raises ValueError if `unit` is unknown or has another dimension than `si`.
     """
-    common = COMMON.get(si, {}).get(unit.strip())
+    common = FACTORS_OF_COMMON_UNITS_BY_SI_UNIT.get(si, {}).get(unit.strip())
     return _si_factor_of_unit_by_pint(unit.strip(), si) if common is None else common
 
 
@@ -158,7 +167,7 @@ def _si_factor_of_unit_by_pint(unit: str, si: str) -> float:
     for factor_and_dimension in found:
         if factor_and_dimension is not None and factor_and_dimension[1] == needed[1]:
             return factor_and_dimension[0] / needed[0]
-    wanted = f"{QUANTITY_NAMES[si]} such as {EXAMPLES[si]!r}"
+    wanted = f"{NAME_OF_QUANTITY_BY_SI_UNIT[si]} such as {EXAMPLE_OF_QUANTITY_BY_SI_UNIT[si]!r}"
     if found[0] is None:
         raise ValueError(
             f"unknown unit {unit!r}{_hint_about_wrong_capitals_in_unit(unit, si)}; allowed: "
@@ -205,12 +214,12 @@ def _possible_meanings_of_unit_text(unit: str, si: str) -> list[str]:
 
 def _second_meaning_of_unit_word(match: re.Match[str]) -> str:
     """The second meaning of a word of a unit, or the word itself if it has only one meaning."""
-    return _OTHER_MEANINGS.get(match.group(), match.group())
+    return _SECOND_MEANING_BY_UNIT_WORD.get(match.group(), match.group())
 
 
 def _hint_about_wrong_capitals_in_unit(unit: str, si: str) -> str:
     """The hint "(did you mean ...?)" for a unit whose capital letters are wrong, or ""."""
-    for known in COMMON.get(si, {}):
+    for known in FACTORS_OF_COMMON_UNITS_BY_SI_UNIT.get(si, {}):
         if known.casefold() == unit.casefold():
             return f" (did you mean {known!r}?)"
     return ""
@@ -233,32 +242,43 @@ def quantity_in_si(value: object, si: str, *, unit_required: bool) -> float:
     if isinstance(value, str):
         number = _quantity_text_in_si(value, si)
     elif isinstance(value, bool) or not isinstance(value, int | float):
-        raise ValueError(f"must be {QUANTITY_NAMES[si]} such as {EXAMPLES[si]!r}")
+        raise ValueError(
+            f"must be {NAME_OF_QUANTITY_BY_SI_UNIT[si]} such as "
+            f"{EXAMPLE_OF_QUANTITY_BY_SI_UNIT[si]!r}"
+        )
     elif unit_required:
-        raise ValueError(f"has no unit; write {QUANTITY_NAMES[si]} such as {EXAMPLES[si]!r}")
+        raise ValueError(
+            f"has no unit; write {NAME_OF_QUANTITY_BY_SI_UNIT[si]} such as "
+            f"{EXAMPLE_OF_QUANTITY_BY_SI_UNIT[si]!r}"
+        )
     else:
         number = value
     # For nan the comparison is false, so that nan is refused. Python compares integers of any size
     # exactly.
-    if not abs(number) <= LARGEST_NUMBER_SI:
-        raise ValueError(f"must be finite and at most {LARGEST_NUMBER_SI:g} in SI units")
-    return float(number) if abs(number) >= SMALLEST else 0.0
+    if not abs(number) <= LARGEST_ALLOWED_NUMBER_IN_SI:
+        raise ValueError(f"must be finite and at most {LARGEST_ALLOWED_NUMBER_IN_SI:g} in SI units")
+    return float(number) if abs(number) >= SMALLEST_NONZERO_NUMBER_IN_SI else 0.0
 
 
 def _quantity_text_in_si(text: str, si: str) -> float:
     """Convert the text of a quantity to a number in SI units. Raises ValueError for other texts."""
-    name = QUANTITY_NAMES[si]
-    if len(text) > LONGEST_QUANTITY:
+    name = NAME_OF_QUANTITY_BY_SI_UNIT[si]
+    if len(text) > MAX_CHARACTERS_OF_QUANTITY_TEXT:
         raise ValueError(
-            f"must be {name} in at most {LONGEST_QUANTITY} characters, such as {EXAMPLES[si]!r}"
+            f"must be {name} in at most {MAX_CHARACTERS_OF_QUANTITY_TEXT} characters, "
+            f"such as {EXAMPLE_OF_QUANTITY_BY_SI_UNIT[si]!r}"
         )
     plain = _quantity_text_with_keyboard_signs(text)
     # The text "3e8" would otherwise be the number 3 with the unit e8.
-    if _NUMBER_WITHOUT_UNIT.fullmatch(plain):
-        raise ValueError(f"has no unit; write {name} such as {EXAMPLES[si]!r}")
-    match = _QUANTITY.fullmatch(plain)
+    if _PATTERN_OF_NUMBER_WITHOUT_UNIT.fullmatch(plain):
+        raise ValueError(
+            f"has no unit; write {name} such as {EXAMPLE_OF_QUANTITY_BY_SI_UNIT[si]!r}"
+        )
+    match = _PATTERN_OF_QUANTITY.fullmatch(plain)
     if match is None:
-        raise ValueError(f"must be {name}: a number and its unit, such as {EXAMPLES[si]!r}")
+        raise ValueError(
+            f"must be {name}: a number and its unit, such as {EXAMPLE_OF_QUANTITY_BY_SI_UNIT[si]!r}"
+        )
     return number_from_text_as_people_write_it(match.group(1)) * _si_factor_of_unit(
         match.group(2), si
     )
@@ -268,9 +288,9 @@ def _quantity_text_with_keyboard_signs(text: str) -> str:
     """The text of a quantity, with typographic signs replaced by those of a plain keyboard."""
     if text.isascii():
         return text
-    plain = text_with_plain_spaces_and_minus_signs(text).translate(_PLAIN_UNIT_SIGNS)
-    return _SUPERSCRIPTS.sub(
-        lambda power: f"^{power.group().translate(_PLAIN_DIGITS_OF_SUPERSCRIPTS)}", plain
+    plain = text_with_plain_spaces_and_minus_signs(text).translate(_TRANSLATION_TO_PINT_UNIT_SIGNS)
+    return _PATTERN_OF_SUPERSCRIPT_DIGIT.sub(
+        lambda power: f"^{power.group().translate(_TRANSLATION_OF_SUPERSCRIPTS_TO_DIGITS)}", plain
     )
 
 
@@ -285,17 +305,17 @@ def number_in_si_from_command_option_text(key: str, text: str, si: str) -> float
         raise BadInput(f"{key} = {text!r}: {error}") from error
 
 
-def text_in_mm(length: float) -> str:
+def length_as_text_in_mm(length: float) -> str:
     """A length [m] as text in mm."""
     return f"{length * 1e3:.6g} mm"
 
 
-def text_in_degrees(angle: float) -> str:
+def angle_as_text_in_degrees(angle: float) -> str:
     """An angle [rad] as text in degrees."""
     return f"{math.degrees(angle):.6g} deg"
 
 
 def quantity_with_usual_unit(value: float, si: str) -> str:
     """A quantity as text with six digits and a usual unit, such as "12.5 mm"."""
-    unit, per_si = USUAL_UNITS.get(si, (si, 1.0))
+    unit, per_si = PRINTED_UNIT_AND_FACTOR_BY_SI_UNIT.get(si, (si, 1.0))
     return f"{value * per_si:.6g} {unit}".rstrip()

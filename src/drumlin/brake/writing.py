@@ -10,23 +10,37 @@ from pydantic.fields import FieldInfo
 
 from drumlin.base.errors import BadInput
 from drumlin.brake.brake import Brake
-from drumlin.brake.components import Actuation, DrumLiningRow, Lobes, Misfit, Table
+from drumlin.brake.components import (
+    Actuation,
+    DrumLiningRow,
+    Misfit,
+    OutOfRoundHarmonic,
+    TableOfTSection,
+)
 from drumlin.brake.fields import (
     Material,
-    Orthotropic,
-    Part,
+    OrthotropicMaterial,
+    PartOfInputFile,
     Point,
     si_unit_of_field_type,
     si_units_of_table_field,
 )
 from drumlin.brake.friction import FrictionTable
-from drumlin.brake.support import Held
-from drumlin.brake.units import COMMON, quantity_in_si
+from drumlin.brake.support import SupportedShoe
+from drumlin.brake.units import FACTORS_OF_COMMON_UNITS_BY_SI_UNIT, quantity_in_si
 
-INLINE = (Material, Orthotropic, Point, Misfit, Lobes, Table, FrictionTable)
+CLASSES_OF_PARTS_WRITTEN_IN_ONE_LINE = (
+    Material,
+    OrthotropicMaterial,
+    Point,
+    Misfit,
+    OutOfRoundHarmonic,
+    TableOfTSection,
+    FrictionTable,
+)
 """Classes of parts that are written as { key = value, ... } in one line of a brake file."""
 
-READABLE = {
+UNITS_WRITTEN_IN_BRAKE_FILES = {
     "m": ("mm", "m"),
     "rad": ("deg",),
     "Pa": ("GPa", "MPa"),
@@ -41,7 +55,7 @@ The first unit in which the number is short and exact is used, else the SI unit.
 """
 
 
-def brake_file_text(brake: Part) -> str:
+def brake_file_text(brake: PartOfInputFile) -> str:
     """The text of a brake file from which exactly this brake is read again.
 
     Keys with their default value are left out. Paths of mesh files are written as they are in the
@@ -54,7 +68,7 @@ def brake_file_text(brake: Part) -> str:
     )
 
 
-def _brake_without_forces_of_drive_and_struts(brake: Part) -> Part:
+def _brake_without_forces_of_drive_and_struts(brake: PartOfInputFile) -> PartOfInputFile:
     """The brake as its file describes it: without forces that follow from a drive or a strut.
 
     A brake file must not give these forces. A force that follows from a drive is set to nan, which
@@ -68,14 +82,14 @@ def _brake_without_forces_of_drive_and_struts(brake: Part) -> Part:
     for shoe in brake.shoes:
         actuation = shoe.actuation
         if shoe.name in pushed:
-            actuation = Held.model_fields["actuation"].default
+            actuation = SupportedShoe.model_fields["actuation"].default
         elif brake.actuation:
             actuation = actuation.model_copy(update={"force": math.nan})
         shoes.append(shoe.model_copy(update={"actuation": actuation}))
     return brake.model_copy(update={"shoes": tuple(shoes)})
 
 
-def part_values_other_than_defaults(part: Part) -> Iterator[tuple[str, Any, FieldInfo]]:
+def part_values_other_than_defaults(part: PartOfInputFile) -> Iterator[tuple[str, Any, FieldInfo]]:
     """Yield (key in the file, value, pydantic field) of each field that is not at its default."""
     for name, field in type(part).model_fields.items():
         value = getattr(part, name)
@@ -88,7 +102,7 @@ def part_values_other_than_defaults(part: Part) -> Iterator[tuple[str, Any, Fiel
             yield field.alias or name, value, field
 
 
-def _toml_lines_of_part(part: Part, path: str) -> Iterator[str]:
+def _toml_lines_of_part(part: PartOfInputFile, path: str) -> Iterator[str]:
     """Lines of a part as a TOML table: first its own keys, then the tables of the parts in it.
 
     `path` is the dotted name of the table; it is "" for the whole brake.
@@ -98,7 +112,11 @@ def _toml_lines_of_part(part: Part, path: str) -> Iterator[str]:
     for key, given, field in part_values_other_than_defaults(part):
         value: Any = given.parts if isinstance(given, DrumLiningRow) else given
         parts = value if isinstance(value, tuple) else (value,)
-        tables = [isinstance(item, Part) and not isinstance(item, INLINE) for item in parts]
+        tables = [
+            isinstance(item, PartOfInputFile)
+            and not isinstance(item, CLASSES_OF_PARTS_WRITTEN_IN_ONE_LINE)
+            for item in parts
+        ]
         if value != () and all(tables):
             below.append((key, value))
         else:
@@ -116,13 +134,13 @@ def _toml_lines_of_part(part: Part, path: str) -> Iterator[str]:
 
 def _toml_text_of_value(value: Any, field: FieldInfo) -> str:
     """The text of a value of a part in TOML; `field` is the pydantic field, which has its unit."""
-    if isinstance(value, Part):
+    if isinstance(value, PartOfInputFile):
         return _toml_text_of_part_in_one_line(value)
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, str | Path):
         return _toml_text_in_quotes(str(value))
-    if isinstance(value, tuple) and any(isinstance(item, Part) for item in value):
+    if isinstance(value, tuple) and any(isinstance(item, PartOfInputFile) for item in value):
         return "[" + ", ".join(_toml_text_of_part_in_one_line(item) for item in value) + "]"
     # The type of the field tells the units of a number or of a table of numbers.
     kind = Annotated[field.annotation, *field.metadata] if field.metadata else field.annotation
@@ -160,7 +178,7 @@ def _toml_text_in_quotes(text: str) -> str:
     return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
 
 
-def _toml_text_of_part_in_one_line(part: Part) -> str:
+def _toml_text_of_part_in_one_line(part: PartOfInputFile) -> str:
     """The text of a part in TOML in one line: { key = value, ... }."""
     pairs = [
         f"{key} = {_toml_text_of_value(value, field)}"
@@ -177,8 +195,8 @@ def quoted_toml_text_of_quantity(value: float, si: str) -> str:
     if not si:
         return repr(value)
     # A readable unit is used only if reading the text gives exactly the same number.
-    for unit in READABLE.get(si, ()):
-        text = f"{value / COMMON[si][unit]:.12g} {unit}"
+    for unit in UNITS_WRITTEN_IN_BRAKE_FILES.get(si, ()):
+        text = f"{value / FACTORS_OF_COMMON_UNITS_BY_SI_UNIT[si][unit]:.12g} {unit}"
         if (
             quantity_in_si(text, si, unit_required=True) == value
             and "e" not in text.split(maxsplit=1)[0]

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from drumlin.base.texts import error_text_in_percent
 from drumlin.cli.terminal import (
-    Column,
+    PrintedColumn,
     print_line_folded_to_terminal_width,
     print_table_fitted_to_terminal,
 )
@@ -17,28 +17,29 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from drumlin.brake.brake import Brake
-    from drumlin.response.response import FlatMerit, Merit, Response
+    from drumlin.response.response import FiguresOfMeritOnDrum, FiguresOfMeritOnPlane, Response
 
-SHOE_COLUMNS_LEFT_OUT_FIRST = ["shoe_factor", "reaction", "normal_force", "at"]
+SHOE_COLUMNS_DROPPED_ON_NARROW_TERMINAL = ["shoe_factor", "reaction", "normal_force", "at"]
 """Columns of the printed table of shoes that a narrow terminal has no room for.
 
 They are left out in this order, until the other columns fit.
 """
 
 
-def print_response(brake: "Brake", response: "Response", *, verbose: bool = False) -> None:
+def print_brake_response(brake: "Brake", response: "Response", *, verbose: bool = False) -> None:
     """Print the torque and brake factor of a brake, a row for each shoe, warnings and errors.
 
     Lines on shoes that do not touch the drum are printed first. `verbose` is whether reactions,
     figures of merit, solution steps, times and neglected effects are printed, too.
     """
-    from drumlin.laws.rigid import UNUSED_KEYS
+    from drumlin.laws.rigid import UNUSED_KEYS_LINE_START
 
-    notes = _Notes.notes_of_response_by_place_in_printout(response)
+    notes = _NotesByPlaceInPrintout.notes_of_response_by_place_in_printout(response)
     print_line_folded_to_terminal_width(
-        f"{brake.title}: {response.model}, {brake.motion}, {brake.friction_coefficients_as_text}"
+        f"{brake.title}: {response.model}, {brake.motion_as_text}, "
+        f"{brake.friction_coefficients_as_text}"
     )
-    for line in notes.apart:
+    for line in notes.lines_above_table:
         print_line_folded_to_terminal_width(line)
     _print_torque_and_brake_factor(brake, response)
     _print_table_of_shoes(brake, response)
@@ -52,40 +53,43 @@ def print_response(brake: "Brake", response: "Response", *, verbose: bool = Fals
     for line in notes.warnings:
         print_line_folded_to_terminal_width(line)
     for line in response.left_out:
-        if line.startswith(UNUSED_KEYS):
+        if line.startswith(UNUSED_KEYS_LINE_START):
             print_line_folded_to_terminal_width(line)
     if response.error is not None:
         print_line_folded_to_terminal_width(
-            _estimated_errors_as_line(brake.surface.effect, response.error)
+            _estimated_errors_as_line(brake.surface.word_for_torque_or_brake_force, response.error)
         )
     if response.plane_stress_error is not None:
         print_line_folded_to_terminal_width(
-            _plane_stress_errors_as_line(brake.surface.effect, response)
+            _plane_stress_errors_as_line(brake.surface.word_for_torque_or_brake_force, response)
         )
-    for line in notes.held:
+    for line in notes.lines_on_supports:
         print_line_folded_to_terminal_width(line)
     if verbose:
-        _print_lines_of_verbose_answer(response, notes.others)
+        _print_lines_of_verbose_answer(response, notes.lines_of_verbose_answer)
 
 
-class _Notes(NamedTuple):
+class _NotesByPlaceInPrintout(NamedTuple):
     """The notes of a response, sorted by the place where the notes are printed.
 
     Attributes
     ----------
-    apart : lines on shoes without contact, printed above the table of shoes
+    lines_above_table : lines on shoes without contact, printed above the table of shoes
     warnings : lines that begin with "warning:" or "note:", printed below the table
-    held : lines on the supports of each body and on corrections of a mesh file, printed last
-    others : all other lines, printed with --verbose only
+    lines_on_supports : lines on the supports of each body and on corrections of a mesh file,
+        printed last
+    lines_of_verbose_answer : all other lines, printed with --verbose only
     """
 
-    apart: list[str]
+    lines_above_table: list[str]
     warnings: list[str]
-    held: list[str]
-    others: list[str]
+    lines_on_supports: list[str]
+    lines_of_verbose_answer: list[str]
 
     @classmethod
-    def notes_of_response_by_place_in_printout(cls, response: "Response") -> "_Notes":
+    def notes_of_response_by_place_in_printout(
+        cls, response: "Response"
+    ) -> "_NotesByPlaceInPrintout":
         """The notes of a response, sorted by the place of the printed answer where they stand.
 
         Some notes stand above the table, some below it, some at the end, and some are printed only
@@ -94,13 +98,13 @@ class _Notes(NamedTuple):
         notes = cls([], [], [], [])
         for line in response.notes:
             if ": no contact" in line:
-                notes.apart.append(line)
+                notes.lines_above_table.append(line)
             elif line.startswith(("warning:", "note:")):
                 notes.warnings.append(line)
             elif line.startswith("held:") or ": its mesh: " in line:
-                notes.held.append(line)
+                notes.lines_on_supports.append(line)
             else:
-                notes.others.append(line)
+                notes.lines_of_verbose_answer.append(line)
         return notes
 
 
@@ -114,9 +118,15 @@ def _print_torque_and_brake_factor(brake: "Brake", response: "Response") -> None
 
     surface = brake.surface
     factor = brake_factor(brake, response)
-    line = f"{surface.effect} {response.effect:.6g} {surface.effect_unit}"
+    line = (
+        f"{surface.word_for_torque_or_brake_force} {response.effect:.6g} "
+        f"{surface.unit_of_torque_or_brake_force}"
+    )
     if factor is not None:
-        line += f", brake factor {factor:.4g} = {surface.factor}, F the mean actuation force"
+        line += (
+            f", brake factor {factor:.4g} = {surface.brake_factor_formula}, F the mean actuation "
+            "force"
+        )
     print_line_folded_to_terminal_width(line)
     if not response.converged:
         print_line_folded_to_terminal_width("not converged")
@@ -174,12 +184,12 @@ def _print_table_of_shoes(brake: "Brake", response: "Response") -> None:
     from drumlin.response.response import place_of_peak_pressure
 
     places = [place_of_peak_pressure(brake, i, shoe) for i, shoe in enumerate(response.shoes)]
-    shown = brake.surface.shown
+    shown = brake.surface.si_to_shown_unit_factor
     # The list `at` has the angle or length where the pressure of each shoe peaks, as text. Adding
     # 0.0 turns a negative zero into a zero without sign.
     at = ["" if place is None else f"{place.at * shown + 0.0:.1f}" for place in places]
     print_table_fitted_to_terminal(
-        _columns_of_shoe_table(brake, response, at), SHOE_COLUMNS_LEFT_OUT_FIRST
+        _columns_of_shoe_table(brake, response, at), SHOE_COLUMNS_DROPPED_ON_NARROW_TERMINAL
     )
     if any(place is not None and place.zone for place in places):
         print_line_folded_to_terminal_width(
@@ -194,7 +204,7 @@ def _peak_pressures_over_width_as_line(brake: "Brake", response: "Response") -> 
     """The peak pressures over arc and width as one line of text; "" if no shoe has a width."""
     from drumlin.response.face import pressure_on_face_of_lining
 
-    shown, unit, peaks = brake.surface.shown, brake.surface.shown_unit, []
+    shown, unit, peaks = brake.surface.si_to_shown_unit_factor, brake.surface.shown_unit, []
     for i in range(len(response.shoes)):
         face = pressure_on_face_of_lining(brake, response, i)
         if face is not None:
@@ -209,7 +219,7 @@ def _peak_pressures_over_width_as_line(brake: "Brake", response: "Response") -> 
 
 def _columns_of_shoe_table(
     brake: "Brake", response: "Response", at: list[str]
-) -> dict[str, Column]:
+) -> dict[str, PrintedColumn]:
     """The columns of the printed table of shoes, by a key such as "effect" for the torque.
 
     `at` holds the place where the pressure of each shoe peaks, as text.
@@ -219,18 +229,18 @@ def _columns_of_shoe_table(
     surface = brake.surface
     unit = surface.shown_unit
     table = {
-        "shoe": Column("shoe", "shoe\n", [], left=True),
-        "effect": Column("torque", surface.heading, []),
-        "normal_force": Column("normal force", "normal\nforce [N]", []),
-        "peak": Column("peak pressure", "peak p\n[MPa]", []),
-        "at": Column("where the pressure peaks", f"at\n[{unit}]", at),
-        "contact": Column("contact", f"contact\n[{unit}]", []),
-        "reaction": Column("hinge reaction", "reaction\n[N]", []),
-        "shoe_factor": Column("shoe factor", f"{surface.factor}\n", []),
+        "shoe": PrintedColumn("shoe", "shoe\n", [], is_left_aligned=True),
+        "effect": PrintedColumn("torque", surface.heading_of_torque_or_brake_force, []),
+        "normal_force": PrintedColumn("normal force", "normal\nforce [N]", []),
+        "peak": PrintedColumn("peak pressure", "peak p\n[MPa]", []),
+        "at": PrintedColumn("where the pressure peaks", f"at\n[{unit}]", at),
+        "contact": PrintedColumn("contact", f"contact\n[{unit}]", []),
+        "reaction": PrintedColumn("hinge reaction", "reaction\n[N]", []),
+        "shoe_factor": PrintedColumn("shoe factor", f"{surface.brake_factor_formula}\n", []),
     }
     for i, shoe in enumerate(response.shoes):
         effect = response.effects[i]
-        force = abs(brake.shoes[i].actuation.force) * brake.scale_factor
+        force = abs(brake.shoes[i].actuation.force) * brake.length_per_surface_coordinate
         cells = {
             "shoe": shoe.name,
             "effect": f"{effect:.6g}",
@@ -253,7 +263,7 @@ def _print_lines_of_verbose_answer(response: "Response", notes: list[str]) -> No
     They give hinge reaction and figures of merit of each shoe, solution steps, balance of forces,
     computing times, the given notes and neglected effects.
     """
-    from drumlin.laws.rigid import UNUSED_KEYS
+    from drumlin.laws.rigid import UNUSED_KEYS_LINE_START
 
     # One line for each shoe: the force of its hinge and its figures of merit.
     for shoe, merit in zip(response.shoes, response.merits, strict=True):
@@ -274,11 +284,11 @@ def _print_lines_of_verbose_answer(response: "Response", notes: list[str]) -> No
         print_line_folded_to_terminal_width(line)
     # The last lines name effects that the model neglects.
     for line in response.left_out:
-        if not line.startswith(UNUSED_KEYS):
+        if not line.startswith(UNUSED_KEYS_LINE_START):
             print_line_folded_to_terminal_width(f"left out: {line}")
 
 
-def _figures_of_merit_as_line(merit: "Merit | FlatMerit") -> str:
+def _figures_of_merit_as_line(merit: "FiguresOfMeritOnDrum | FiguresOfMeritOnPlane") -> str:
     """The figures of merit of one shoe as a line of text; unknown figures are left out.
 
     The figures have the same names as in the JSON file. The angle of the resultant force is in

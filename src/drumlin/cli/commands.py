@@ -14,7 +14,7 @@ from drumlin.cli.starting import init, schema
 from drumlin.cli.studying import study, sweep
 from drumlin.cli.terminal import print_line_folded_to_terminal_width
 
-COMMANDS = (
+COMMAND_FUNCTIONS = (
     init,
     solve,
     compare,
@@ -57,7 +57,7 @@ def _take_options_before_any_command(
     """Shoe brakes by pressure laws and by finite elements in frictional contact, side by side."""
 
 
-def make_application(commands: Iterable[Callable[..., None]]) -> typer.Typer:
+def make_command_line_application(commands: Iterable[Callable[..., None]]) -> typer.Typer:
     """Make the application with these functions as its commands."""
     made = typer.Typer(
         no_args_is_help=True,
@@ -70,15 +70,15 @@ def make_application(commands: Iterable[Callable[..., None]]) -> typer.Typer:
     return made
 
 
-app = make_application(COMMANDS)
+app = make_command_line_application(COMMAND_FUNCTIONS)
 """The application with all commands."""
 
 
-def application_for_words(words: Sequence[str]) -> typer.Typer:
+def application_for_command_line_words(words: Sequence[str]) -> typer.Typer:
     """The application with the command that `words` begin with, or with all commands.
 
     typer reads the options of every command that an application has, which takes some 4 % of the
     time of a solve.
     """
-    named = [command for command in COMMANDS if list(words[:1]) == [command.__name__]]
-    return make_application(named) if named else app
+    named = [command for command in COMMAND_FUNCTIONS if list(words[:1]) == [command.__name__]]
+    return make_command_line_application(named) if named else app

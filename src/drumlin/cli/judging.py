@@ -11,9 +11,9 @@ import typer
 import drumlin
 from drumlin.base.texts import error_text_in_percent
 from drumlin.cli.options import (
-    BrakeFile,
-    Elements,
-    Penalty,
+    BrakeFileArgument,
+    ElementsOption,
+    PenaltyOption,
     command_options_given_by_user,
     penalty_as_number,
 )
@@ -21,9 +21,9 @@ from drumlin.cli.terminal import print_line_folded_to_terminal_width, show_spinn
 
 
 def cost(
-    brake_file: BrakeFile,
-    elements: Elements = None,
-    penalty: Penalty = None,
+    brake_file: BrakeFileArgument,
+    elements: ElementsOption = None,
+    penalty: PenaltyOption = None,
     by_size: Annotated[
         bool,
         typer.Option(
@@ -52,7 +52,7 @@ def cost(
 
 
 def reference(
-    brake_file: BrakeFile,
+    brake_file: BrakeFileArgument,
     output: Annotated[
         Path | None,
         typer.Option(metavar="FILE", help="where to write; default: NAME.reference.json"),
@@ -65,7 +65,10 @@ def reference(
     path = output or Path(f"{brake_file.stem}.reference.json")
     with show_spinner_beside_words("columns of high degree, then triangles"):
         found = drumlin.reference(brake_file, path)
-    effect, unit = found.surface.effect, found.surface.effect_unit
+    effect, unit = (
+        found.surface.word_for_torque_or_brake_force,
+        found.surface.unit_of_torque_or_brake_force,
+    )
     print_line_folded_to_terminal_width(
         f"{effect} {found.torque.value:.10g} {unit}, "
         f"uncertainty {found.torque.uncertainty:.1g} {unit}"
@@ -74,14 +77,15 @@ def reference(
         print_line_folded_to_terminal_width(
             f"  shoe {shoe.name!r}: {effect} {shoe.torque.value:.10g} {unit}, "
             f"uncertainty {shoe.torque.uncertainty:.1g} {unit}; p uncertain by "
-            f"{error_text_in_percent(shoe.pressure_uncertainty)} of its peak away from the edges, "
+            f"{error_text_in_percent(shoe.relative_pressure_uncertainty_outside_edge_zones)} "
+            f"of its peak away from the edges, "
             f"{error_text_in_percent(shoe.distance)} in L2"
         )
     print_line_folded_to_terminal_width(f"reference: {path}")
 
 
 def check(
-    brake_file: BrakeFile,
+    brake_file: BrakeFileArgument,
     result: Annotated[
         Path,
         typer.Argument(

@@ -10,88 +10,90 @@ import typer
 
 from drumlin.base.errors import BadInput
 
-BrakeFiles = Annotated[
+BrakeFilesArgument = Annotated[
     list[Path], typer.Argument(metavar="BRAKE.toml...", help="one brake file or more")
 ]
-BrakeFile = Annotated[Path, typer.Argument(metavar="BRAKE.toml", help="the brake file")]
+BrakeFileArgument = Annotated[Path, typer.Argument(metavar="BRAKE.toml", help="the brake file")]
 
 # Options of the finite-element model.
 
-Elements = Annotated[int | None, typer.Option(help="finite elements along each lining")]
-Kind = Annotated[
+ElementsOption = Annotated[int | None, typer.Option(help="finite elements along each lining")]
+ParametricMeshKindOption = Annotated[
     str | None, typer.Option(metavar="quad2|quad1|tri2|tri1", help="kind of the parametric mesh")
 ]
-Penalty = Annotated[
+PenaltyOption = Annotated[
     str | None, typer.Option(metavar="ALPHA|inf", help="contact stiffness as a multiple of E/t")
 ]
-Tolerance = Annotated[
+ErrorToleranceOption = Annotated[
     float | None,
     typer.Option(
         help="refine until the estimated errors of p (L2) and torque are below it; on mesh files "
         "as far as possible"
     ),
 ]
-FiniteWidth = Annotated[
+FiniteWidthOption = Annotated[
     bool,
     typer.Option(
         "--finite-width", help="correct torque, p and reactions for the widths of the shoes"
     ),
 ]
-AlsoSolid = Annotated[
+AlsoSolidOption = Annotated[
     bool, typer.Option("--solid", help="also by solid shoes with their widths, which takes longer")
 ]
-NoModelError = Annotated[
+NoModelErrorOption = Annotated[
     bool, typer.Option("--no-model-error", help="leave out the error of plane stress itself")
 ]
 
 # Options of the elastic foundation and of solid shoes.
 
-Sections = Annotated[int | None, typer.Option(help="sections of each beam of the foundation model")]
-Lift = Annotated[
+FoundationSectionsOption = Annotated[
+    int | None, typer.Option(help="sections of each beam of the foundation model")
+]
+LiftedSimplificationsOption = Annotated[
     list[str] | None,
     typer.Option(metavar="NAME|all", help="simplification of the foundation model to lift"),
 ]
-Across = Annotated[
+DegreeAcrossWidthOption = Annotated[
     int | None, typer.Option(help="degree of the polynomials across the width of solid shoes")
 ]
-FieldsFile = Annotated[
+FieldsFileOption = Annotated[
     Path | None,
     typer.Option(metavar="FILE.vtu", help="write p, displacements and stresses inside the shoes"),
 ]
-WithFieldsFile = Annotated[
+WithFieldsFileOption = Annotated[
     bool,
     typer.Option("--fields", help="write p, displacements and stresses as fields.vtu, too"),
 ]
-AnalysisModel = Annotated[
+AnalysisModelOption = Annotated[
     str, typer.Option(metavar="fem|solid", help="plane stress, or shoes with their widths")
 ]
-WearingModel = Annotated[
+WearingModelOption = Annotated[
     str, typer.Option(metavar="fem|solid|foundation", help="the elastic model that is worn in")
 ]
 
 # Options that belong to one or two commands.
 
-ResponseJson = Annotated[
+ResponseJsonOption = Annotated[
     Path | None,
     typer.Option(
         "--json", metavar="FILE", help="write the response as JSON; of several brakes as a list"
     ),
 ]
-StatesJson = Annotated[
+StatesJsonOption = Annotated[
     Path | None, typer.Option("--json", metavar="FILE", help="write all states as JSON")
 ]
-SlopesJson = Annotated[
+SlopesJsonOption = Annotated[
     Path | None, typer.Option("--json", metavar="FILE", help="write them as JSON")
 ]
-PressureFile = Annotated[
+PressureFileOption = Annotated[
     Path | None,
     typer.Option(metavar="FILE", help="write the pressures as CSV, a table that check takes"),
 ]
-Verbose = Annotated[
+VerboseOption = Annotated[
     bool,
     typer.Option("--verbose", "-v", help="figures of merit, how it was solved, what is left out"),
 ]
-Rotation = Annotated[
+RotationOption = Annotated[
     str | None,
     typer.Option(
         metavar="ANGLE",
@@ -99,23 +101,23 @@ Rotation = Annotated[
         "default: to full slip",
     ),
 ]
-Distance = Annotated[
+SlidingDistanceOption = Annotated[
     str | None,
     typer.Option(
         help='sliding distance, such as "20 km", or a number of 1/(k K), K = E/t; '
         "default: until settled"
     ),
 ]
-Coefficient = Annotated[
+WearCoefficientOption = Annotated[
     str | None,
     typer.Option(
         metavar="K", help='of wear, such as "1e-5 mm^3/(N m)"; with an exponent: at 1 MPa'
     ),
 ]
-HeldTorque = Annotated[
+HeldTorqueOption = Annotated[
     str | None, typer.Option(help="hold this torque by the force, not the force")
 ]
-WantedTorque = Annotated[
+WantedTorqueOption = Annotated[
     str | None,
     typer.Option(
         metavar="TORQUE|largest",
@@ -123,21 +125,25 @@ WantedTorque = Annotated[
         "largest: the largest one in the range",
     ),
 ]
-WantedPeakPressure = Annotated[
+WantedPeakPressureOption = Annotated[
     str | None,
     typer.Option(
         metavar="PRESSURE",
         help='peak pressure, such as "1 MPa": with --torque a limit, else wanted',
     ),
 ]
-SizedFile = Annotated[
+SizedFileOption = Annotated[
     Path | None, typer.Option("--write", metavar="FILE.toml", help="write the sized brake")
 ]
-Reverse = Annotated[str | None, typer.Option(help="the drum turns back after every such distance")]
-Guided = Annotated[
+ReversalDistanceOption = Annotated[
+    str | None, typer.Option(help="the drum turns back after every such distance")
+]
+GuidedAlongMiddleRadiusOption = Annotated[
     bool, typer.Option("--guided", help="rigid shoes moving along their middle radius")
 ]
-ReportFolder = Annotated[Path | None, typer.Option(metavar="DIR", help="folder of the report")]
+ReportFolderOption = Annotated[
+    Path | None, typer.Option(metavar="DIR", help="folder of the report")
+]
 
 
 def command_options_given_by_user(**options: Any) -> dict[str, Any]:

@@ -8,7 +8,12 @@ import typer
 
 import drumlin
 from drumlin.base.errors import BadInput
-from drumlin.cli.options import BrakeFile, Elements, Kind, command_options_given_by_user
+from drumlin.cli.options import (
+    BrakeFileArgument,
+    ElementsOption,
+    ParametricMeshKindOption,
+    command_options_given_by_user,
+)
 from drumlin.cli.terminal import print_line_folded_to_terminal_width, show_spinner_beside_words
 
 if TYPE_CHECKING:
@@ -16,12 +21,12 @@ if TYPE_CHECKING:
 
 
 def view(
-    brake_file: BrakeFile,
+    brake_file: BrakeFileArgument,
     output: Annotated[
         Path | None, typer.Option(metavar="FILE", help="the picture, .png or .svg")
     ] = None,
-    elements: Elements = None,
-    kind: Kind = None,
+    elements: ElementsOption = None,
+    kind: ParametricMeshKindOption = None,
 ) -> None:
     """Draw a brake and its mesh."""
     from drumlin.base.files import check_output_files_are_writable
@@ -44,7 +49,7 @@ def view(
 
 
 def mesh(
-    brake_file: BrakeFile,
+    brake_file: BrakeFileArgument,
     output: Annotated[
         Path | None,
         typer.Option(
@@ -56,8 +61,8 @@ def mesh(
         str | None,
         typer.Option(help="first word of the file names; default: that of the brake file"),
     ] = None,
-    elements: Elements = None,
-    kind: Kind = None,
+    elements: ElementsOption = None,
+    kind: ParametricMeshKindOption = None,
     suffix: Annotated[
         str | None, typer.Option("--format", metavar="msh|inp|vtu", help="format of the files")
     ] = None,
@@ -125,7 +130,7 @@ def _draw_mesh_files_of_brake(brake: "Brake", brake_file: Path, output: Path | N
     from drumlin.report.figures import save_figure
     from drumlin.report.mesh_check import (
         draw_checked_meshes,
-        read_meshes_of_brake,
+        read_mesh_files_of_brake,
         text_lines_about_mesh_to_be_solved,
     )
 
@@ -136,7 +141,7 @@ def _draw_mesh_files_of_brake(brake: "Brake", brake_file: Path, output: Path | N
         raise BadInput(f"{picture}: exists already; --output {picture} replaces it")
     check_output_files_are_writable(picture)
     with show_spinner_beside_words("drawing"):
-        checked = read_meshes_of_brake(brake)
+        checked = read_mesh_files_of_brake(brake)
         save_figure(draw_checked_meshes(brake, checked), picture)
     for one in checked:
         for line in text_lines_about_mesh_to_be_solved(brake, one):
@@ -145,13 +150,13 @@ def _draw_mesh_files_of_brake(brake: "Brake", brake_file: Path, output: Path | N
 
 
 def export(
-    brake_file: BrakeFile,
+    brake_file: BrakeFileArgument,
     to: Annotated[
         str, typer.Option("--to", metavar="calculix", help="the program that the files are for")
     ],
     output: Annotated[Path, typer.Option(metavar="DIR", help="folder of the files")] = Path(),
-    elements: Elements = None,
-    kind: Kind = None,
+    elements: ElementsOption = None,
+    kind: ParametricMeshKindOption = None,
     model: Annotated[
         str, typer.Option(metavar="fem|solid", help="plane stress or solid shoes")
     ] = "fem",
@@ -168,10 +173,8 @@ def export(
         raise BadInput("--kind belongs to --model fem; solid shoes are of hexahedra")
     if to != "calculix":
         raise BadInput(f"--to = {to!r}: unknown program; allowed: calculix")
-    brake, options = (
-        read_brake_that_must_be_on_drum(brake_file, "export"),
-        command_options_given_by_user(elements=elements, kind=kind),
-    )
+    brake = read_brake_that_must_be_on_drum(brake_file, "export")
+    options = command_options_given_by_user(elements=elements, kind=kind)
     require_element_options_have_effect(brake, **options)
     check_path_can_be_folder(output)
     with show_spinner_beside_words("writing"):

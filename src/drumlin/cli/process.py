@@ -18,7 +18,7 @@ from typing import Any, NoReturn
 from drumlin.base.errors import (
     BadInput,
     NoAnswer,
-    Stopped,
+    StoppedBySignal,
     call_function_and_return_exit_status,
     exception_for_unusable_file,
 )
@@ -57,7 +57,7 @@ def _prepare_process_and_run_command() -> int:
 
 
 def _make_termination_signals_raise_stopped() -> None:
-    """Let the signals SIGTERM and SIGHUP raise Stopped in this process.
+    """Let the signals SIGTERM and SIGHUP raise StoppedBySignal in this process.
 
     A signal that the process was started to ignore, as under nohup, stays ignored.
     """
@@ -92,7 +92,7 @@ def run_command_line(words: Sequence[str]) -> int:
     import typer
 
     from drumlin.base.files import protect_input_files_within_block
-    from drumlin.cli.commands import app, application_for_words
+    from drumlin.cli.commands import app, application_for_command_line_words
 
     # Only Python code can pass a word with a NUL character; some versions of typer fail on it.
     for word in words:
@@ -101,7 +101,7 @@ def run_command_line(words: Sequence[str]) -> int:
     # If a shell asks how to complete a command line, click prints the answer and ends the process.
     if SHELL_COMPLETION_VARIABLE in os.environ:
         typer.main.get_command(app)(list(words), prog_name="drumlin")
-    command = typer.main.get_command(application_for_words(words))
+    command = typer.main.get_command(application_for_command_line_words(words))
     with protect_input_files_within_block():
         try:
             with command.make_context("drumlin", list(words) or ["--help"]) as context:
@@ -123,22 +123,25 @@ def _usage_error_as_line(error: Any) -> str:
     Where the value of an option is no number, the line names the option and its value: newer
     versions of typer leave the value out.
     """
-    from drumlin.brake.file import FAULT_TEXTS
+    from drumlin.brake.file import ALLOWED_VALUE_TEXT_BY_PYDANTIC_ERROR
 
     if hasattr(error.__cause__, "errors") and getattr(error, "param", None) is not None:
         fault = error.__cause__.errors()[0]
-        if fault["type"] in FAULT_TEXTS:
-            return f"{error.param.opts[-1]} = {fault['input']!r}: {FAULT_TEXTS[fault['type']]}"
+        if fault["type"] in ALLOWED_VALUE_TEXT_BY_PYDANTIC_ERROR:
+            return (
+                f"{error.param.opts[-1]} = {fault['input']!r}: "
+                f"{ALLOWED_VALUE_TEXT_BY_PYDANTIC_ERROR[fault['type']]}"
+            )
     return str(error.format_message())
 
 
 def _raise_stopped_for_signal(number: int, _: object) -> None:
-    """Raise Stopped for the signal with a number; the handler of SIGTERM and SIGHUP.
+    """Raise StoppedBySignal for the signal with a number; the handler of SIGTERM and SIGHUP.
 
     From now on the signal is ignored, so that a second signal cannot interrupt the cleaning up.
     """
     signal.signal(number, signal.SIG_IGN)
-    raise Stopped(number)
+    raise StoppedBySignal(number)
 
 
 def _replace_closed_streams_and_unprintable_letters() -> None:

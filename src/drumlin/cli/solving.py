@@ -12,10 +12,16 @@ import typer
 import drumlin
 from drumlin.base.errors import BadInput, NoAnswer, text_of_error_for_command_line
 from drumlin.cli import options as of
-from drumlin.cli.answer import print_response
-from drumlin.cli.options import BrakeFile, Elements, FiniteWidth, Kind, Penalty
+from drumlin.cli.answer import print_brake_response
+from drumlin.cli.options import (
+    BrakeFileArgument,
+    ElementsOption,
+    FiniteWidthOption,
+    ParametricMeshKindOption,
+    PenaltyOption,
+)
 from drumlin.cli.terminal import (
-    Column,
+    PrintedColumn,
     print_line_folded_to_terminal_width,
     print_note_to_standard_error,
     print_table_fitted_to_terminal,
@@ -28,7 +34,7 @@ if TYPE_CHECKING:
     from drumlin.door import HoldingRun
     from drumlin.response.response import Response
 
-ERRORS_OF_COMPARISON = (
+TEXT_ON_COMPARISON_ERRORS = (
     "errors: differences from the model fem; of p (L2): the root of the mean square along a "
     "lining, without its ends"
 )
@@ -36,21 +42,21 @@ ERRORS_OF_COMPARISON = (
 
 
 def solve(
-    brake_files: of.BrakeFiles,
+    brake_files: of.BrakeFilesArgument,
     model: Annotated[str, typer.Option(help="which model answers")] = "fem",
-    json_file: of.ResponseJson = None,
-    pressure: of.PressureFile = None,
-    elements: Elements = None,
-    kind: Kind = None,
-    penalty: Penalty = None,
-    tolerance: of.Tolerance = None,
-    sections: of.Sections = None,
-    lift: of.Lift = None,
-    finite_width: FiniteWidth = False,
-    no_model_error: of.NoModelError = False,
-    across: of.Across = None,
-    fields: of.FieldsFile = None,
-    verbose: of.Verbose = False,
+    json_file: of.ResponseJsonOption = None,
+    pressure: of.PressureFileOption = None,
+    elements: ElementsOption = None,
+    kind: ParametricMeshKindOption = None,
+    penalty: PenaltyOption = None,
+    tolerance: of.ErrorToleranceOption = None,
+    sections: of.FoundationSectionsOption = None,
+    lift: of.LiftedSimplificationsOption = None,
+    finite_width: FiniteWidthOption = False,
+    no_model_error: of.NoModelErrorOption = False,
+    across: of.DegreeAcrossWidthOption = None,
+    fields: of.FieldsFileOption = None,
+    verbose: of.VerboseOption = False,
 ) -> None:
     """Solve a brake, or several, by one model."""
     from drumlin.base.files import check_output_files_are_writable
@@ -70,7 +76,7 @@ def solve(
     )
     _check_model_applies_and_takes_options(brakes, model, options)
     _check_output_files_are_for_single_brake(brakes, {"--pressure": pressure, "--fields": fields})
-    answers: list[_SolvedBrake] = []
+    answers: list[_BrakeWithResponseOrFailure] = []
     # --no-model-error concerns plane stress only. Other models have no such error, so that the
     # option is added after the check of the options.
     options |= {"model_error": False} if no_model_error else {}
@@ -81,7 +87,7 @@ def solve(
     _write_json_and_require_all_answers(answers, json_file)
 
 
-class _SolvedBrake(NamedTuple):
+class _BrakeWithResponseOrFailure(NamedTuple):
     """A brake with its response, or with the reason why the model has no answer.
 
     Attributes
@@ -134,7 +140,7 @@ def _check_output_files_are_for_single_brake(
 
 def _solve_brakes_one_by_one(
     brake_files: list[Path], brakes: "list[Brake]", model: str, options: dict[str, Any]
-) -> Iterator[_SolvedBrake]:
+) -> Iterator[_BrakeWithResponseOrFailure]:
     """Solve brakes by a model one after the other and yield the answer of each.
 
     Where one of several brakes has no answer, the reason is yielded in its place. If there is only
@@ -147,13 +153,13 @@ def _solve_brakes_one_by_one(
         except NoAnswer as error:
             if len(brakes) == 1:
                 raise
-            yield _SolvedBrake(brake_file, brake, None, error)
+            yield _BrakeWithResponseOrFailure(brake_file, brake, None, error)
         else:
-            yield _SolvedBrake(brake_file, brake, response, None)
+            yield _BrakeWithResponseOrFailure(brake_file, brake, response, None)
 
 
 def _print_answer_and_write_pressures(
-    answer: _SolvedBrake, pressure: Path | None, *, separated: bool, verbose: bool
+    answer: _BrakeWithResponseOrFailure, pressure: Path | None, *, separated: bool, verbose: bool
 ) -> None:
     """Print the answer of a brake and write its pressures, or print why there is no answer.
 
@@ -176,11 +182,11 @@ def _print_answer_and_write_pressures(
         write_text(pressure, pressure_curves_as_csv(answer.response, answer.brake.surface))
     if separated:
         print_line_folded_to_terminal_width("")
-    print_response(answer.brake, answer.response, verbose=verbose)
+    print_brake_response(answer.brake, answer.response, verbose=verbose)
 
 
 def _write_json_and_require_all_answers(
-    answers: list[_SolvedBrake], json_file: Path | None
+    answers: list[_BrakeWithResponseOrFailure], json_file: Path | None
 ) -> None:
     """Write the answers of all brakes as JSON. Raises NoAnswer where a brake has no answer."""
     from drumlin.base.files import write_json
@@ -194,14 +200,14 @@ def _write_json_and_require_all_answers(
 
 
 def compare(
-    brake_file: BrakeFile,
-    output: of.ReportFolder = None,
-    elements: Elements = None,
-    kind: Kind = None,
-    penalty: Penalty = None,
-    finite_width: FiniteWidth = False,
-    solid: of.AlsoSolid = False,
-    fields: of.WithFieldsFile = False,
+    brake_file: BrakeFileArgument,
+    output: of.ReportFolderOption = None,
+    elements: ElementsOption = None,
+    kind: ParametricMeshKindOption = None,
+    penalty: PenaltyOption = None,
+    finite_width: FiniteWidthOption = False,
+    solid: of.AlsoSolidOption = False,
+    fields: of.WithFieldsFileOption = False,
 ) -> None:
     """Solve a brake by all models that apply, side by side, and write one report."""
     from drumlin.base.files import check_path_can_be_folder
@@ -224,24 +230,24 @@ def compare(
             brake, text, folder, options, fields_file=fields
         )
     print_line_folded_to_terminal_width(
-        f"{brake.title}: {brake.motion}, {brake.friction_coefficients_as_text}"
+        f"{brake.title}: {brake.motion_as_text}, {brake.friction_coefficients_as_text}"
     )
     print_table_of_compared_models(result.table, result.columns)
-    print_line_folded_to_terminal_width(ERRORS_OF_COMPARISON)
+    print_line_folded_to_terminal_width(TEXT_ON_COMPARISON_ERRORS)
     for line in result.notes:
         print_line_folded_to_terminal_width(line)
     print_line_folded_to_terminal_width(f"report: {result.page}")
 
 
 def hold(
-    brake_file: BrakeFile,
-    model: of.AnalysisModel = "fem",
-    rotation: of.Rotation = None,
+    brake_file: BrakeFileArgument,
+    model: of.AnalysisModelOption = "fem",
+    rotation: of.RotationOption = None,
     steps: Annotated[int, typer.Option(help="increments of the rotation")] = 20,
-    json_file: of.StatesJson = None,
-    elements: Elements = None,
-    kind: Kind = None,
-    penalty: Penalty = None,
+    json_file: of.StatesJsonOption = None,
+    elements: ElementsOption = None,
+    kind: ParametricMeshKindOption = None,
+    penalty: PenaltyOption = None,
 ) -> None:
     """Turn the drum against its shoes, from rest through partial slip to full slip."""
     from drumlin.base.files import check_output_files_are_writable, write_json
@@ -266,7 +272,7 @@ def hold(
         print_line_folded_to_terminal_width(line)
 
 
-def _table_columns_of_holding_states(run: "HoldingRun") -> dict[str, Column]:
+def _table_columns_of_holding_states(run: "HoldingRun") -> dict[str, PrintedColumn]:
     """The states of a brake that is turned from rest, as columns of a printed table.
 
     The columns are rotation, torque, sticking part of the contact and dissipated energy.
@@ -274,25 +280,29 @@ def _table_columns_of_holding_states(run: "HoldingRun") -> dict[str, Column]:
     from drumlin.base.texts import number_as_text
 
     surface, states = run.brake.surface, run.states
-    turned = [f"{at.rotation * surface.shown:.6f}" for at in states]
+    turned = [f"{at.rotation * surface.si_to_shown_unit_factor:.6f}" for at in states]
     moments = [number_as_text(at.torque, ".4f") for at in states]
     sticking = [f"{100 * at.sticking:.1f}" for at in states]
     dissipated = [f"{at.dissipated:.5g}" for at in states]
     return {
-        "way": Column("way", f"{surface.moved} [{surface.shown_unit}]", turned),
-        "moment": Column("moment", f"{surface.held} [{surface.effect_unit}]", moments),
-        "sticking": Column("sticking", "sticking [%]", sticking),
-        "dissipated": Column("dissipated", "dissipated [J]", dissipated),
+        "way": PrintedColumn("way", f"{surface.word_for_motion} [{surface.shown_unit}]", turned),
+        "moment": PrintedColumn(
+            "moment",
+            f"{surface.word_for_held_load} [{surface.unit_of_torque_or_brake_force}]",
+            moments,
+        ),
+        "sticking": PrintedColumn("sticking", "sticking [%]", sticking),
+        "dissipated": PrintedColumn("dissipated", "dissipated [J]", dissipated),
     }
 
 
 def sensitivity(
-    brake_file: BrakeFile,
-    model: of.AnalysisModel = "fem",
-    json_file: of.SlopesJson = None,
-    elements: Elements = None,
-    kind: Kind = None,
-    penalty: Penalty = None,
+    brake_file: BrakeFileArgument,
+    model: of.AnalysisModelOption = "fem",
+    json_file: of.SlopesJsonOption = None,
+    elements: ElementsOption = None,
+    kind: ParametricMeshKindOption = None,
+    penalty: PenaltyOption = None,
 ) -> None:
     """How the torque changes with friction, force, moduli, clearance and hinge, by its slopes."""
     from drumlin.base.files import check_output_files_are_writable, write_json
@@ -306,29 +316,29 @@ def sensitivity(
     if json_file is not None:
         write_json(json_file, found.as_dict())
     print_line_folded_to_terminal_width(
-        f"{brake.title}: {model}, {brake.motion}, {brake.friction_coefficients_as_text}"
+        f"{brake.title}: {model}, {brake.motion_as_text}, {brake.friction_coefficients_as_text}"
     )
     for line in sensitivity_as_text_lines(found, brake):
         print_line_folded_to_terminal_width(line)
 
 
 def size(
-    brake_file: BrakeFile,
+    brake_file: BrakeFileArgument,
     vary: Annotated[str, typer.Option(metavar="KEY", help="the key that varies")],
-    torque: of.WantedTorque = None,
-    peak_pressure: of.WantedPeakPressure = None,
+    torque: of.WantedTorqueOption = None,
+    peak_pressure: of.WantedPeakPressureOption = None,
     model: Annotated[str, typer.Option(help="which model answers")] = "fem",
     low: Annotated[str | None, typer.Option("--from", help="begin of the key's range")] = None,
     high: Annotated[str | None, typer.Option("--to", help="end of the key's range")] = None,
-    json_file: of.ResponseJson = None,
-    write: of.SizedFile = None,
-    elements: Elements = None,
-    kind: Kind = None,
-    penalty: Penalty = None,
-    tolerance: of.Tolerance = None,
-    finite_width: FiniteWidth = False,
-    sections: of.Sections = None,
-    lift: of.Lift = None,
+    json_file: of.ResponseJsonOption = None,
+    write: of.SizedFileOption = None,
+    elements: ElementsOption = None,
+    kind: ParametricMeshKindOption = None,
+    penalty: PenaltyOption = None,
+    tolerance: of.ErrorToleranceOption = None,
+    finite_width: FiniteWidthOption = False,
+    sections: of.FoundationSectionsOption = None,
+    lift: of.LiftedSimplificationsOption = None,
 ) -> None:
     """Find the value of a key for a wanted torque or peak pressure, by any model."""
     from drumlin.base.files import check_output_files_are_writable, write_json
@@ -365,24 +375,24 @@ def size(
         drumlin.write_brake(found.brake, write)
     for line in found.lines():
         print_line_folded_to_terminal_width(line)
-    print_response(found.brake, found.response)
+    print_brake_response(found.brake, found.response)
 
 
 def wear(
-    brake_file: BrakeFile,
-    model: of.WearingModel = "fem",
-    distance: of.Distance = None,
-    coefficient: of.Coefficient = None,
+    brake_file: BrakeFileArgument,
+    model: of.WearingModelOption = "fem",
+    distance: of.SlidingDistanceOption = None,
+    coefficient: of.WearCoefficientOption = None,
     exponent: Annotated[float, typer.Option(help="of the pressure in the rate of wear")] = 1.0,
-    torque: of.HeldTorque = None,
-    reverse: of.Reverse = None,
-    guided: of.Guided = False,
+    torque: of.HeldTorqueOption = None,
+    reverse: of.ReversalDistanceOption = None,
+    guided: of.GuidedAlongMiddleRadiusOption = False,
     tolerance: Annotated[float | None, typer.Option(help="relative error of p (L2) a step")] = None,
-    json_file: of.StatesJson = None,
-    elements: Elements = None,
-    kind: Kind = None,
-    sections: of.Sections = None,
-    lift: of.Lift = None,
+    json_file: of.StatesJsonOption = None,
+    elements: ElementsOption = None,
+    kind: ParametricMeshKindOption = None,
+    sections: of.FoundationSectionsOption = None,
+    lift: of.LiftedSimplificationsOption = None,
 ) -> None:
     """Wear the linings by Archard's law until the pressure is that of the rigid-shoe law."""
     from drumlin.base.files import check_output_files_are_writable, write_json

@@ -7,7 +7,7 @@ import typer
 
 from drumlin.base.errors import NoAnswer
 from drumlin.cli.terminal import (
-    Column,
+    PrintedColumn,
     print_line_folded_to_terminal_width,
     print_names_beside_texts,
     print_note_to_standard_error,
@@ -18,10 +18,10 @@ from drumlin.cli.terminal import (
 )
 
 if TYPE_CHECKING:
-    from drumlin.sweeps.cases import Row
+    from drumlin.sweeps.cases import CaseResultsByName
     from drumlin.sweeps.sweep_table import SweepTable
 
-STATISTICS_LEFT_OUT_FIRST = ["most", "least"]
+STATISTICS_DROPPED_ON_NARROW_TERMINAL = ["most", "least"]
 """Columns of the printed statistics that a narrow terminal has no room for, in this order."""
 
 
@@ -77,7 +77,7 @@ def sweep(
     check_table_file_is_writable(table_file)
     check_output_files_are_writable(table_file)
 
-    def write_table(rows: "list[Row]") -> "SweepTable":
+    def write_table(rows: "list[CaseResultsByName]") -> "SweepTable":
         """Write the table with the results of all cases, and return it."""
         solved = table_of_solved_sweep(made, rows, sweep_file.parent)
         with show_spinner_beside_words(f"writing {table_file.name}"):
@@ -109,8 +109,10 @@ def _print_outcome_of_sweep(table: "SweepTable", table_file: Path) -> None:
         head, *rows = table.cells_of_statistics()
         columns = {}
         for title, *texts in zip(head, *rows, strict=True):
-            columns[title] = Column(title or "result", title, texts, left=not title)
-        print_table_fitted_to_terminal(columns, STATISTICS_LEFT_OUT_FIRST)
+            columns[title] = PrintedColumn(
+                title or "result", title, texts, is_left_aligned=not title
+            )
+        print_table_fitted_to_terminal(columns, STATISTICS_DROPPED_ON_NARROW_TERMINAL)
     print_line_folded_to_terminal_width(f"table: {table_file}")
     if failed == len(table):
         raise NoAnswer("sweep: no case has an answer; the table says why")

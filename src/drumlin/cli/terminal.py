@@ -14,14 +14,14 @@ from drumlin.base.errors import exception_for_unusable_file
 from drumlin.base.texts import printable_single_line
 
 if TYPE_CHECKING:
-    from drumlin.comparison import TableColumn
+    from drumlin.comparison import ResultTableColumn
 
-UNPRINTED_COLUMNS = ("case", "rotation")
+UNPRINTED_COMPARISON_COLUMNS = ("case", "rotation")
 """Columns of the table of `drumlin compare` that are never printed.
 
 They have the same value in all rows, since the table is of one brake.
 """
-COMPARED_COLUMNS_LEFT_OUT_FIRST = [
+COMPARISON_COLUMNS_DROPPED_ON_NARROW_TERMINAL = [
     "self_energising",
     "contact",
     "stated_pressure_error",
@@ -36,13 +36,13 @@ COMPARED_COLUMNS_LEFT_OUT_FIRST = [
 
 They are left out in this order, until the other columns fit.
 """
-PIPE_WIDTH = 200
+COMPARISON_TABLE_WIDTH_IN_FILE_OR_PIPE = 200
 """Width [characters] of the table of `drumlin compare` in a file or a pipe, not a terminal."""
-UNLIMITED_WIDTH = sys.maxsize
+TABLE_WIDTH_IN_FILE_OR_PIPE = sys.maxsize
 """Width [characters] of other tables in a file or a pipe: all of their columns are printed."""
-STATUS_WIDTH = 10
+SMALLEST_WIDTH_OF_STATUS_COLUMN = 10
 """Smallest width [characters] of the column "status"; a longer status is folded into lines."""
-MAX_PRINTED_CHARACTERS = 10_000
+MAX_CHARACTERS_OF_PRINTED_LINE = 10_000
 """Largest number of characters of a printed line.
 
 A longer line is cut: a text that comes from the user's file may have any length.
@@ -56,7 +56,7 @@ def print_line_folded_to_terminal_width(line: str, *, at_once: bool = False) -> 
     the line is flushed, so that a reader sees it before the next line is printed.
     """
     line, width = (
-        printable_single_line(line, MAX_PRINTED_CHARACTERS),
+        printable_single_line(line, MAX_CHARACTERS_OF_PRINTED_LINE),
         shutil.get_terminal_size().columns,
     )
     # A line of two words, such as "report: PATH", is not folded: a folded path cannot be copied.
@@ -193,32 +193,32 @@ def show_spinner_beside_words(words: str) -> Iterator[Callable[[str], None]]:
         yield lambda words: status.update(Text(words))
 
 
-class Column(NamedTuple):
+class PrintedColumn(NamedTuple):
     """A column of a printed table.
 
     Attributes
     ----------
     title : name of the column for use in a sentence
-    head : heading, of one line or more
+    heading : heading, of one line or more
     cells : text of each row, of one line or more
-    left : whether the texts are aligned to the left
+    is_left_aligned : whether the texts are aligned to the left
     """
 
     title: str
-    head: str
+    heading: str
     cells: list[str]
-    left: bool = False
+    is_left_aligned: bool = False
 
     @property
     def width(self) -> int:
         """Width of the widest line in the column's heading and cells, in cells of the terminal."""
-        lines = [line for cell in (self.head, *self.cells) for line in cell.split("\n")]
+        lines = [line for cell in (self.heading, *self.cells) for line in cell.split("\n")]
         return max(map(_width_on_terminal, lines))
 
-    def padded_to_width(self, word: str) -> str:
+    def line_padded_to_column_width(self, word: str) -> str:
         """A line of a cell with blanks up to the width of the column."""
         blanks = " " * (self.width - _width_on_terminal(word))
-        return word + blanks if self.left else blanks + word
+        return word + blanks if self.is_left_aligned else blanks + word
 
 
 def _width_on_terminal(text: str) -> int:
@@ -234,7 +234,7 @@ def _width_on_terminal(text: str) -> int:
 
 
 def print_table_fitted_to_terminal(
-    columns: Mapping[str, Column], least: Sequence[str], width: int | None = None
+    columns: Mapping[str, PrintedColumn], least: Sequence[str], width: int | None = None
 ) -> None:
     """Print a table; on a narrow terminal the least important columns are left out.
 
@@ -247,7 +247,7 @@ def print_table_fitted_to_terminal(
     width : largest number of characters of a line; None: the width of the terminal, and no limit
         in a file or a pipe
     """
-    width = width or shutil.get_terminal_size((UNLIMITED_WIDTH, 1)).columns
+    width = width or shutil.get_terminal_size((TABLE_WIDTH_IN_FILE_OR_PIPE, 1)).columns
     shown, cut = dict(columns), []
     for key in least:
         # The width of the table: all columns with two spaces between them.
@@ -262,12 +262,12 @@ def print_table_fitted_to_terminal(
         )
 
 
-def _lines_of_printed_table(columns: Collection[Column]) -> list[str]:
+def _lines_of_printed_table(columns: Collection[PrintedColumn]) -> list[str]:
     """The lines of a printed table without ruled lines, with two spaces between the columns.
 
     Headings of fewer lines than others stand low, cells of fewer lines stand high.
     """
-    rows = zip(*((column.head, *column.cells) for column in columns), strict=True)
+    rows = zip(*((column.heading, *column.cells) for column in columns), strict=True)
     lines: list[str] = []
     for number, row in enumerate(rows):
         cells = [text.split("\n") for text in row]
@@ -277,26 +277,30 @@ def _lines_of_printed_table(columns: Collection[Column]) -> list[str]:
             for column, cell in zip(columns, cells, strict=True):
                 at = k - (height - len(cell)) * (number == 0)
                 word = cell[at] if 0 <= at < len(cell) else ""
-                words.append(column.padded_to_width(word))
+                words.append(column.line_padded_to_column_width(word))
             lines.append("  ".join(words).rstrip())
     return lines
 
 
 def print_table_of_compared_models(
-    table: Sequence[dict[str, Any]], shown: "Sequence[TableColumn]"
+    table: Sequence[dict[str, Any]], shown: "Sequence[ResultTableColumn]"
 ) -> None:
     """Print the table of a comparison of models.
 
     `table` holds a row for each model and shoe, `shown` the columns. Columns without a value are
     not printed.
     """
-    width = shutil.get_terminal_size().columns if sys.stdout.isatty() else PIPE_WIDTH
+    width = (
+        shutil.get_terminal_size().columns
+        if sys.stdout.isatty()
+        else COMPARISON_TABLE_WIDTH_IN_FILE_OR_PIPE
+    )
     # Turn the values of each column into texts. Columns that are empty or never printed are left
     # out.
     columns = {}
     for column in shown:
         is_empty = all(row.get(column.key) is None for row in table)
-        if column.key in UNPRINTED_COLUMNS or is_empty:
+        if column.key in UNPRINTED_COMPARISON_COLUMNS or is_empty:
             continue
         # The unit stands on a line of its own below the folded heading.
         head = fill(column.heading, 9, break_long_words=False)
@@ -304,12 +308,15 @@ def print_table_of_compared_models(
             head += f"\n[{column.unit}]"
         cells = [printable_single_line(column.text(row)) for row in table]
         has_words = column.key in {"shoe", "model", "status"}
-        columns[column.key] = Column(column.title, head, cells, left=has_words)
+        columns[column.key] = PrintedColumn(column.title, head, cells, is_left_aligned=has_words)
     # The status of a model may be a long reason: it is folded into the width that is left.
     status = columns.get("status")
     if status is not None:
         others = [other for key, other in columns.items() if key != "status"]
         room = width - sum(other.width + 2 for other in others)
-        folded = [_text_folded_to_width(cell, max(room, STATUS_WIDTH)) for cell in status.cells]
+        folded = [
+            _text_folded_to_width(cell, max(room, SMALLEST_WIDTH_OF_STATUS_COLUMN))
+            for cell in status.cells
+        ]
         columns["status"] = status._replace(cells=folded)
-    print_table_fitted_to_terminal(columns, COMPARED_COLUMNS_LEFT_OUT_FIRST, width)
+    print_table_fitted_to_terminal(columns, COMPARISON_COLUMNS_DROPPED_ON_NARROW_TERMINAL, width)

@@ -29,7 +29,7 @@ import numpy as np
 from drumlin.base.arrays import Bools, Floats, Ints
 from drumlin.base.errors import NoAnswer
 from drumlin.contact.equations import (
-    TINY,
+    SMALLEST_NORMAL_DOUBLE,
     BorderedEquations,
     ContactProblem,
     ContactSetEquations,
@@ -39,28 +39,28 @@ from drumlin.contact.equations import (
     scale_contact_problem,
 )
 
-MOST_PIVOT_STEPS = 120
+MAX_STEPS_OF_ACTIVE_SET_METHOD = 120
 """Largest number of steps of the active-set method for a contact problem.
 
 In each step all nodes with a negative pressure or a negative gap change between contact and
 separation. A brake needs some ten steps.
 """
 
-MOST_SET_CHANGES = 10
+MAX_CONTACT_SET_CHANGES_PER_NODE = 10
 """Largest number of changes of the contact set, per contact node, on a path of solutions.
 
 The path leads from contact under widened gaps to contact under the true gaps. If more changes are
 needed, the contact problem is refused.
 """
 
-GOLDEN_RATIO = (math.sqrt(5) - 1) / 2
-"""Golden ratio 0.618.
+INVERSE_GOLDEN_RATIO = (math.sqrt(5) - 1) / 2
+"""Inverse of the golden ratio, 0.618.
 
 The fractional parts of its multiples are all different. A path of solutions begins with gaps added
 to the true ones, and these parts make the added gaps of all contact nodes differ.
 """
 
-SMALLEST_EXTRA_GAP = math.sqrt(np.finfo(float).eps)
+SMALLEST_ADDED_GAP_OVER_LARGEST_GAP = math.sqrt(np.finfo(float).eps)
 """Smallest gap that is added to a contact node, relative to the largest gap of all nodes.
 
 Gaps are added where a path of solutions begins. The path then leads back to the true gaps. The
@@ -70,7 +70,7 @@ below the largest gap. With added gaps as large as the true gaps a path may miss
 finds with smaller added gaps.
 """
 
-MOST_STEPS_WITHOUT_PROGRESS = 5
+MAX_ACTIVE_SET_STEPS_WITHOUT_PROGRESS = 5
 """Number of steps of the active-set method within which the number of wrong nodes must fall.
 
 A contact node is wrong if its pressure or its gap is negative. If the number of wrong nodes has not
@@ -81,7 +81,7 @@ one step takes 1.2 times as many factorisations as a limit of five. With limits 
 steps the numbers of factorisations differ by 2 %. The solutions are the same with any limit.
 """
 
-COARSE_GUESS_FROM_NODES = 48
+FEWEST_NODES_FOR_COARSE_CONTACT_GUESS = 48
 """Least number of contact nodes for which the first contact set is guessed on fewer nodes.
 
 The guess is the contact set of the same problem on every other node. Problems with fewer nodes
@@ -89,14 +89,14 @@ start with all nodes in contact, which is as fast. In trials, other values, 24 a
 the number of steps by a tenth and the time not at all.
 """
 
-SET_ROUND_OFF = 1e-12
+LARGEST_ROUND_OFF_OF_PRESSURE_OR_GAP = 1e-12
 """Relative size up to which a negative pressure or a negative gap of a node counts as round-off.
 
 Pressures are relative to the largest pressure, gaps to the largest gap. A contact node with a
 larger negative value changes between contact and separation.
 """
 
-MOST_CANDIDATE_SETS = 2016
+MAX_CANDIDATE_SETS_OF_FIRST_TOUCHING_NODES = 2016
 """Largest number of sets of nodes among which a shoe's first points of contact are sought.
 
 A shoe with k rigid-body modes first touches at a set of k nodes. The limit keeps the memory small.
@@ -106,7 +106,7 @@ more nodes, only some of them, evenly spaced, are candidates.
 
 
 @dataclass(frozen=True)
-class Contact:
+class ContactSolution:
     """The solution of a contact problem of n nodes and k rigid-body modes.
 
     Attributes
@@ -133,7 +133,7 @@ class Contact:
     pressure_change: Callable[[Floats], Floats]
 
 
-class ContactSetNotConverged(NoAnswer):
+class ContactSetNotConvergedError(NoAnswer):
     """The error that the contact set still changes after a number of `steps`."""
 
     def __init__(self, steps: int) -> None:
@@ -141,7 +141,7 @@ class ContactSetNotConverged(NoAnswer):
         self.steps = steps
 
 
-def solve_contact_problem(problem: ContactProblem, start: Bools | None = None) -> Contact:
+def solve_contact_problem(problem: ContactProblem, start: Bools | None = None) -> ContactSolution:
     """Solve a contact problem, and return its solution.
 
     The active-set method starts from a contact set. If the method does not converge, the solution
@@ -160,13 +160,13 @@ def solve_contact_problem(problem: ContactProblem, start: Bools | None = None) -
     """
     try:
         return solve_contact_by_block_pivoting(problem, start)
-    except ContactSetNotConverged as unsettled:
+    except ContactSetNotConvergedError as unsettled:
         active, steps = find_contact_set_and_step_count_by_closing_wide_gaps(problem)
         found = solve_contact_by_block_pivoting(problem, active)
         return replace(found, steps=unsettled.steps + steps + found.steps)
 
 
-class _TrialSolution(NamedTuple):
+class _ScaledSolutionOnTrialContactSet(NamedTuple):
     """The scaled solution of the equations of a trial contact set.
 
     The contact set gives each node either a pressure or a gap, and both may come out negative.
@@ -177,22 +177,22 @@ class _TrialSolution(NamedTuple):
     p : pressures (n,), a view of x
     w : weighted gaps (n,), a view of the residual
     residual : weighted gaps (n,), then the imbalance (k,) of the forces in each rigid-body mode
-    wrong : whether a node (n,) has a negative pressure or a negative gap
+    nodes_with_negative_values : whether a node (n,) has a negative pressure or a negative gap
     """
 
     x: Floats
     p: Floats
     w: Floats
     residual: Floats
-    wrong: Bools
+    nodes_with_negative_values: Bools
 
 
 def solve_contact_by_block_pivoting(
     problem: ContactProblem,
     start: Bools | None = None,
-    most_steps: int = MOST_PIVOT_STEPS,
+    most_steps: int = MAX_STEPS_OF_ACTIVE_SET_METHOD,
     scales_of: ScaledContactSystem | None = None,
-) -> Contact:
+) -> ContactSolution:
     """Solve a contact problem by block pivoting, in which all wrong nodes change at once.
 
     A node is wrong if its pressure or its gap is negative.
@@ -207,14 +207,14 @@ def solve_contact_by_block_pivoting(
 
     Raises
     ------
-    ContactSetNotConverged
+    ContactSetNotConvergedError
         if the wrong nodes do not become fewer
     NoAnswer
         if no pressures balance the actuation
     """
     system = scale_contact_problem(problem, scales_of)
     active = guess_contact_set_from_coarse_problem(problem) if start is None else start.copy()
-    fewest, patience = system.n + 1, MOST_STEPS_WITHOUT_PROGRESS
+    fewest, patience = system.n + 1, MAX_ACTIVE_SET_STEPS_WITHOUT_PROGRESS
     base: ContactSetEquations | None = None
     for step in range(1, most_steps + 1):
         # If the touching nodes leave a rigid-body mode free, the equations are singular. Therefore
@@ -225,18 +225,18 @@ def solve_contact_by_block_pivoting(
         if not isinstance(equations, BorderedEquations):
             base = equations
         trial = _solve_on_trial_contact_set(system, equations, active)
-        count = int(np.count_nonzero(trial.wrong))
+        count = int(np.count_nonzero(trial.nodes_with_negative_values))
         if not count:
             return _refine_contact_solution_once(system, equations, active, trial, step)
         # The search ends if the number of wrong nodes has not fallen for some steps.
         if count < fewest:
-            fewest, patience = count, MOST_STEPS_WITHOUT_PROGRESS
+            fewest, patience = count, MAX_ACTIVE_SET_STEPS_WITHOUT_PROGRESS
         else:
             patience -= 1
         if patience < 0:
             break
         active = _next_contact_set(problem, system, equations, active, trial)
-    raise ContactSetNotConverged(step)
+    raise ContactSetNotConvergedError(step)
 
 
 def _factorise_equations_of_contact_set(
@@ -254,7 +254,7 @@ def _factorise_equations_of_contact_set(
 
 def _solve_on_trial_contact_set(
     system: ScaledContactSystem, equations: ContactSetEquations, active: Bools
-) -> _TrialSolution:
+) -> _ScaledSolutionOnTrialContactSet:
     """Solve the equations of a trial contact set (n,), and mark nodes with negative values."""
     K, r, n = system.K, system.r, system.n
     x = equations.solve(r)
@@ -267,19 +267,19 @@ def _solve_on_trial_contact_set(
     # A pressure or a gap counts as negative only if its size exceeds the round-off of the largest
     # pressure or gap.
     largest_gap = max(np.abs(r[:n]).max(), np.abs(opened).max(), np.abs(closed[:n]).max())
-    p_round_off = SET_ROUND_OFF * np.abs(p).max()
-    w_round_off = SET_ROUND_OFF * largest_gap
+    p_round_off = LARGEST_ROUND_OFF_OF_PRESSURE_OR_GAP * np.abs(p).max()
+    w_round_off = LARGEST_ROUND_OFF_OF_PRESSURE_OR_GAP * largest_gap
     wrong = np.where(active, p < -p_round_off, w < -w_round_off)
-    return _TrialSolution(x, p, w, residual, wrong)
+    return _ScaledSolutionOnTrialContactSet(x, p, w, residual, wrong)
 
 
 def _refine_contact_solution_once(
     system: ScaledContactSystem,
     equations: ContactSetEquations,
     active: Bools,
-    trial: _TrialSolution,
+    trial: _ScaledSolutionOnTrialContactSet,
     steps: int,
-) -> Contact:
+) -> ContactSolution:
     """Refine the solution on the final contact set by one step of iterative refinement.
 
     The refined pressures and rigid-body motions fulfil the equations to round-off. This holds even
@@ -288,7 +288,7 @@ def _refine_contact_solution_once(
     x = (trial.x + equations.solve(trial.residual)) * system.column_scales
     trial.w[active] = 0.0
     n = system.n
-    return Contact(
+    return ContactSolution(
         p=np.maximum(x[:n], 0.0),
         w=trial.w / system.row_scales[:n],
         y=x[n:],
@@ -305,7 +305,7 @@ def _next_contact_set(
     system: ScaledContactSystem,
     equations: ContactSetEquations,
     active: Bools,
-    trial: _TrialSolution,
+    trial: _ScaledSolutionOnTrialContactSet,
 ) -> Bools:
     """Return the contact set (n,) of the next step of the active-set method.
 
@@ -316,13 +316,13 @@ def _next_contact_set(
     about the other node until a third node touches, see `_find_node_that_closes_first`. In this way
     a short contact moves along the lining node by node.
     """
-    wanted = active ^ trial.wrong
+    wanted = active ^ trial.nodes_with_negative_values
     if _can_contact_set_resist_rigid_body_modes(problem, wanted):
         return wanted
     # All nodes with a negative gap join the set. Nodes with negative pressure leave it one after
     # the other, the most negative first, as long as the remaining nodes resist all modes.
-    found = active | trial.wrong
-    leaving = np.flatnonzero(active & trial.wrong)
+    found = active | trial.nodes_with_negative_values
+    leaving = np.flatnonzero(active & trial.nodes_with_negative_values)
     leaving = leaving[np.argsort(trial.p[leaving], kind="stable")]
     for node in leaving:
         found[node] = False
@@ -364,7 +364,9 @@ def _find_node_that_closes_first(
     unit = np.zeros(len(K))
     unit[opening_node] = -1.0
     slope = (K @ equations.solve(unit))[: len(w)]
-    closes = ~active & (slope < -SET_ROUND_OFF * np.abs(slope).max(initial=0.0))
+    closes = ~active & (
+        slope < -LARGEST_ROUND_OFF_OF_PRESSURE_OR_GAP * np.abs(slope).max(initial=0.0)
+    )
     if not closes.any():
         return None
     reach = np.full(len(w), np.inf)
@@ -372,7 +374,7 @@ def _find_node_that_closes_first(
     return int(reach.argmin())
 
 
-class _PathSegment(NamedTuple):
+class _SolutionPathSegment(NamedTuple):
     """A segment of a solution path, on which the contact set stays the same.
 
     The parameter s of the path scales the gaps that are added to the true gaps. On the segment all
@@ -413,7 +415,7 @@ def find_contact_set_and_step_count_by_closing_wide_gaps(
     active = _mask_of_nodes_that_touch_first(system.scaled_contact_problem, one_node_per_mode=True)
     s, direction, last = 1.0, -1, -1
     lift = np.zeros(len(system.r))
-    for step in range(MOST_SET_CHANGES * n):
+    for step in range(MAX_CONTACT_SET_CHANGES_PER_NODE * n):
         equations = ContactSetEquations(K, system.mask_of_unknowns_of_contact_set(active))
         if step == 0:
             lift[:n] = _added_gaps_that_open_other_nodes(system, equations, active)
@@ -455,14 +457,14 @@ def _added_gaps_that_open_other_nodes(
     """
     r, n = system.r, system.n
     w = (r + system.K @ equations.solve(r))[:n]
-    uneven = 1 + np.arange(n) * GOLDEN_RATIO % 1
-    smallest = SMALLEST_EXTRA_GAP * max(np.abs(w).max(), np.abs(r[:n]).max())
+    uneven = 1 + np.arange(n) * INVERSE_GOLDEN_RATIO % 1
+    smallest = SMALLEST_ADDED_GAP_OVER_LARGEST_GAP * max(np.abs(w).max(), np.abs(r[:n]).max())
     return np.where(active, 0.0, np.maximum(-w, 0.0) + smallest * uneven)
 
 
 def _pressures_and_gaps_as_linear_path_segment(
     system: ScaledContactSystem, equations: ContactSetEquations, active: Bools, lift: Floats
-) -> _PathSegment:
+) -> _SolutionPathSegment:
     """Return pressures and gaps on a contact set (n,) as linear functions of the path parameter s.
 
     The path parameter s multiplies `lift` (n + k,): the scaled gaps that are added to the true
@@ -471,11 +473,11 @@ def _pressures_and_gaps_as_linear_path_segment(
     K, r, n = system.K, system.r, system.n
     x, dx = equations.solve(r), equations.solve(lift)
     w, dw = (r + K @ x)[:n], (lift + K @ dx)[:n]
-    return _PathSegment(np.where(active, x[:n], w), np.where(active, dx[:n], dw))
+    return _SolutionPathSegment(np.where(active, x[:n], w), np.where(active, dx[:n], dw))
 
 
 def _path_parameter_change_until_pressure_or_gap_vanishes(
-    line: _PathSegment, s: float, direction: int
+    line: _SolutionPathSegment, s: float, direction: int
 ) -> Floats:
     """Return for each node the change of the path parameter s that makes its pressure or gap zero.
 
@@ -500,7 +502,7 @@ def guess_contact_set_from_coarse_problem(problem: ContactProblem) -> Bools:
     """
     count = len(problem.q)
     active = np.ones(count, dtype=bool)
-    if count < COARSE_GUESS_FROM_NODES:
+    if count < FEWEST_NODES_FOR_COARSE_CONTACT_GUESS:
         return active
     try:
         coarse = solve_contact_by_block_pivoting(contact_problem_on_every_other_node(problem)).p > 0
@@ -723,9 +725,9 @@ def _find_touching_nodes_that_balance_shoe_load(
     k = len(h)
     candidates = np.flatnonzero(moved)
     # Some candidates are dropped, evenly along the lining, until there are at most
-    # MOST_CANDIDATE_SETS sets of k nodes.
+    # MAX_CANDIDATE_SETS_OF_FIRST_TOUCHING_NODES sets of k nodes.
     count = len(candidates)
-    while math.comb(count, k) > MOST_CANDIDATE_SETS:
+    while math.comb(count, k) > MAX_CANDIDATE_SETS_OF_FIRST_TOUCHING_NODES:
         count -= 1
     evenly = np.unique(np.linspace(0, len(candidates) - 1, count).astype(int))
     candidates = candidates[evenly]
@@ -758,8 +760,8 @@ def _which_matrices_are_nonsingular(matrices: Floats) -> Bools:
     """
     # The rows and columns are scaled, because the modes have different units (rotations and
     # translations).
-    largest = np.maximum(np.abs(matrices).max(axis=(0, 2)), TINY)
+    largest = np.maximum(np.abs(matrices).max(axis=(0, 2)), SMALLEST_NORMAL_DOUBLE)
     scaled = matrices / largest[:, None]
-    length = np.maximum(np.linalg.norm(scaled, axis=1, keepdims=True), TINY)
+    length = np.maximum(np.linalg.norm(scaled, axis=1, keepdims=True), SMALLEST_NORMAL_DOUBLE)
     scaled = scaled / length
-    return np.asarray(np.abs(np.linalg.det(scaled)) > SET_ROUND_OFF)
+    return np.asarray(np.abs(np.linalg.det(scaled)) > LARGEST_ROUND_OFF_OF_PRESSURE_OR_GAP)

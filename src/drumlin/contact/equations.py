@@ -19,7 +19,7 @@ from drumlin.base.arrays import Bools, Floats, Ints
 from drumlin.base.errors import NoAnswer
 from drumlin.base.lapack import dgecon, dgetrf, dgetrs
 
-MOST_CONTACT_NODES = 3000
+MAX_NODES_OF_CONTACT_PROBLEM = 3000
 """Largest number of contact nodes in one contact problem; a brake with more is refused.
 
 On a rigid drum each shoe is a problem of its own. An elastic ring couples the nodes of all shoes.
@@ -27,13 +27,13 @@ The dense matrices of a contact problem, and those of the ring, have two rows fo
 more nodes they take gigabytes of memory.
 """
 
-TINY = np.finfo(float).tiny
+SMALLEST_NORMAL_DOUBLE = np.finfo(float).tiny
 """Smallest normal double, 2.2e-308; no scale factor is computed with a smaller divisor.
 
 A row of zeros in a matrix therefore causes no division by 0.
 """
 
-BORDERED_ABOVE_UNKNOWNS = 100
+UNKNOWNS_ABOVE_WHICH_BORDERED_SYSTEM_IS_USED = 100
 """Number of unknowns above which a changed contact set is solved by a bordered system.
 
 A bordered system reuses the LU factors of an earlier contact set that differs by a few nodes.
@@ -140,10 +140,10 @@ def _row_and_column_scale_factors_of_contact_problem(
     k = B.shape[1]
     # With these factors A gets a unit diagonal. The largest entry of each column of B and of each
     # row of C becomes 1.
-    of_nodes = 1 / np.sqrt(np.maximum(np.abs(A.diagonal()), TINY))
+    of_nodes = 1 / np.sqrt(np.maximum(np.abs(A.diagonal()), SMALLEST_NORMAL_DOUBLE))
     modes = np.concatenate([B, C.T], axis=1)
     largest = np.abs(modes * of_nodes[:, None]).max(axis=0)
-    of_modes = 1 / np.maximum(largest, TINY)
+    of_modes = 1 / np.maximum(largest, SMALLEST_NORMAL_DOUBLE)
     rows = np.concatenate([of_nodes, of_modes[k:]])
     return rows, np.concatenate([of_nodes, of_modes[:k]])
 
@@ -337,4 +337,4 @@ def is_bordered_system_cheaper_than_new_factors(base: ContactSetEquations, free:
     size = len(base._free_numbers)
     changed = np.count_nonzero(base.free ^ free)
     # A bordered system costs less if fewer than one unknown in eight changes.
-    return size > BORDERED_ABOVE_UNKNOWNS and bool(8 * changed < size)
+    return size > UNKNOWNS_ABOVE_WHICH_BORDERED_SYSTEM_IS_USED and bool(8 * changed < size)

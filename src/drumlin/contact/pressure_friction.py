@@ -26,38 +26,38 @@ import numpy as np
 from drumlin.base.arrays import Floats, Ints
 from drumlin.base.errors import NoAnswer
 from drumlin.base.texts import number_as_text
-from drumlin.contact.active_set import Contact, solve_contact_problem
+from drumlin.contact.active_set import ContactSolution, solve_contact_problem
 from drumlin.contact.equations import ContactProblem
 from drumlin.contact.self_locking import (
-    LARGEST_FORCE_GROWTH,
-    LARGEST_FRICTION_STEP,
-    POLE_DISTANCE,
+    LARGEST_CONTACT_FORCE_GROWTH_PER_STEP,
+    LARGEST_STEP_OF_GROWING_FRICTION,
+    TEST_DISTANCE_BELOW_SINGULAR_FRICTION,
     FrictionDependentProblem,
 )
 from drumlin.contact.stick_slip import (
     BACKWARD,
     FORWARD,
-    FrictionalProblem,
-    Increment,
-    SlipHistory,
+    StickSlipIncrementSolution,
+    StickSlipProblem,
+    TractionsAndSlipsOfLastIncrement,
     solve_stick_slip_load_increment,
 )
 
-FRICTION_TOLERANCE = 1e-10
+NEWTON_TOLERANCE_OF_CONTACT_PRESSURES = 1e-10
 """Largest change of a pressure in the last step of Newton's method, relative to the peak pressure.
 
 The error of the last step is about the square of its change. The value is the accuracy that is
 stated for friction that depends on the pressure.
 """
 
-MOST_STEPS_TO_FRICTION = 20
+MAX_NEWTON_STEPS_PER_FRICTION_CHANGE = 20
 """Largest number of steps of Newton's method before the change of the friction law is halved.
 
 The law goes from constant friction to friction that depends on the pressure. Brakes need some
 five steps for the whole change. If more are needed, only half of the change is tried.
 """
 
-SMALLEST_FRICTION_PART = 1 / 64
+SMALLEST_ADDED_PART_OF_PRESSURE_DEPENDENCE = 1 / 64
 """Smallest part of the friction's dependence on pressure that is added at once (1: all of it).
 
 If a part fails, half of it is tried. If this half is smaller than the limit, the brake is refused.
@@ -65,14 +65,14 @@ The value is a judgement; a smaller one makes a refusal slower.
 """
 
 
-class NodalFriction(NamedTuple):
+class NodalFrictionAndSlope(NamedTuple):
     """The friction coefficient (n,) of each node, and its derivative (n,) by the pressure."""
 
     coefficient: Floats
     slope: Floats
 
 
-FrictionAtPressures = Callable[[Floats], NodalFriction]
+FunctionOfNodalFrictionByPressures = Callable[[Floats], NodalFrictionAndSlope]
 """A function that takes nodal pressures (n,) and returns the friction at the nodes."""
 
 
@@ -92,8 +92,8 @@ class FrictionFactorLimit(NamedTuple):
 
 def find_largest_friction_factor_with_equilibrium(
     problem: FrictionDependentProblem,
-    friction: FrictionAtPressures,
-    start: Contact,
+    friction: FunctionOfNodalFrictionByPressures,
+    start: ContactSolution,
     largest_factor: float,
     areas: Floats,
 ) -> FrictionFactorLimit:
@@ -107,16 +107,16 @@ def find_largest_friction_factor_with_equilibrium(
     largest_factor : factor at which the search ends without a limit
     areas : areas (n,) of the nodes, which turn pressures into forces
     """
-    factor, found, step = 1.0, start, LARGEST_FRICTION_STEP
+    factor, found, step = 1.0, start, LARGEST_STEP_OF_GROWING_FRICTION
     while factor < largest_factor:
         target = min(factor + step, largest_factor)
         after = _continued_to_friction_factor_or_none(problem, friction, target, found, areas)
         if after is not None:
             found, factor = after, target
-            step = min(2 * step, LARGEST_FRICTION_STEP * factor)
+            step = min(2 * step, LARGEST_STEP_OF_GROWING_FRICTION * factor)
             continue
         step = 0.5 * (target - factor)
-        if step < POLE_DISTANCE * factor:
+        if step < TEST_DISTANCE_BELOW_SINGULAR_FRICTION * factor:
             # Beyond the last pressure of its table friction is constant. If the pressures grow
             # without bound, all of them end there.
             slopes = friction(found.p).slope[found.active]
@@ -126,8 +126,8 @@ def find_largest_friction_factor_with_equilibrium(
 
 def is_equilibrium_certain_up_to_friction_factor(
     problem: FrictionDependentProblem,
-    friction: FrictionAtPressures,
-    start: Contact,
+    friction: FunctionOfNodalFrictionByPressures,
+    start: ContactSolution,
     factor: float,
     areas: Floats,
 ) -> bool:
@@ -143,35 +143,35 @@ def is_equilibrium_certain_up_to_friction_factor(
 
 def _continued_to_friction_factor_or_none(
     problem: FrictionDependentProblem,
-    friction: FrictionAtPressures,
+    friction: FunctionOfNodalFrictionByPressures,
     factor: float,
-    before: Contact,
+    before: ContactSolution,
     areas: Floats,
-) -> Contact | None:
+) -> ContactSolution | None:
     """The stable solution at a factor on friction that continues a solution `before`, or None.
 
-    The contact force may grow by at most LARGEST_FORCE_GROWTH.
+    The contact force may grow by at most LARGEST_CONTACT_FORCE_GROWTH_PER_STEP.
     """
 
-    def raised_friction(p: Floats) -> NodalFriction:
+    def raised_friction(p: Floats) -> NodalFrictionAndSlope:
         """The friction at pressures p, raised by the factor."""
         whole = friction(p)
-        return NodalFriction(factor * whole.coefficient, factor * whole.slope)
+        return NodalFrictionAndSlope(factor * whole.coefficient, factor * whole.slope)
 
     after = _stable_contact_by_newton_or_none(problem, raised_friction, before)
     if after is None:
         return None
     growth = float(areas @ after.p) / float(areas @ before.p)
-    return after if growth <= 1 + LARGEST_FORCE_GROWTH else None
+    return after if growth <= 1 + LARGEST_CONTACT_FORCE_GROWTH_PER_STEP else None
 
 
 def solve_stick_slip_increment_with_pressure_dependent_friction(
-    problem: FrictionalProblem,
-    friction: FrictionAtPressures,
-    history: SlipHistory,
+    problem: StickSlipProblem,
+    friction: FunctionOfNodalFrictionByPressures,
+    history: TractionsAndSlipsOfLastIncrement,
     start: Ints,
     p: Floats,
-) -> Increment:
+) -> StickSlipIncrementSolution:
     """Solve a load increment of contact that sticks and slips, whose friction depends on pressure.
 
     A node that slips has the friction stress of the tangent of mu(p) p at the last pressures. The
@@ -192,7 +192,7 @@ def solve_stick_slip_increment_with_pressure_dependent_friction(
         if there is no solution, or if friction and pressures do not come to agree
     """
     state = start
-    for _ in range(MOST_STEPS_TO_FRICTION):
+    for _ in range(MAX_NEWTON_STEPS_PER_FRICTION_CHANGE):
         at = friction(p)
         tangent = at.coefficient + at.slope * p
         sense = np.where(state == FORWARD, 1.0, 0.0) - np.where(state == BACKWARD, 1.0, 0.0)
@@ -206,11 +206,14 @@ def solve_stick_slip_increment_with_pressure_dependent_friction(
         found = solve_stick_slip_load_increment(
             moved,
             np.where(sense == 0, at.coefficient, tangent),
-            SlipHistory(history.t - apart, history.s),
+            TractionsAndSlipsOfLastIncrement(history.t - apart, history.s),
             state,
         )
         settled = np.array_equal(found.state, state)
-        settled = settled and np.abs(found.p - p).max() <= FRICTION_TOLERANCE * found.p.max()
+        settled = (
+            settled
+            and np.abs(found.p - p).max() <= NEWTON_TOLERANCE_OF_CONTACT_PRESSURES * found.p.max()
+        )
         p, state = found.p, found.state
         if settled:
             return replace(found, t=found.t + apart)
@@ -218,8 +221,11 @@ def solve_stick_slip_increment_with_pressure_dependent_friction(
 
 
 def solve_contact_with_pressure_dependent_friction(
-    problem: FrictionDependentProblem, friction: FrictionAtPressures, start: Contact, base: Floats
-) -> Contact:
+    problem: FrictionDependentProblem,
+    friction: FunctionOfNodalFrictionByPressures,
+    start: ContactSolution,
+    base: Floats,
+) -> ContactSolution:
     """Solve a contact problem whose friction depends on the pressure, and return its solution.
 
     Parameters
@@ -240,10 +246,12 @@ def solve_contact_with_pressure_dependent_friction(
 
         def friction_with_scaled_pressure_dependence(
             p: Floats, share: float = target
-        ) -> NodalFriction:
+        ) -> NodalFrictionAndSlope:
             """The friction at pressures p, with a fraction `share` of its dependence on p."""
             whole = friction(p)
-            return NodalFriction(base + share * (whole.coefficient - base), share * whole.slope)
+            return NodalFrictionAndSlope(
+                base + share * (whole.coefficient - base), share * whole.slope
+            )
 
         after = _stable_contact_by_newton_or_none(
             problem, friction_with_scaled_pressure_dependence, found
@@ -252,7 +260,7 @@ def solve_contact_with_pressure_dependent_friction(
             found, reached = after, target
             continue
         part /= 2
-        if part < SMALLEST_FRICTION_PART:
+        if part < SMALLEST_ADDED_PART_OF_PRESSURE_DEPENDENCE:
             raise NoAnswer(
                 "no equilibrium is found with friction that depends on the pressure; "
                 f"with {number_as_text(reached, '.0%')} of this dependence there is one"
@@ -261,11 +269,13 @@ def solve_contact_with_pressure_dependent_friction(
 
 
 def _stable_contact_by_newton_or_none(
-    problem: FrictionDependentProblem, friction: FrictionAtPressures, start: Contact
-) -> Contact | None:
+    problem: FrictionDependentProblem,
+    friction: FunctionOfNodalFrictionByPressures,
+    start: ContactSolution,
+) -> ContactSolution | None:
     """The stable solution that Newton's method reaches from `start`; None if it reaches none."""
     found = start
-    for _ in range(MOST_STEPS_TO_FRICTION):
+    for _ in range(MAX_NEWTON_STEPS_PER_FRICTION_CHANGE):
         try:
             after = solve_contact_problem(
                 contact_problem_with_friction_tangent(problem, friction(found.p), found.p),
@@ -275,13 +285,13 @@ def _stable_contact_by_newton_or_none(
             return None
         change = np.abs(after.p - found.p).max()
         found = after
-        if change <= FRICTION_TOLERANCE * found.p.max():
+        if change <= NEWTON_TOLERANCE_OF_CONTACT_PRESSURES * found.p.max():
             return found if found.stable else None
     return None
 
 
 def contact_problem_with_friction_tangent(
-    problem: FrictionDependentProblem, friction: NodalFriction, p: Floats
+    problem: FrictionDependentProblem, friction: NodalFrictionAndSlope, p: Floats
 ) -> ContactProblem:
     """The contact problem in which tau(p) = mu(p) p is replaced by its tangent at pressures p."""
     A, q, B, C, h = problem.frictionless

@@ -15,7 +15,7 @@ pressures that grow without bound.
 The path of solutions over mu may also end where it turns back: at a change of the contact set
 beyond which the determinant has the other sign. Beyond such an end there may be other solutions, to
 which the contact would jump. A step of mu over which the contact set changes must therefore be
-short: the contact force may grow by at most LARGEST_FORCE_GROWTH.
+short: the contact force may grow by at most LARGEST_CONTACT_FORCE_GROWTH_PER_STEP.
 """
 
 from collections.abc import Callable
@@ -27,7 +27,7 @@ import numpy as np
 from drumlin.base.arrays import Bools, Floats
 from drumlin.base.errors import NoAnswer
 from drumlin.contact.active_set import (
-    Contact,
+    ContactSolution,
     contact_problem_on_every_other_node,
     extend_contact_set_to_all_nodes,
     interpolate_pressures_to_all_nodes,
@@ -37,23 +37,23 @@ from drumlin.contact.active_set import (
 )
 from drumlin.contact.equations import ContactProblem, scale_contact_problem
 
-LARGEST_SOUGHT_FRICTION = 1e3
+LARGEST_SOUGHT_SELF_LOCKING_FRICTION = 1e3
 """Friction coefficient up to which the limit of self-locking is sought.
 
 A brake whose limit is higher counts as a brake that never locks.
 """
 
-LARGEST_FRICTION_STEP = 0.05
+LARGEST_STEP_OF_GROWING_FRICTION = 0.05
 """Largest step of the friction coefficient mu while mu grows from 0 up to self-locking.
 
 The contact is solved after each step. Above mu = 1 the step is relative to mu. The step affects the
 computing time, not the result: a step over which the contact set changes is halved until the
-contact force grows by less than LARGEST_FORCE_GROWTH, and while the contact set stays, the
-determinant shows the limit. On 30 brakes the number of factorisations is 1.07 times as large with
-a step of 0.025, the same with a step of 0.1, and 1.1 times as large with a step of 0.4.
+contact force grows by less than LARGEST_CONTACT_FORCE_GROWTH_PER_STEP, and while the contact set
+stays, the determinant shows the limit. On 30 brakes the number of factorisations is 1.07 times as
+large with a step of 0.025, the same with a step of 0.1, and 1.1 times as large with a step of 0.4.
 """
 
-POLE_DISTANCE = 1e-8
+TEST_DISTANCE_BELOW_SINGULAR_FRICTION = 1e-8
 """Relative distance below a singular friction coefficient at which the contact set is tested.
 
 At the singular friction the pressures of the contact set would be infinite. If the contact set
@@ -61,7 +61,7 @@ still holds at this distance below it, the brake locks itself there. The distanc
 round-off.
 """
 
-LARGEST_FORCE_GROWTH = 0.5
+LARGEST_CONTACT_FORCE_GROWTH_PER_STEP = 0.5
 """Largest relative growth of the contact force over one step of the friction coefficient mu.
 
 The contact force is the sum of pressures times areas and grows as 1/(mu_lock - mu). From mu/2 to mu
@@ -69,15 +69,15 @@ the force grows by at most (1 - 1/4)/(1 - 1/2) - 1 = 0.5 for any mu up to mu_loc
 set changes over a step and the force grows by more, the step is halved.
 """
 
-COARSE_PATH_ABOVE_NODES = 600
+NODES_ABOVE_WHICH_FRICTION_PATH_IS_COARSE = 600
 """Number of contact nodes above which only every other node is used while friction grows from 0.
 
 The solution on all nodes is then found at once and compared with the solution on every other node.
 The constant affects the computing time, which grows with the cube of the number of nodes. It does
-not affect the solution, see LARGEST_DIFFERENCE_BETWEEN_MESHES.
+not affect the solution, see LARGEST_PRESSURE_DIFFERENCE_OF_SAME_SOLUTION.
 """
 
-LARGEST_DIFFERENCE_BETWEEN_MESHES = 0.1
+LARGEST_PRESSURE_DIFFERENCE_OF_SAME_SOLUTION = 0.1
 """Relative difference up to which the pressures on two meshes count as the same solution.
 
 One mesh has all contact nodes, the other one every other node. The difference and the pressures are
@@ -86,7 +86,7 @@ the two meshes differed by 0.004, and two different solutions by 0.7. Any number
 apart; a smaller number costs time.
 """
 
-FRICTION_RESOLUTION = 1e-12
+RELATIVE_RESOLUTION_OF_FRICTION_LIMIT = 1e-12
 """Relative step of the friction coefficient mu below which the search for the friction limit ends.
 
 The limit is then the mu at which the path of solutions over mu turns back.
@@ -123,7 +123,7 @@ class FrictionDependentProblem(NamedTuple):
         )
 
 
-class FrictionLimit(NamedTuple):
+class LargestFrictionWithEquilibrium(NamedTuple):
     """The friction coefficient mu up to which a contact has an equilibrium, as mu grows from 0.
 
     Attributes
@@ -139,28 +139,28 @@ class FrictionLimit(NamedTuple):
 
     friction: float
     pressure_stays_finite: bool
-    last_contact: Contact
+    last_contact: ContactSolution
     last_friction: float
     steps: int
 
 
-class FrictionBeyondLimit(NoAnswer):
+class FrictionBeyondSelfLockingError(NoAnswer):
     """The error that a friction coefficient is beyond the limit of self-locking.
 
     `limit` tells at which friction coefficient the solution ends as friction grows from 0.
     """
 
-    def __init__(self, line: str, limit: FrictionLimit) -> None:
+    def __init__(self, line: str, limit: LargestFrictionWithEquilibrium) -> None:
         super().__init__(line)
         self.limit = limit
 
 
 def find_largest_friction_with_equilibrium(
     problem: FrictionDependentProblem,
-    largest_friction: float = LARGEST_SOUGHT_FRICTION,
-    known_answer: tuple[float, Contact] | None = None,
+    largest_friction: float = LARGEST_SOUGHT_SELF_LOCKING_FRICTION,
+    known_answer: tuple[float, ContactSolution] | None = None,
     areas: Floats | None = None,
-) -> FrictionLimit:
+) -> LargestFrictionWithEquilibrium:
     """Find the friction coefficient mu up to which a contact has an equilibrium.
 
     The contact is solved again and again while mu grows in steps from 0. The search ends where a
@@ -186,14 +186,14 @@ def find_largest_friction_with_equilibrium(
         if known_answer is None
         else known_answer
     )
-    steps, step = 0, LARGEST_FRICTION_STEP
+    steps, step = 0, LARGEST_STEP_OF_GROWING_FRICTION
     critical_set, has_failed_before = np.zeros(0, dtype=bool), False
     while mu < largest_friction:
         steps += 1
         target = min(mu + step, largest_friction)
         after = stable_contact_continued_to_higher_friction_or_none(problem, target, found, areas)
         if after is not None:
-            step = min(2 * step, LARGEST_FRICTION_STEP * max(1.0, mu))
+            step = min(2 * step, LARGEST_STEP_OF_GROWING_FRICTION * max(1.0, mu))
             found, mu, has_failed_before = after, target, False
             continue
         # The step has failed. If the contact set holds up to the next friction at which its
@@ -208,17 +208,17 @@ def find_largest_friction_with_equilibrium(
                 critical = mu
             critical_set = found.active
             if _is_contact_set_valid_up_to_singular_friction(problem, mu, critical, found.active):
-                return FrictionLimit(critical, False, found, mu, steps)
+                return LargestFrictionWithEquilibrium(critical, False, found, mu, steps)
         has_failed_before = True
         step = 0.5 * (target - mu)
-        if step < FRICTION_RESOLUTION * max(mu, 1e-3):
-            return FrictionLimit(mu, True, found, mu, steps)
-    return FrictionLimit(np.inf, False, found, mu, steps)
+        if step < RELATIVE_RESOLUTION_OF_FRICTION_LIMIT * max(mu, 1e-3):
+            return LargestFrictionWithEquilibrium(mu, True, found, mu, steps)
+    return LargestFrictionWithEquilibrium(np.inf, False, found, mu, steps)
 
 
 def stable_contact_continued_to_higher_friction_or_none(
-    problem: FrictionDependentProblem, friction: float, before: Contact, areas: Floats
-) -> Contact | None:
+    problem: FrictionDependentProblem, friction: float, before: ContactSolution, areas: Floats
+) -> ContactSolution | None:
     """The stable solution at a higher friction that continues the solution `before`, or None.
 
     Parameters
@@ -236,15 +236,15 @@ def stable_contact_continued_to_higher_friction_or_none(
 
 def is_equilibrium_certain_up_to_friction(
     problem_at: Callable[[float], ContactProblem],
-    before: Contact,
+    before: ContactSolution,
     friction: float,
     areas: Floats,
 ) -> bool:
     """Whether a contact certainly has an equilibrium from a smaller friction up to `friction`.
 
     The result is True if the solution at `friction` is stable and its contact force is larger by at
-    most LARGEST_FORCE_GROWTH. If the result is False, only small steps of friction can tell whether
-    there is an equilibrium.
+    most LARGEST_CONTACT_FORCE_GROWTH_PER_STEP. If the result is False, only small steps of friction
+    can tell whether there is an equilibrium.
 
     Parameters
     ----------
@@ -261,11 +261,12 @@ def is_equilibrium_certain_up_to_friction(
 
 
 def _does_solution_continue_at_higher_friction(
-    after: Contact, before: Contact, areas: Floats
+    after: ContactSolution, before: ContactSolution, areas: Floats
 ) -> bool:
     """Whether a solution continues the solution at the last, smaller friction coefficient.
 
-    It does if the same nodes touch, or if the contact force grows by at most LARGEST_FORCE_GROWTH.
+    It does if the same nodes touch, or if the contact force grows by at most
+    LARGEST_CONTACT_FORCE_GROWTH_PER_STEP.
     """
     return np.array_equal(after.active, before.active) or _is_growth_of_contact_force_small(
         after, before, areas
@@ -282,15 +283,15 @@ def _is_contact_set_valid_up_to_singular_friction(
     if not np.isfinite(singular_friction):
         return False
     # The present mu may itself be the friction at which the equations are singular.
-    if singular_friction - mu < FRICTION_RESOLUTION * max(mu, 1e-3):
+    if singular_friction - mu < RELATIVE_RESOLUTION_OF_FRICTION_LIMIT * max(mu, 1e-3):
         return True
-    near = mu + (singular_friction - mu) * (1 - POLE_DISTANCE)
+    near = mu + (singular_friction - mu) * (1 - TEST_DISTANCE_BELOW_SINGULAR_FRICTION)
     return _find_stable_contact_or_none(problem, near, active, 1) is not None
 
 
 def _solve_contact_without_friction(
     frictionless: ContactProblem, start: Bools | None = None
-) -> Contact:
+) -> ContactSolution:
     """Solve the contact problem at mu = 0. Raises NoAnswer if its solution is unstable."""
     found = solve_contact_problem(frictionless, start)
     if not found.stable:
@@ -298,7 +299,7 @@ def _solve_contact_without_friction(
     return found
 
 
-class _DirectSolution(NamedTuple):
+class _ContactSolvedDirectlyAtFriction(NamedTuple):
     """A solution at a friction coefficient, found directly and not by following growing friction.
 
     Attributes
@@ -306,15 +307,15 @@ class _DirectSolution(NamedTuple):
     contact : the solution; None if no contact set converges
     contact_at_half_friction : the solution at half of the friction; None if unknown
     stable : whether `contact` is stable and mu is below the limit of the rigid shoe
-    is_on_path : whether `contact` is certainly the solution that growing friction would reach from
-        mu = 0
+    is_reached_from_zero_friction : whether `contact` is certainly the solution that growing
+        friction would reach from mu = 0
     refusal : the reason to refuse `contact` if `contact` is not stable
     """
 
-    contact: Contact | None
-    contact_at_half_friction: Contact | None
+    contact: ContactSolution | None
+    contact_at_half_friction: ContactSolution | None
     stable: bool
-    is_on_path: bool
+    is_reached_from_zero_friction: bool
     refusal: str
 
 
@@ -326,16 +327,17 @@ def solve_contact_reached_from_zero_friction(
     *,
     rigid_law_limit: float,
     brake_words: str,
-) -> Contact:
+) -> ContactSolution:
     """Find the contact at a friction coefficient that friction growing from mu = 0 leads to.
 
     The contact problem is first solved directly at this friction. The solution is taken if it is
     stable, if the friction is below the limit of the rigid shoe, and if the contact force grows by
-    at most LARGEST_FORCE_GROWTH from half of the friction on. Up to half of mu_lock all of this
-    holds. Otherwise the solution is followed in small steps of friction, from half of the friction
-    if the solution there is certain. Other stable solutions do not count: near the limit and beyond
-    it some exist that no friction growing from 0 reaches. Above COARSE_PATH_ABOVE_NODES nodes the
-    solution on every other node is followed, at a fraction of the cost.
+    at most LARGEST_CONTACT_FORCE_GROWTH_PER_STEP from half of the friction on. Up to half of
+    mu_lock all of this holds. Otherwise the solution is followed in small steps of friction, from
+    half of the friction if the solution there is certain. Other stable solutions do not count: near
+    the limit and beyond it some exist that no friction growing from 0 reaches. Above
+    NODES_ABOVE_WHICH_FRICTION_PATH_IS_COARSE nodes the solution on every other node is followed, at
+    a fraction of the cost.
 
     Parameters
     ----------
@@ -349,7 +351,7 @@ def solve_contact_reached_from_zero_friction(
 
     Raises
     ------
-    FrictionBeyondLimit
+    FrictionBeyondSelfLockingError
         if the brake locks itself below this friction; the message states mu_lock of the brake and
         of the rigid shoe
     NoAnswer
@@ -361,7 +363,7 @@ def solve_contact_reached_from_zero_friction(
     areas = _contact_node_areas_or_ones(problem, areas)
     # First the contact is solved directly. With many nodes the direct solution starts from the
     # contact set of the coarse problem, on every other node, and is checked by it.
-    if len(problem.q) > COARSE_PATH_ABOVE_NODES:
+    if len(problem.q) > NODES_ABOVE_WHICH_FRICTION_PATH_IS_COARSE:
         like = _solve_contact_and_check_on_every_other_node(
             problem, problem_at(0.0), friction, start, areas, rigid_law_limit
         )
@@ -370,7 +372,7 @@ def solve_contact_reached_from_zero_friction(
     at_once = _solve_contact_directly_at_friction(
         problem_at, problem, friction, start, areas, rigid_law_limit
     )
-    if at_once.is_on_path and at_once.contact is not None:
+    if at_once.is_reached_from_zero_friction and at_once.contact is not None:
         return at_once.contact
     # If the direct solution is not certain, the contact is followed in steps of growing friction.
     try:
@@ -386,15 +388,15 @@ def solve_contact_reached_from_zero_friction(
     text = self_locking_error_text(
         friction, end.friction, rigid_law_limit=rigid_law_limit, brake_words=brake_words
     )
-    raise FrictionBeyondLimit(text, end)
+    raise FrictionBeyondSelfLockingError(text, end)
 
 
 def _follow_contact_up_to_friction(
     problem_at: Callable[[float], ContactProblem],
     friction: float,
-    at_once: _DirectSolution,
+    at_once: _ContactSolvedDirectlyAtFriction,
     areas: Floats,
-) -> FrictionLimit:
+) -> LargestFrictionWithEquilibrium:
     """Follow the contact in steps of growing friction up to a friction coefficient.
 
     The steps begin at half of the friction if the direct solution there is certain, and at mu = 0
@@ -424,7 +426,7 @@ def _solve_contact_directly_at_friction(
     start: Bools | None,
     areas: Floats,
     rigid_law_limit: float,
-) -> _DirectSolution:
+) -> _ContactSolvedDirectlyAtFriction:
     """Solve the contact at a friction coefficient directly, without steps of growing friction.
 
     The contact at half of the friction is solved too. If the contact force grows by little from
@@ -436,14 +438,18 @@ def _solve_contact_directly_at_friction(
     try:
         found = solve_contact_by_block_pivoting(problem, start)
         if not (found.stable and friction < rigid_law_limit):
-            return _DirectSolution(found, None, False, False, "self-locking, no stable equilibrium")
+            return _ContactSolvedDirectlyAtFriction(
+                found, None, False, False, "self-locking, no stable equilibrium"
+            )
         half = solve_contact_by_block_pivoting(
             problem_at(0.5 * friction), found.active, scales_of=found.system
         )
         sure = _is_growth_of_contact_force_small(found, half, areas)
     except NoAnswer as error:
-        return _DirectSolution(found, half, False, False, str(error))
-    return _DirectSolution(found, half, True, sure, "self-locking, no stable equilibrium")
+        return _ContactSolvedDirectlyAtFriction(found, half, False, False, str(error))
+    return _ContactSolvedDirectlyAtFriction(
+        found, half, True, sure, "self-locking, no stable equilibrium"
+    )
 
 
 def self_locking_error_text(
@@ -476,7 +482,7 @@ def _solve_contact_and_check_on_every_other_node(
     start: Bools | None,
     areas: Floats,
     rigid_law_limit: float,
-) -> Contact | None:
+) -> ContactSolution | None:
     """Solve the contact on all nodes directly, and check it by the solution on every other node.
 
     The solution on every other node, the coarse solution, is computed in steps of friction that
@@ -517,12 +523,15 @@ def _solve_contact_and_check_on_every_other_node(
     off = interpolate_pressures_to_all_nodes(like.p, len(found.p)) - found.p
     work_off = float(off @ (problem.A @ off))
     work = float(found.p @ (problem.A @ found.p))
-    same = work_off < LARGEST_DIFFERENCE_BETWEEN_MESHES**2 * work
+    same = work_off < LARGEST_PRESSURE_DIFFERENCE_OF_SAME_SOLUTION**2 * work
     return found if found.stable and same else None
 
 
 def _is_contact_reached_from_zero_friction(
-    problem_at: Callable[[float], ContactProblem], friction: float, found: Contact, areas: Floats
+    problem_at: Callable[[float], ContactProblem],
+    friction: float,
+    found: ContactSolution,
+    areas: Floats,
 ) -> bool:
     """Whether friction that grows from mu = 0 certainly leads to a solution `found`.
 
@@ -538,8 +547,12 @@ def _is_contact_reached_from_zero_friction(
         return False
 
 
-def _is_growth_of_contact_force_small(found: Contact, before: Contact, areas: Floats) -> bool:
-    """Whether the contact force grows by at most LARGEST_FORCE_GROWTH from an earlier solution.
+def _is_growth_of_contact_force_small(
+    found: ContactSolution, before: ContactSolution, areas: Floats
+) -> bool:
+    """Whether the contact force grows little from an earlier solution.
+
+    The limit is LARGEST_CONTACT_FORCE_GROWTH_PER_STEP.
 
     `before` is the earlier solution, which must be stable. The contact force is the sum of
     pressures times areas (n,).
@@ -548,7 +561,7 @@ def _is_growth_of_contact_force_small(found: Contact, before: Contact, areas: Fl
     # contact moves along the lining, and where elements are shorter, more nodes press under the
     # same force.
     force, force_before = float(areas @ found.p), float(areas @ before.p)
-    return before.stable and force <= (1 + LARGEST_FORCE_GROWTH) * force_before
+    return before.stable and force <= (1 + LARGEST_CONTACT_FORCE_GROWTH_PER_STEP) * force_before
 
 
 def _contact_node_areas_or_ones(problem: ContactProblem, areas: Floats | None) -> Floats:
@@ -582,31 +595,32 @@ def next_friction_with_singular_contact_equations(
     return float(friction - 1 / falling.min()) if len(falling) else np.inf
 
 
-class StartSetComparison(NamedTuple):
+class SolutionCountsFromStartingContactSets(NamedTuple):
     """Counts of the solutions that the active-set method finds from several first contact sets.
 
     Attributes
     ----------
-    starts : number of first contact sets
-    same : number of first sets that lead to the known solution, which friction growing from 0
-        reaches
-    others : number of first sets that lead to another stable solution
-    unstable : number of first sets that lead to an unstable solution
-    lost : number of first sets from which the method does not converge
-    difference : largest difference of pressure among `same`, relative to the largest pressure
+    number_of_start_sets : number of first contact sets
+    sets_with_known_solution : number of first sets that lead to the known solution, which friction
+        growing from 0 reaches
+    sets_with_other_stable_solution : number of first sets that lead to another stable solution
+    sets_with_unstable_solution : number of first sets that lead to an unstable solution
+    sets_without_convergence : number of first sets from which the method does not converge
+    largest_pressure_difference : largest difference of pressure among `sets_with_known_solution`,
+        relative to the largest pressure
     """
 
-    starts: int
-    same: int
-    others: int
-    unstable: int
-    lost: int
-    difference: float
+    number_of_start_sets: int
+    sets_with_known_solution: int
+    sets_with_other_stable_solution: int
+    sets_with_unstable_solution: int
+    sets_without_convergence: int
+    largest_pressure_difference: float
 
 
 def compare_solutions_from_starting_contact_sets(
-    problem: ContactProblem, answer: Contact, starts: list[Bools], tolerance: float = 1e-6
-) -> StartSetComparison:
+    problem: ContactProblem, answer: ContactSolution, starts: list[Bools], tolerance: float = 1e-6
+) -> SolutionCountsFromStartingContactSets:
     """Solve a contact problem from several first contact sets, and compare the solutions.
 
     Returns how many of the first sets lead to the known solution, and how many to others.
@@ -619,21 +633,32 @@ def compare_solutions_from_starting_contact_sets(
     tolerance : difference of pressure, relative to the largest pressure, up to which two solutions
         count as the same
     """
-    counts = dict.fromkeys(("same", "others", "unstable", "lost"), 0)
+    counts = dict.fromkeys(
+        (
+            "sets_with_known_solution",
+            "sets_with_other_stable_solution",
+            "sets_with_unstable_solution",
+            "sets_without_convergence",
+        ),
+        0,
+    )
     largest, scale = 0.0, np.abs(answer.p).max()
     for start in starts:
         try:
             found = solve_contact_problem(problem, start)
         except NoAnswer:
-            counts["lost"] += 1
+            counts["sets_without_convergence"] += 1
             continue
         difference = float(np.abs(found.p - answer.p).max() / scale)
         if difference <= tolerance:
-            counts["same"] += 1
+            counts["sets_with_known_solution"] += 1
             largest = max(largest, difference)
         else:
-            counts["others" if found.stable else "unstable"] += 1
-    return StartSetComparison(len(starts), **counts, difference=largest)
+            kind = "other_stable" if found.stable else "unstable"
+            counts[f"sets_with_{kind}_solution"] += 1
+    return SolutionCountsFromStartingContactSets(
+        len(starts), **counts, largest_pressure_difference=largest
+    )
 
 
 def smallest_friction_that_makes_any_contact_set_singular(
@@ -661,7 +686,7 @@ def smallest_friction_that_makes_any_contact_set_singular(
 
 def _find_stable_contact_or_none(
     problem: FrictionDependentProblem, friction: float, start: Bools, most_steps: int = 30
-) -> Contact | None:
+) -> ContactSolution | None:
     """Return the stable solution at a friction coefficient, or None if the method finds none.
 
     The active-set method starts from the contact set `start` (n,) and takes at most `most_steps`

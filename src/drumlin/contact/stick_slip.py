@@ -39,18 +39,22 @@ import numpy as np
 from drumlin.base.arrays import Bools, Floats, Ints
 from drumlin.base.errors import NoAnswer
 from drumlin.base.lapack import dgetrf, dgetrs
-from drumlin.contact.active_set import GOLDEN_RATIO, MOST_STEPS_WITHOUT_PROGRESS, SMALLEST_EXTRA_GAP
+from drumlin.contact.active_set import (
+    INVERSE_GOLDEN_RATIO,
+    MAX_ACTIVE_SET_STEPS_WITHOUT_PROGRESS,
+    SMALLEST_ADDED_GAP_OVER_LARGEST_GAP,
+)
 
 OPEN, STICK, FORWARD, BACKWARD = 0, 1, 2, 3
 """Numbers of the states of a contact node: open, sticking, slipping forward and backward."""
 
-MOST_STATE_NEWTON_STEPS = 60
+MAX_NEWTON_STEPS_FOR_STICK_SLIP_STATES = 60
 """Largest number of steps of Newton's method for stick and slip in one load increment.
 
 An increment of a brake needs some five steps.
 """
 
-MOST_STATE_CHANGES = 6
+MAX_STICK_SLIP_CHANGES_PER_NODE = 6
 """Largest number of changes between open, stick and slip, per contact node, in one increment.
 
 The limit holds for the changes on a path of solutions, which leads from a load that the first
@@ -58,7 +62,7 @@ states balance to the true load. It also holds for steps of Newton's method in w
 change. If more changes are needed, the increment is refused.
 """
 
-STATE_ROUND_OFF = 1e-10
+ROUND_OFF_OF_STICK_SLIP_CONDITIONS = 1e-10
 """Relative amount by which a node may violate the conditions of its state and keep the state.
 
 The state is open, stick or slip. Each condition says that some quantity is positive, for example mu
@@ -67,7 +71,7 @@ traction, or the largest gap or slip, of all nodes.
 """
 
 
-class FrictionalProblem(NamedTuple):
+class StickSlipProblem(NamedTuple):
     """The equations of a load increment of contact that sticks and slips.
 
     The n nodes have pressures p and tangential tractions t. The shoes have k rigid-body modes. The
@@ -99,7 +103,7 @@ class FrictionalProblem(NamedTuple):
     Q: Floats
 
 
-class SlipHistory(NamedTuple):
+class TractionsAndSlipsOfLastIncrement(NamedTuple):
     """The tractions t (n,) and weighted slips s (n,) of the last converged increment."""
 
     t: Floats
@@ -107,7 +111,7 @@ class SlipHistory(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Increment:
+class StickSlipIncrementSolution:
     """The solution of a load increment of contact that sticks and slips.
 
     Attributes
@@ -127,14 +131,17 @@ class Increment:
     steps: int
 
     @property
-    def tractions_and_slips_for_next_increment(self) -> SlipHistory:
+    def tractions_and_slips_for_next_increment(self) -> TractionsAndSlipsOfLastIncrement:
         """The tractions and slips from which the next increment starts."""
-        return SlipHistory(self.t, self.s)
+        return TractionsAndSlipsOfLastIncrement(self.t, self.s)
 
 
 def solve_stick_slip_load_increment(
-    problem: FrictionalProblem, mu: float | Floats, history: SlipHistory, start: Ints
-) -> Increment:
+    problem: StickSlipProblem,
+    mu: float | Floats,
+    history: TractionsAndSlipsOfLastIncrement,
+    start: Ints,
+) -> StickSlipIncrementSolution:
     """Solve one load increment of contact that sticks and slips, and return its solution.
 
     Parameters
@@ -170,11 +177,11 @@ def solve_stick_slip_load_increment(
         p, t = np.split(scales * point.z, 2)
         w, slip = np.split(point.v / scales, 2)
         s = slip + history.s + problem.Q @ (t - history.t)
-        return Increment(p, t, s, w, point.y, state, steps)
+        return StickSlipIncrementSolution(p, t, s, w, point.y, state, steps)
     raise NoAnswer(reason)
 
 
-class _FrictionalSystem(NamedTuple):
+class _ScaledIncrementEquations(NamedTuple):
     """The scaled equations of an increment: v = q + A z + B y and C z = h.
 
     The unknowns are z = (p, t) and v = (w, ds - Q dt), both (2n,). Scaling makes the diagonal
@@ -190,7 +197,7 @@ class _FrictionalSystem(NamedTuple):
     mu: Floats
 
 
-class _IncrementSolution(NamedTuple):
+class _ScaledIncrementSolution(NamedTuple):
     """A solution of the scaled equations: z (2n,), v (2n,) and rigid-body motions y (k,)."""
 
     z: Floats
@@ -198,17 +205,17 @@ class _IncrementSolution(NamedTuple):
     y: Floats
 
 
-class _SettledStates(NamedTuple):
+class _StickSlipStatesAndSolutionOfIncrement(NamedTuple):
     """The final states (n,) of the nodes in a load increment, the solution and the step count."""
 
     state: Ints
-    solution: _IncrementSolution
+    solution: _ScaledIncrementSolution
     steps: int
 
 
 def _scaled_increment_equations_and_factors(
-    problem: FrictionalProblem, mu: float | Floats, history: SlipHistory
-) -> tuple[_FrictionalSystem, Floats]:
+    problem: StickSlipProblem, mu: float | Floats, history: TractionsAndSlipsOfLastIncrement
+) -> tuple[_ScaledIncrementEquations, Floats]:
     """Return the scaled equations of a load increment, and the scale factors (2n,).
 
     Pressures and tractions are z = scales z_scaled.
@@ -222,7 +229,7 @@ def _scaled_increment_equations_and_factors(
     C = np.hstack([problem.C_p, problem.C_t])
     d = 1 / np.sqrt(np.maximum(np.abs(np.diagonal(A)), np.finfo(float).tiny))
     n = len(q) // 2
-    system = _FrictionalSystem(
+    system = _ScaledIncrementEquations(
         A=d[:, None] * A * d,
         q=d * q,
         B=d[:, None] * B,
@@ -233,13 +240,13 @@ def _scaled_increment_equations_and_factors(
     return system, d
 
 
-class _StateEquations:
+class _IncrementEquationsForGivenStates:
     """The linear equations of a load increment under given states (n,) of all nodes.
 
     The equations are factorised once. Raises NoAnswer if they are singular.
     """
 
-    def __init__(self, system: _FrictionalSystem, state: Ints) -> None:
+    def __init__(self, system: _ScaledIncrementEquations, state: Ints) -> None:
         self.system, self.state = system, state
         n, k = len(state), len(system.h)
         self.pressed_nodes = np.flatnonzero(state != OPEN)
@@ -266,7 +273,7 @@ class _StateEquations:
         )
         self._factors = _scale_matrix_and_compute_lu_factors(matrix)
 
-    def solve_increment_under_loads(self, q: Floats, h: Floats) -> _IncrementSolution:
+    def solve_increment_under_loads(self, q: Floats, h: Floats) -> _ScaledIncrementSolution:
         """Return the solution of the increment under its constant terms q (2n,) and loads h (k,).
 
         q holds the gaps and slips that are there without pressures, tractions and motions.
@@ -280,10 +287,10 @@ class _StateEquations:
         z = np.zeros(2 * n)
         z[self.unknown_numbers] = basic
         z[n + self.pressed_nodes] += self.traction_per_pressure * basic[:m]
-        return _IncrementSolution(z, v, y)
+        return _ScaledIncrementSolution(z, v, y)
 
     def distances_of_nodes_from_their_two_state_changes(
-        self, solution: _IncrementSolution
+        self, solution: _ScaledIncrementSolution
     ) -> Floats:
         """Return the distances (2, n) of each node from its two possible changes of state.
 
@@ -302,35 +309,38 @@ class _StateEquations:
         return np.array([first, second])
 
 
-NEXT_STATE = np.array([[FORWARD, OPEN], [FORWARD, BACKWARD], [OPEN, STICK], [OPEN, STICK]])
+NEXT_STATE_BY_STATE_AND_VIOLATED_CONDITION = np.array(
+    [[FORWARD, OPEN], [FORWARD, BACKWARD], [OPEN, STICK], [OPEN, STICK]]
+)
 """The next state of a contact node (4, 2), by its present state and the violated condition.
 
 Each state has two conditions, which are in the order of
-`_StateEquations.distances_of_nodes_from_their_two_state_changes`. An open node that closes becomes
-FORWARD or BACKWARD by the sign of its slip. The table has FORWARD alone, and the code that uses the
-table corrects it.
+`_IncrementEquationsForGivenStates.distances_of_nodes_from_their_two_state_changes`. An open node
+that closes becomes FORWARD or BACKWARD by the sign of its slip. The table has FORWARD alone, and
+the code that uses the table corrects it.
 """
 
 
 def _solution_and_violated_conditions(
-    system: _FrictionalSystem, state: Ints
-) -> tuple[_IncrementSolution, Bools]:
+    system: _ScaledIncrementEquations, state: Ints
+) -> tuple[_ScaledIncrementSolution, Bools]:
     """The solution of the increment in the given states (n,), and the conditions it violates.
 
     The conditions are a mask (2, n): True where a node violates the first or the second condition
     of its state by more than round-off.
     """
-    equations = _StateEquations(system, state)
+    equations = _IncrementEquationsForGivenStates(system, state)
     point = equations.solve_increment_under_loads(system.q, system.h)
-    round_off = STATE_ROUND_OFF * _sizes_to_which_round_off_of_margins_is_relative(
-        system, equations, point
+    round_off = (
+        ROUND_OFF_OF_STICK_SLIP_CONDITIONS
+        * _sizes_to_which_round_off_of_margins_is_relative(system, equations, point)
     )
     return point, equations.distances_of_nodes_from_their_two_state_changes(point) < -round_off
 
 
 def _find_stick_slip_states_by_slowed_newton(
-    system: _FrictionalSystem, start: Ints
-) -> _SettledStates:
+    system: _ScaledIncrementEquations, start: Ints
+) -> _StickSlipStatesAndSolutionOfIncrement:
     """Find the states of the nodes by Newton's method, made slow enough not to go in circles.
 
     While the wrong states do not get fewer, only the node of the highest number changes its state
@@ -339,11 +349,11 @@ def _find_stick_slip_states_by_slowed_newton(
     change at once, they may all slip, and the shoes turn with the drum until an anchor stops them.
     """
     state, fewest = start, 3 * len(start)
-    for step in range(1, MOST_STATE_CHANGES * len(start) + 1):
+    for step in range(1, MAX_STICK_SLIP_CHANGES_PER_NODE * len(start) + 1):
         point, outside = _solution_and_violated_conditions(system, state)
         wrong = int(np.count_nonzero(outside))
         if not wrong:
-            return _SettledStates(state, point, step)
+            return _StickSlipStatesAndSolutionOfIncrement(state, point, step)
         if wrong >= fewest:
             outside[:, : np.flatnonzero(outside.any(axis=0))[-1]] = False
         fewest = min(fewest, wrong)
@@ -351,21 +361,23 @@ def _find_stick_slip_states_by_slowed_newton(
     raise NoAnswer("not converged: stick and slip do not settle")
 
 
-def _find_stick_slip_states_by_newton(system: _FrictionalSystem, start: Ints) -> _SettledStates:
+def _find_stick_slip_states_by_newton(
+    system: _ScaledIncrementEquations, start: Ints
+) -> _StickSlipStatesAndSolutionOfIncrement:
     """Find open, sticking and slipping nodes by Newton's method, in which all nodes change at once.
 
     `start` (n,) are the states of the first step. Raises NoAnswer if the number of nodes in a wrong
-    state has not fallen for MOST_STEPS_WITHOUT_PROGRESS steps.
+    state has not fallen for MAX_ACTIVE_SET_STEPS_WITHOUT_PROGRESS steps.
     """
-    state, fewest, patience = start, 3 * len(start), MOST_STEPS_WITHOUT_PROGRESS
-    for step in range(1, MOST_STATE_NEWTON_STEPS + 1):
+    state, fewest, patience = start, 3 * len(start), MAX_ACTIVE_SET_STEPS_WITHOUT_PROGRESS
+    for step in range(1, MAX_NEWTON_STEPS_FOR_STICK_SLIP_STATES + 1):
         point, outside = _solution_and_violated_conditions(system, state)
         wrong = int(np.count_nonzero(outside))
         if not wrong:
-            return _SettledStates(state, point, step)
+            return _StickSlipStatesAndSolutionOfIncrement(state, point, step)
         # The search ends if the number of nodes in a wrong state has not fallen for some steps.
         if wrong < fewest:
-            fewest, patience = wrong, MOST_STEPS_WITHOUT_PROGRESS
+            fewest, patience = wrong, MAX_ACTIVE_SET_STEPS_WITHOUT_PROGRESS
         else:
             patience -= 1
         if patience < 0:
@@ -375,7 +387,10 @@ def _find_stick_slip_states_by_newton(system: _FrictionalSystem, start: Ints) ->
 
 
 def _next_stick_slip_states_by_newton(
-    system: _FrictionalSystem, state: Ints, solution: _IncrementSolution, outside: Bools
+    system: _ScaledIncrementEquations,
+    state: Ints,
+    solution: _ScaledIncrementSolution,
+    outside: Bools,
 ) -> Ints:
     """Return the states (n,) of the nodes for the next step of Newton's method.
 
@@ -386,7 +401,7 @@ def _next_stick_slip_states_by_newton(
     wanted = state.copy()
     for edge in (0, 1):
         beyond = outside[edge]
-        wanted[beyond] = NEXT_STATE[state[beyond], edge]
+        wanted[beyond] = NEXT_STATE_BY_STATE_AND_VIOLATED_CONDITION[state[beyond], edge]
     # A closing node sticks, unless its slip is larger than mu times its overlap -w.
     closing = (state == OPEN) & outside[0]
     ways = np.select([slip > -system.mu * w, slip < system.mu * w], [FORWARD, BACKWARD], STICK)
@@ -398,7 +413,9 @@ def _next_stick_slip_states_by_newton(
 
 
 def _sizes_to_which_round_off_of_margins_is_relative(
-    system: _FrictionalSystem, equations: _StateEquations, solution: _IncrementSolution
+    system: _ScaledIncrementEquations,
+    equations: _IncrementEquationsForGivenStates,
+    solution: _ScaledIncrementSolution,
 ) -> Floats:
     """The sizes (2, n) to which the round-off of each node's two margins is relative.
 
@@ -415,8 +432,8 @@ def _sizes_to_which_round_off_of_margins_is_relative(
 
 
 def _find_stick_slip_states_from_balanced_load(
-    system: _FrictionalSystem, start: Ints
-) -> _SettledStates:
+    system: _ScaledIncrementEquations, start: Ints
+) -> _StickSlipStatesAndSolutionOfIncrement:
     """Find open, sticking and slipping nodes on a path of solutions.
 
     The path begins at a load that the states `start` (n,) balance, and ends at the true load.
@@ -425,8 +442,8 @@ def _find_stick_slip_states_from_balanced_load(
 
 
 def _find_stick_slip_states_from_widened_gaps(
-    system: _FrictionalSystem, start: Ints
-) -> _SettledStates:
+    system: _ScaledIncrementEquations, start: Ints
+) -> _StickSlipStatesAndSolutionOfIncrement:
     """Find open, sticking and slipping nodes on a path of solutions from widened gaps.
 
     Where the path begins, only the nodes that the actuation closes first touch, and they slip. Of
@@ -450,25 +467,26 @@ def _find_stick_slip_states_from_widened_gaps(
     return _follow_stick_slip_states_to_true_load(system, state, from_wide_gaps=True)
 
 
-class _StateChange(NamedTuple):
+class _StickSlipStateChangeOnPath(NamedTuple):
     """The change of a node between open, stick and slip that comes next on a path of solutions.
 
     Attributes
     ----------
     node : number of the node that changes its state
-    edge : number of the condition, 0 or 1, that the node reaches, as in NEXT_STATE
+    number_of_reached_condition : number of the condition, 0 or 1, that the node reaches, as in
+        NEXT_STATE_BY_STATE_AND_VIOLATED_CONDITION
     load_change : change of the load parameter r of the path up to the change of state; inf if no
         node changes its state
     """
 
     node: int
-    edge: int
+    number_of_reached_condition: int
     load_change: float
 
 
 def _follow_stick_slip_states_to_true_load(
-    system: _FrictionalSystem, state: Ints, *, from_wide_gaps: bool
-) -> _SettledStates:
+    system: _ScaledIncrementEquations, state: Ints, *, from_wide_gaps: bool
+) -> _StickSlipStatesAndSolutionOfIncrement:
     """Follow the path of solutions under the loads q + r e and h + r f from r = 1 to r = 0.
 
     The added loads e and f are chosen so that the first states of the nodes hold at r = 1, each by
@@ -478,11 +496,11 @@ def _follow_stick_slip_states_to_true_load(
     path goes on for ever.
     """
     state, r, direction, node, edge = state.copy(), 1.0, -1.0, -1, 0
-    equations = _StateEquations(system, state)
+    equations = _IncrementEquationsForGivenStates(system, state)
     e, f = _added_gaps_and_loads_that_make_stick_slip_states_valid(
         system, equations, from_wide_gaps
     )
-    for passed in range(1, MOST_STATE_CHANGES * len(state) + 1):
+    for passed in range(1, MAX_STICK_SLIP_CHANGES_PER_NODE * len(state) + 1):
         # In the present states the solution is point + r slope, with the load parameter r. The
         # distances of the nodes from a change of state are value + r change.
         point = equations.solve_increment_under_loads(system.q, system.h)
@@ -494,9 +512,9 @@ def _follow_stick_slip_states_to_true_load(
         if node >= 0:
             direction = float(np.sign(change[edge, node]))
         met = _next_stick_slip_state_change_on_path(value, change, r, direction)
-        node, edge = met.node, met.edge
+        node, edge = met.node, met.number_of_reached_condition
         if direction < 0 and met.load_change >= r:
-            return _SettledStates(state, point, passed)
+            return _StickSlipStatesAndSolutionOfIncrement(state, point, passed)
         if not np.isfinite(met.load_change):
             break
         r += direction * met.load_change
@@ -506,11 +524,11 @@ def _follow_stick_slip_states_to_true_load(
         if before == OPEN:
             state[node], edge = FORWARD if slip > 0 else BACKWARD, 0
         else:
-            state[node] = NEXT_STATE[before, edge]
+            state[node] = NEXT_STATE_BY_STATE_AND_VIOLATED_CONDITION[before, edge]
             # `edge` becomes the number of the condition whose violation would lead back to the old
             # state.
-            edge = int(NEXT_STATE[state[node], 1] == before)
-        equations = _StateEquations(system, state)
+            edge = int(NEXT_STATE_BY_STATE_AND_VIOLATED_CONDITION[state[node], 1] == before)
+        equations = _IncrementEquationsForGivenStates(system, state)
     raise NoAnswer(
         "not converged: stick and slip do not settle, nor does a path lead to where they do"
     )
@@ -518,7 +536,7 @@ def _follow_stick_slip_states_to_true_load(
 
 def _next_stick_slip_state_change_on_path(
     value: Floats, change: Floats, r: float, direction: float
-) -> _StateChange:
+) -> _StickSlipStateChangeOnPath:
     """Return the change of state that comes next on a path of solutions.
 
     Parameters
@@ -532,11 +550,13 @@ def _next_stick_slip_state_change_on_path(
     reach = np.full(falls.shape, np.inf)
     reach[falls] = np.maximum(value + r * change, 0.0)[falls] / np.abs(change[falls])
     edge, node = divmod(int(reach.argmin()), falls.shape[1])
-    return _StateChange(node, edge, reach[edge, node])
+    return _StickSlipStateChangeOnPath(node, edge, reach[edge, node])
 
 
 def _added_gaps_and_loads_that_make_stick_slip_states_valid(
-    system: _FrictionalSystem, equations: _StateEquations, from_wide_gaps: bool
+    system: _ScaledIncrementEquations,
+    equations: _IncrementEquationsForGivenStates,
+    from_wide_gaps: bool,
 ) -> tuple[Floats, Floats]:
     """Return terms to add to q (2n,) and h (k,) that make the present states a solution.
 
@@ -569,7 +589,7 @@ def _added_gaps_and_loads_that_make_stick_slip_states_valid(
     return of_q, of_h
 
 
-class _StateDistances(NamedTuple):
+class _DistancesFromStickSlipStateChange(NamedTuple):
     """The distances (2, n) of all nodes from a change of state, made positive.
 
     `enlarged` (2, n) marks the distances that were made larger.
@@ -580,11 +600,11 @@ class _StateDistances(NamedTuple):
 
 
 def _distances_from_state_change_made_positive(
-    system: _FrictionalSystem,
-    equations: _StateEquations,
-    solution: _IncrementSolution,
+    system: _ScaledIncrementEquations,
+    equations: _IncrementEquationsForGivenStates,
+    solution: _ScaledIncrementSolution,
     from_wide_gaps: bool,
-) -> _StateDistances:
+) -> _DistancesFromStickSlipStateChange:
     """Return the distances (2, n) of nodes from a change of state, negative ones made positive.
 
     With `from_wide_gaps` the gaps of all open nodes are widened too. The added distances differ
@@ -592,8 +612,8 @@ def _distances_from_state_change_made_positive(
     """
     state = equations.state
     n = len(state)
-    uneven = 1 + np.arange(2 * n).reshape(2, n) * GOLDEN_RATIO % 1
-    slack = SMALLEST_EXTRA_GAP * _sizes_to_which_round_off_of_margins_is_relative(
+    uneven = 1 + np.arange(2 * n).reshape(2, n) * INVERSE_GOLDEN_RATIO % 1
+    slack = SMALLEST_ADDED_GAP_OVER_LARGEST_GAP * _sizes_to_which_round_off_of_margins_is_relative(
         system, equations, solution
     )
     margin = equations.distances_of_nodes_from_their_two_state_changes(solution)
@@ -602,10 +622,10 @@ def _distances_from_state_change_made_positive(
         lifted[0] |= state == OPEN
     lifted[1] &= state != OPEN
     wider = np.maximum(margin, 0) + slack * uneven if from_wide_gaps else slack * uneven
-    return _StateDistances(np.where(lifted, wider, margin), lifted)
+    return _DistancesFromStickSlipStateChange(np.where(lifted, wider, margin), lifted)
 
 
-class _ScaledFactors(NamedTuple):
+class _LuFactorsOfScaledMatrix(NamedTuple):
     """The LU factors and pivots of a scaled matrix, and the scales of its rows and columns."""
 
     lu: Floats
@@ -614,24 +634,26 @@ class _ScaledFactors(NamedTuple):
     column_scales: Floats
 
 
-def _scale_matrix_and_compute_lu_factors(matrix: Floats) -> _ScaledFactors:
+def _scale_matrix_and_compute_lu_factors(matrix: Floats) -> _LuFactorsOfScaledMatrix:
     """Return the LU factors of a matrix whose rows and columns are scaled to a largest entry of 1.
 
     The scales make up for the different units of pressures and motions. Raises NoAnswer if the
     matrix is singular.
     """
     if not matrix.size:
-        return _ScaledFactors(matrix, np.zeros(0, dtype=np.int32), np.zeros(0), np.zeros(0))
+        return _LuFactorsOfScaledMatrix(
+            matrix, np.zeros(0, dtype=np.int32), np.zeros(0), np.zeros(0)
+        )
     tiny = np.finfo(float).tiny
     row = 1 / np.maximum(np.abs(matrix).max(axis=1), tiny)
     column = 1 / np.maximum(np.abs(row[:, None] * matrix).max(axis=0), tiny)
     lu, pivots, info = dgetrf(row[:, None] * matrix * column)
     if info or not np.isfinite(np.diagonal(lu)).all():
         raise NoAnswer("no equilibrium: contact and friction cannot balance the actuation")
-    return _ScaledFactors(lu, pivots, row, column)
+    return _LuFactorsOfScaledMatrix(lu, pivots, row, column)
 
 
-def _solve_with_scaled_lu_factors(factors: _ScaledFactors, right: Floats) -> Floats:
+def _solve_with_scaled_lu_factors(factors: _LuFactorsOfScaledMatrix, right: Floats) -> Floats:
     """Return the solution of a linear system from the LU factors of its scaled matrix."""
     if not right.size:
         return right

@@ -13,20 +13,20 @@ from drumlin.base.errors import DrumlinError, NoAnswer
 from drumlin.brake import vary
 from drumlin.brake.brake import Brake
 from drumlin.brake.friction import require_friction_independent_of_pressure
-from drumlin.explore.knobs import KnobSetting, brake_at_slider_setting, sliders_for_brake
+from drumlin.explore.knobs import SliderSetting, brake_at_slider_setting, sliders_for_brake
 from drumlin.fem.analysis.self_locking import self_locking_friction_of_shoe_groups
-from drumlin.fem.error_control.levels import LEVELS
+from drumlin.fem.error_control.levels import REFINEMENT_LEVELS_FROM_COARSE_TO_FINE
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.cache import brake_without_loads_and_clearances
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.fem.width.prepare import prepare_model_with_shoe_widths
-from drumlin.laws import LAWS, self_locking_friction_of_hinged_shoe
+from drumlin.laws import LAWS_OF_HINGED_SHOES_BY_NAME, self_locking_friction_of_hinged_shoe
 from drumlin.lining_wear.archard import WearLaw, WearState, interpolate_wear_state_at_distance
 from drumlin.lining_wear.linings import WearSetup, wear_setup_by_finite_elements
 from drumlin.lining_wear.run_in import (
     DEFAULT_WEAR_COEFFICIENT,
-    WORN_OUT_FRACTION,
+    WORN_OUT_FRACTION_OF_LINING_THICKNESS,
     brake_with_worn_linings,
     wear_brake_linings_until_worn_in,
 )
@@ -34,16 +34,16 @@ from drumlin.models import MODELS, model_with_name_that_applies_to_brake
 from drumlin.response import Response
 from drumlin.response.merit import response_with_figures_of_merit
 from drumlin.response.norms import relative_distance_of_pressures, relative_error_of_number
-from drumlin.response.response import ModelError
+from drumlin.response.response import EstimatedErrorOfPlaneStress
 
-EXPLORE_LEVEL = LEVELS[1]
+REFINEMENT_LEVEL_OF_EXPLORE_PAGE = REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[1]
 """The fixed division of the shoes into hp elements, for shoes without a mesh file.
 
 Its torque is accurate to some 0.03 %, and the stiffness of the shoes takes 30 to 100 ms to compute.
 With a finer division the page would follow its sliders too slowly.
 """
 
-WIDTH_EXPLORE_LEVEL, WIDTH_EXPLORE_DEGREE = LEVELS[0], 2
+WIDTH_EXPLORE_LEVEL, WIDTH_EXPLORE_DEGREE = REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[0], 2
 """The fixed division of solid shoes into hp elements, and the polynomial degree across the width.
 
 For 14 example brakes the torque differs by up to 0.04 % from the torque by the next finer division.
@@ -51,22 +51,22 @@ The stiffness of their shoes takes 9 to 50 ms and the contact 4 to 40 ms. With t
 the stiffness takes up to 180 ms.
 """
 
-WIDTH_TOLERANCE = 5e-3
+TOLERANCE_OF_ACCURATE_SOLID_SOLUTION = 5e-3
 """Relative tolerance of p and torque in the accurate solution by solid shoes.
 
 The page shows the difference of its own answer by solid shoes from this solution.
 """
 
-HIGHEST_FRICTION = 5.0
+HIGHEST_SOUGHT_LOCKING_FRICTION = 5.0
 """Friction coefficient up to which self-locking is searched; no real lining comes near it."""
 
-WEAR_TOLERANCE = 1e-2
+PRESSURE_ERROR_OF_ONE_WEAR_INCREMENT = 1e-2
 """Relative error of the pressure (L2) that one increment of the sliding distance may make by wear.
 
 The error of the torque is then some 0.01 %.
 """
 
-LockingFriction = Mapping[tuple[int, ...], float]
+LockingFrictionByShoeGroup = Mapping[tuple[int, ...], float]
 """The friction coefficient mu_lock at which shoes lock themselves.
 
 The key is a tuple with the positions of the shoes that lock together.
@@ -74,7 +74,7 @@ The key is a tuple with the positions of the shoes that lock together.
 
 
 @dataclass(frozen=True)
-class ExploredAnswer:
+class FemAndLawAnswerAtSliderSetting:
     """The answers of finite elements and of a law for a setting of the sliders.
 
     Attributes
@@ -82,27 +82,28 @@ class ExploredAnswer:
     setting : positions of the sliders
     brake : the brake as it is solved, with worn linings if the slider of wear is not at 0; None
         where the parts of the brake do not fit together
-    found : response of the finite elements; None where they have no answer
+    fem_response : response of the finite elements; None where they have no answer
     failure : reason why the finite elements have no answer; "" where they have one
     law_name : name of the rigid-shoe law whose answer is shown beside the finite elements
-    law : response of the law; None where the law has no answer
+    law_response : response of the law; None where the law has no answer
     law_failure : reason why the law has no answer; "" where it has one
-    law_locking : smallest friction at which a shoe locks itself by the law; None on a plane
+    locking_friction_by_law : smallest friction at which a shoe locks itself by the law; None on a
+        plane
     distance : sliding distance [m] over which the linings are worn
     """
 
-    setting: KnobSetting
+    setting: SliderSetting
     brake: Brake | None = None
-    found: Response | None = None
+    fem_response: Response | None = None
     failure: str = ""
     law_name: str | None = None
-    law: Response | None = None
+    law_response: Response | None = None
     law_failure: str = ""
-    law_locking: float | None = None
+    locking_friction_by_law: float | None = None
     distance: float = 0.0
 
 
-class _WearRun(NamedTuple):
+class _WearUpToLargestSlidingDistance(NamedTuple):
     """The wear of a brake's linings, from new linings to the largest sliding distance of the page.
 
     Attributes
@@ -122,22 +123,22 @@ class _WornBrake(NamedTuple):
     distance: float
 
 
-class StatedError(NamedTuple):
+class DifferenceFromAccurateAnswer(NamedTuple):
     """The difference between the page's answer and the accurate answer of `drumlin.solve`.
 
     Attributes
     ----------
     torque : relative difference of the torque
     pressure : relative difference of the pressure (L2) on the shoe where it is largest
-    own : estimated errors that `drumlin.solve` states for its accurate answer; None if it states
-        none
+    errors_stated_by_accurate_answer : estimated errors that `drumlin.solve` states for its accurate
+        answer; None if it states none
     plane_stress : estimated errors by the assumption of plane stress; None for solid shoes
     """
 
     torque: float
     pressure: float
-    own: Mapping[str, float] | None
-    plane_stress: ModelError | None
+    errors_stated_by_accurate_answer: Mapping[str, float] | None
+    plane_stress: EstimatedErrorOfPlaneStress | None
 
 
 class LatestValueCache:
@@ -151,7 +152,7 @@ class LatestValueCache:
         """The stored value if it was made for `key`, else None."""
         return self._value if key == self._key else None
 
-    def get(self, key: Any, make: Callable[[], Any]) -> Any:
+    def stored_or_new_value(self, key: Any, make: Callable[[], Any]) -> Any:
         """The stored value if it was made for `key`, else a new value that `make` returns."""
         if self._value is None or key != self._key:
             self._value = make()
@@ -159,7 +160,7 @@ class LatestValueCache:
         return self._value
 
 
-class Explorer:
+class SliderSolver:
     """A solver for one brake at all positions of the page's sliders.
 
     To save time it keeps the prepared model, the wear and the limits of self-locking that it
@@ -176,9 +177,11 @@ class Explorer:
         self._limits = LatestValueCache()
         self._stated = LatestValueCache()
 
-    def fem_and_law_answer_at_slider_setting(self, setting: KnobSetting) -> ExploredAnswer:
+    def fem_and_law_answer_at_slider_setting(
+        self, setting: SliderSetting
+    ) -> FemAndLawAnswerAtSliderSetting:
         """The answer for a setting of the sliders; where a model fails, it holds the reason."""
-        answer = ExploredAnswer(setting, law_name=setting.law)
+        answer = FemAndLawAnswerAtSliderSetting(setting, law_name=setting.law)
         # The answer is completed step by step. After a failure it keeps what it has so far.
         try:
             brake = brake_at_slider_setting(self.brake, self.knobs, setting)
@@ -195,7 +198,7 @@ class Explorer:
             # On a plane the page shows the braking force, which is a figure of merit.
             if brake.surface.is_plane_and_not_drum:
                 found = response_with_figures_of_merit(brake, found)
-            answer = replace(answer, found=found)
+            answer = replace(answer, fem_response=found)
         except DrumlinError as error:
             answer = replace(answer, failure=str(error))
         return _fem_answer_with_results_of_pressure_law(answer)
@@ -219,13 +222,13 @@ class Explorer:
                 )
             if any(shoe.mesh for shoe in rough.shoes):
                 return make_prepared_model(rough)
-            return make_prepared_model(rough, EXPLORE_LEVEL)
+            return make_prepared_model(rough, REFINEMENT_LEVEL_OF_EXPLORE_PAGE)
 
         # Brakes that differ only in loads, clearances or friction need the same prepared model, so
         # that they share one key in the cache.
         with_friction = {"friction_as_written": 1.0}
         key = brake_without_loads_and_clearances(brake).model_copy(update=with_friction)
-        return self._scene.get((key, model), prepare_model_with_friction)
+        return self._scene.stored_or_new_value((key, model), prepare_model_with_friction)
 
     def _brake_worn_over_distance(
         self, scene: PreparedModel, brake: Brake, wear: float
@@ -235,14 +238,14 @@ class Explorer:
         Raises NoAnswer where a lining is worn out before.
         """
         (slider,) = (knob for knob in self.knobs if knob.name == "wear")
-        run = self._worn.get(
+        run = self._worn.stored_or_new_value(
             brake, lambda: _wear_linings_over_distance(scene, brake, 1e3 * slider.high)
         )
         state = interpolate_wear_state_at_distance(run.states, 1e3 * wear)
         for surface in run.setup.surfaces:
             # A lining that has lost more than the allowed part of its thickness has no answer.
             deepest, lining = state.depth[surface.part].max(), brake.shoes[surface.shoe].lining
-            if deepest > WORN_OUT_FRACTION * lining.thickness:
+            if deepest > WORN_OUT_FRACTION_OF_LINING_THICKNESS * lining.thickness:
                 raise NoAnswer(
                     f"shoe {surface.name!r}: worn out, "
                     f"{deepest * 1e3:.3g} mm would be worn off its lining"
@@ -251,15 +254,15 @@ class Explorer:
 
     def cached_self_locking_friction_of_shoe_groups(
         self, brake: Brake, model: str = "fem"
-    ) -> LockingFriction:
+    ) -> LockingFrictionByShoeGroup:
         """The friction coefficient at which each group of shoes locks itself, by finite elements.
 
         The keys are the positions of the shoes that lock together. Shoes that do not lock up to
-        HIGHEST_FRICTION have no entry. The result is empty where no
+        HIGHEST_SOUGHT_LOCKING_FRICTION have no entry. The result is empty where no
         shoe touches the drum. `model` is "fem" for plane stress and "solid" for solid shoes.
         """
 
-        def find_self_locking_friction_with_unit_friction() -> LockingFriction:
+        def find_self_locking_friction_with_unit_friction() -> LockingFrictionByShoeGroup:
             """Find the friction at which groups of shoes lock.
 
             The brake's own friction does not matter and is set to 1.
@@ -267,44 +270,48 @@ class Explorer:
             rough = brake.brake_with_new_friction_coefficient(1.0)
             try:
                 found = self_locking_friction_of_shoe_groups(
-                    self.prepared_model_of_brake(brake, model), rough, HIGHEST_FRICTION
+                    self.prepared_model_of_brake(brake, model),
+                    rough,
+                    HIGHEST_SOUGHT_LOCKING_FRICTION,
                 )
             except NoAnswer:
                 return {}
             return {members: limit.friction for members, limit in found.items()}
 
-        known: LockingFriction = self._limits.get(
+        known: LockingFrictionByShoeGroup = self._limits.stored_or_new_value(
             (_brake_with_unit_friction(brake), model), find_self_locking_friction_with_unit_friction
         )
         return known
 
     def self_locking_friction_if_already_computed(
         self, brake: Brake, model: str = "fem"
-    ) -> LockingFriction | None:
+    ) -> LockingFrictionByShoeGroup | None:
         """The friction at which each group of shoes locks itself, if it is known; else None.
 
         Nothing is computed here. `cached_self_locking_friction_of_shoe_groups` computes these
         values in 30 to 100 ms.
         """
-        known: LockingFriction | None = self._limits.cached_value_for_key_or_none(
+        known: LockingFrictionByShoeGroup | None = self._limits.cached_value_for_key_or_none(
             (_brake_with_unit_friction(brake), model)
         )
         return known
 
-    def difference_from_accurate_answer(self, answer: ExploredAnswer) -> StatedError | None:
+    def difference_from_accurate_answer(
+        self, answer: FemAndLawAnswerAtSliderSetting
+    ) -> DifferenceFromAccurateAnswer | None:
         """The difference between an answer of the page and the accurate answer of `drumlin.solve`.
 
         The accurate answer takes seconds to minutes. The result is None where the page or
         `drumlin.solve` has no answer.
         """
-        brake, found, model = answer.brake, answer.found, answer.setting.model
+        brake, found, model = answer.brake, answer.fem_response, answer.setting.model
         if brake is None or found is None:
             return None
         options: dict[str, Any] = {"model_error": True}
         if model == "solid":
-            options = {"tolerance": WIDTH_TOLERANCE}
+            options = {"tolerance": TOLERANCE_OF_ACCURATE_SOLID_SOLUTION}
 
-        def solve_accurately_and_compare() -> StatedError | None:
+        def solve_accurately_and_compare() -> DifferenceFromAccurateAnswer | None:
             """Solve the brake accurately and compare; None if the accurate solution fails."""
             try:
                 finer = MODELS[model].solve(brake, **options)
@@ -312,14 +319,16 @@ class Explorer:
                 return None
             # The stated error of the pressure is the largest difference of all shoes.
             apart = max(map(relative_distance_of_pressures, found.shoes, finer.shoes))
-            return StatedError(
+            return DifferenceFromAccurateAnswer(
                 abs(relative_error_of_number(found.effect, finer.effect)),
                 apart,
                 finer.error,
                 finer.plane_stress_error,
             )
 
-        known: StatedError | None = self._stated.get((brake, model), solve_accurately_and_compare)
+        known: DifferenceFromAccurateAnswer | None = self._stated.stored_or_new_value(
+            (brake, model), solve_accurately_and_compare
+        )
         return known
 
 
@@ -328,16 +337,20 @@ def _brake_with_unit_friction(brake: Brake) -> Brake:
     return brake.brake_with_new_friction_coefficient(1.0)
 
 
-def _wear_linings_over_distance(scene: PreparedModel, brake: Brake, distance: float) -> _WearRun:
+def _wear_linings_over_distance(
+    scene: PreparedModel, brake: Brake, distance: float
+) -> _WearUpToLargestSlidingDistance:
     """The wear of a brake's linings up to a sliding distance [m]."""
     setup, law = wear_setup_by_finite_elements(scene, brake), WearLaw(DEFAULT_WEAR_COEFFICIENT)
     states = wear_brake_linings_until_worn_in(
-        setup, law, distance=distance, tolerance=WEAR_TOLERANCE
+        setup, law, distance=distance, tolerance=PRESSURE_ERROR_OF_ONE_WEAR_INCREMENT
     )
-    return _WearRun(setup, states)
+    return _WearUpToLargestSlidingDistance(setup, states)
 
 
-def _fem_answer_with_results_of_pressure_law(answer: ExploredAnswer) -> ExploredAnswer:
+def _fem_answer_with_results_of_pressure_law(
+    answer: FemAndLawAnswerAtSliderSetting,
+) -> FemAndLawAnswerAtSliderSetting:
     """A copy of the finite elements' answer, with the rigid-shoe pressure law's answer added."""
     name, brake = answer.law_name, answer.brake
     if name is None or brake is None:
@@ -345,12 +358,16 @@ def _fem_answer_with_results_of_pressure_law(answer: ExploredAnswer) -> Explored
     try:
         # On a drum a formula of the law gives the friction at which each shoe locks itself. The
         # smallest of these frictions is taken.
-        if name in LAWS and not brake.surface.is_plane_and_not_drum:
+        if name in LAWS_OF_HINGED_SHOES_BY_NAME and not brake.surface.is_plane_and_not_drum:
             limits = []
             for shoe in brake.shoes:
-                own = self_locking_friction_of_hinged_shoe(brake, shoe, LAWS[name])
+                own = self_locking_friction_of_hinged_shoe(
+                    brake, shoe, LAWS_OF_HINGED_SHOES_BY_NAME[name]
+                )
                 limits.append(brake.brake_friction_that_gives_shoe_friction(shoe, own))
-            answer = replace(answer, law_locking=min(limits))
-        return replace(answer, law=model_with_name_that_applies_to_brake(name, brake).solve(brake))
+            answer = replace(answer, locking_friction_by_law=min(limits))
+        return replace(
+            answer, law_response=model_with_name_that_applies_to_brake(name, brake).solve(brake)
+        )
     except DrumlinError as error:
         return replace(answer, law_failure=str(error))

@@ -10,30 +10,30 @@ from collections.abc import Callable
 import numpy as np
 
 from drumlin.brake.brake import Brake
-from drumlin.brake.components import Bar
+from drumlin.brake.components import ShoeBodyOfConstantSection
 from drumlin.explore.knob import (
-    Changes,
-    Knob,
+    BrakeSlider,
+    NewValuesByBrakeFileKey,
     linings_by_brake_file_key,
     nearest_1_2_or_5_times_power_of_ten,
     rounded_brake_file_text_of_angle,
 )
 
-ARC_REACH = 10.0
+LARGEST_LINING_END_SHIFT_BY_SLIDER = 10.0
 """Largest angle [deg] by which a slider moves each end of a lining.
 
 The horizontal axis of the pressure curves on the page has room for linings that are longer by this
 angle.
 """
 
-RADIUS_REACH = 0.1
+LARGEST_RELATIVE_RADIUS_CHANGE_BY_SLIDER = 0.1
 """Largest change of the drum's radius by its slider, relative to the radius of the file.
 
 The picture of the brake keeps its scale, and has room for a drum that is larger by this fraction.
 """
 
 
-def geometry_sliders_for_brake(brake: Brake) -> tuple[Knob, ...]:
+def geometry_sliders_for_brake(brake: Brake) -> tuple[BrakeSlider, ...]:
     """The sliders for the shape of a brake; none on a plane or with mesh files of shoes."""
     if brake.surface.is_plane_and_not_drum or any(shoe.mesh for shoe in brake.shoes):
         return ()
@@ -42,7 +42,7 @@ def geometry_sliders_for_brake(brake: Brake) -> tuple[Knob, ...]:
         if lining.thickness:
             linings[f"{key}.thickness"] = lining.thickness
     for i, shoe in enumerate(brake.shoes):
-        if isinstance(shoe.body, Bar):
+        if isinstance(shoe.body, ShoeBodyOfConstantSection):
             bodies[f"shoe[{i}].body.thickness"] = shoe.body.thickness
     knobs = (
         _drum_radius_slider(brake),
@@ -54,35 +54,38 @@ def geometry_sliders_for_brake(brake: Brake) -> tuple[Knob, ...]:
     return tuple(knob for knob in knobs if knob is not None)
 
 
-def _drum_radius_slider(brake: Brake) -> Knob:
+def _drum_radius_slider(brake: Brake) -> BrakeSlider:
     """The slider of the drum's radius [mm]; linings and shoes follow, hinges and forces stay."""
     R = brake.size * 1e3
 
-    def new_drum_radius_at_slider_value(value: float) -> Changes:
-        """New radius of the drum; `brake_at_slider_setting` keeps the misfits of the linings."""
+    def new_drum_radius_at_slider_value(value: float) -> NewValuesByBrakeFileKey:
+        """The change of the drum's radius [m] to `value` [mm].
+
+        `brake_at_slider_setting` changes the radii of the linings by the same length.
+        """
         return {"drum.radius": value * 1e-3}
 
-    return Knob(
+    return BrakeSlider(
         name="radius",
         label="radius of the drum",
         unit="mm",
-        low=(1 - RADIUS_REACH) * R,
-        high=(1 + RADIUS_REACH) * R,
+        low=(1 - LARGEST_RELATIVE_RADIUS_CHANGE_BY_SLIDER) * R,
+        high=(1 + LARGEST_RELATIVE_RADIUS_CHANGE_BY_SLIDER) * R,
         step=nearest_1_2_or_5_times_power_of_ten(R / 1000),
         start=R,
         changes=new_drum_radius_at_slider_value,
     )
 
 
-def _lining_arc_slider(brake: Brake) -> Knob:
+def _lining_arc_slider(brake: Brake) -> BrakeSlider:
     """The slider that lengthens the lining of each shoe by the same angle [deg] at both ends."""
 
-    def new_lining_end_angles_at_slider_value(value: float) -> Changes:
+    def new_lining_end_angles_at_slider_value(value: float) -> NewValuesByBrakeFileKey:
         """New end angles of all shoes' linings, which become longer by `value` [deg] at both ends.
 
         Where a shoe has several linings, only the outermost ends move: the gaps between them stay.
         """
-        made: Changes = {}
+        made: NewValuesByBrakeFileKey = {}
         for i, shoe in enumerate(brake.shoes):
             parts = shoe.lining.linings
             last = len(parts) - 1
@@ -96,19 +99,19 @@ def _lining_arc_slider(brake: Brake) -> Knob:
             made[f"{last_key}.end"] = rounded_brake_file_text_of_angle(parts[last].end + by)
         return made
 
-    return Knob(
+    return BrakeSlider(
         name="arc",
         label="lining longer at each end by",
         unit="deg",
-        low=-ARC_REACH,
-        high=ARC_REACH,
+        low=-LARGEST_LINING_END_SHIFT_BY_SLIDER,
+        high=LARGEST_LINING_END_SHIFT_BY_SLIDER,
         step=0.5,
         start=0.0,
         changes=new_lining_end_angles_at_slider_value,
     )
 
 
-def _hinge_radius_slider(brake: Brake) -> Knob | None:
+def _hinge_radius_slider(brake: Brake) -> BrakeSlider | None:
     """The slider that moves all hinges away from the drum's centre, in mm; None without hinges."""
     hinges = {
         f"shoe[{i}].hinge": shoe.hinge.xy
@@ -119,15 +122,15 @@ def _hinge_radius_slider(brake: Brake) -> Knob | None:
         return None
     reach = nearest_1_2_or_5_times_power_of_ten(brake.size * 1e3 / 5)
 
-    def new_hinge_points_at_slider_value(value: float) -> Changes:
+    def new_hinge_points_at_slider_value(value: float) -> NewValuesByBrakeFileKey:
         """New points of all hinges, moved away from the drum's centre by `value` [mm]."""
-        made: Changes = {}
+        made: NewValuesByBrakeFileKey = {}
         for key, xy in hinges.items():
             x, y = xy * (1 + value * 1e-3 / np.linalg.norm(xy))
             made[key] = {"x": float(x), "y": float(y)}
         return made
 
-    return Knob(
+    return BrakeSlider(
         name="hinge",
         label="hinge farther from the centre by",
         unit="mm",
@@ -139,7 +142,7 @@ def _hinge_radius_slider(brake: Brake) -> Knob | None:
     )
 
 
-def _thickness_slider(name: str, label: str, given: dict[str, float]) -> Knob | None:
+def _thickness_slider(name: str, label: str, given: dict[str, float]) -> BrakeSlider | None:
     """The slider of a thickness [mm], from half to twice the thickness in the brake file.
 
     `given` holds the thicknesses [m] in the file by their keys; without any the result is None.
@@ -148,10 +151,10 @@ def _thickness_slider(name: str, label: str, given: dict[str, float]) -> Knob | 
     if not given:
         return None
     start = max(given.values()) * 1e3
-    proportional: Callable[[float], Changes] = lambda value: {  # noqa: E731
+    proportional: Callable[[float], NewValuesByBrakeFileKey] = lambda value: {  # noqa: E731
         key: thickness * value / start for key, thickness in given.items()
     }
-    return Knob(
+    return BrakeSlider(
         name=name,
         label=label if len(set(given.values())) == 1 else f"{label}, the largest",
         unit="mm",

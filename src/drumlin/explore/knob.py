@@ -1,4 +1,4 @@
-"""A slider of the page (class `Knob`), and what several kinds of sliders need."""
+"""A slider of the page (class `BrakeSlider`), and what several kinds of sliders need."""
 
 import math
 from collections.abc import Callable
@@ -8,11 +8,11 @@ from drumlin.base.round_numbers import four_round_numbers_around_value
 from drumlin.brake.brake import Brake
 from drumlin.brake.components import Lining
 
-Changes = dict[str, Any]
+NewValuesByBrakeFileKey = dict[str, Any]
 """New values of a brake file by their keys, such as {"friction": 0.3}; `vary` takes them."""
 
 
-SAVED_DIGITS = 9
+SIGNIFICANT_DIGITS_OF_SLIDER_VALUE = 9
 """Significant digits of a number that a slider sets.
 
 More digits would hold the rounding of additions and units, such as 0.34000000000000002, and a saved
@@ -21,9 +21,9 @@ brake file would show them. Fewer digits would change the torque in the digits t
 
 
 def value_with_all_numbers_rounded(value: Any) -> Any:
-    """The value with all numbers in it rounded to SAVED_DIGITS; texts stay as they are."""
+    """The value with all numbers in it rounded for a slider; texts stay as they are."""
     if isinstance(value, float):
-        return float(f"{value:.{SAVED_DIGITS}g}")
+        return float(f"{value:.{SIGNIFICANT_DIGITS_OF_SLIDER_VALUE}g}")
     if isinstance(value, dict):
         return {key: value_with_all_numbers_rounded(item) for key, item in value.items()}
     if isinstance(value, list | tuple):
@@ -33,10 +33,10 @@ def value_with_all_numbers_rounded(value: Any) -> Any:
 
 def rounded_brake_file_text_of_angle(angle: float) -> str:
     """An angle [rad] as a brake file writes it, in rounded degrees such as "10 deg"."""
-    return f"{math.degrees(angle):.{SAVED_DIGITS}g} deg"
+    return f"{math.degrees(angle):.{SIGNIFICANT_DIGITS_OF_SLIDER_VALUE}g} deg"
 
 
-class Knob(NamedTuple):
+class BrakeSlider(NamedTuple):
     """A slider of the page, which changes one quantity of the brake.
 
     Attributes
@@ -58,7 +58,7 @@ class Knob(NamedTuple):
     high: float
     step: float
     start: float
-    changes: Callable[[float], Changes]
+    changes: Callable[[float], NewValuesByBrakeFileKey]
     log: bool = False
 
     @property

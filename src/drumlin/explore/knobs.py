@@ -15,12 +15,12 @@ from drumlin.base.round_numbers import four_round_numbers_around_value
 from drumlin.base.texts import printable_single_line
 from drumlin.brake import vary
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.brake.components import Beam
-from drumlin.brake.drive import Drive
+from drumlin.brake.components import BeamBody
+from drumlin.brake.drive import DriveOfAllShoes
 from drumlin.explore.geometry_knobs import geometry_sliders_for_brake
 from drumlin.explore.knob import (
-    Changes,
-    Knob,
+    BrakeSlider,
+    NewValuesByBrakeFileKey,
     linings_by_brake_file_key,
     nearest_1_2_or_5_times_power_of_ten,
     rounded_brake_file_text_of_angle,
@@ -31,7 +31,7 @@ from drumlin.fem.width.prepare import reason_why_width_model_does_not_apply
 from drumlin.lining_wear.run_in import DEFAULT_WEAR_COEFFICIENT
 from drumlin.models import applicable_models
 
-LARGEST_WEAR = 50.0
+SMALLEST_RELATIVE_REACH_OF_WEAR_SLIDER = 50.0
 """Sliding distance that the slider of wear reaches at least, as a multiple of 1/(k K).
 
 k is the wear coefficient, and K = E/t the stiffness of the lining in the brake file. After some 46
@@ -39,14 +39,14 @@ times 1/(k K) the pressure of a stiff brake no longer changes. The slider ends a
 number of kilometres.
 """
 
-FRICTION_STEP_OF_KNOB = 0.005
+SMALLEST_STEP_OF_FRICTION_SLIDER = 0.005
 """Smallest change of friction by its slider; at usual friction it changes the torque by 2 %."""
 
-LONGEST_LINK = 2000
+MAX_CHARACTERS_OF_EXPLORE_PAGE_LINK = 2000
 """Largest number of characters of a link that are read. A link with all sliders has some 170."""
 
 
-class _DriveKnob(NamedTuple):
+class _DriveSliderLabelAndUnit(NamedTuple):
     """The label of a slider for a cylinder or cam, its unit on the page, and this unit in SI."""
 
     label: str
@@ -54,11 +54,11 @@ class _DriveKnob(NamedTuple):
     factor: float
 
 
-CYLINDER_AND_CAM_KNOBS = {
-    "pressure": _DriveKnob("pressure of the cylinder", "MPa", 1e6),
-    "force": _DriveKnob("force of the cam", "kN", 1e3),
-    "torque": _DriveKnob("torque of the cam", "N m", 1.0),
-    "chamber.pressure": _DriveKnob("pressure in the chamber", "bar", 1e5),
+CYLINDER_AND_CAM_SLIDER_LABELS_AND_UNITS = {
+    "pressure": _DriveSliderLabelAndUnit("pressure of the cylinder", "MPa", 1e6),
+    "force": _DriveSliderLabelAndUnit("force of the cam", "kN", 1e3),
+    "torque": _DriveSliderLabelAndUnit("torque of the cam", "N m", 1.0),
+    "chamber.pressure": _DriveSliderLabelAndUnit("pressure in the chamber", "bar", 1e5),
 }
 """Label and unit of the slider of a cylinder or cam.
 
@@ -67,7 +67,7 @@ They are found by the key under which the brake file gives the actuation, such a
 
 
 @dataclass(frozen=True)
-class KnobSetting:
+class SliderSetting:
     """A setting of the page: slider positions, sense of motion, model of the elements, and law.
 
     Attributes
@@ -83,11 +83,11 @@ class KnobSetting:
     values: Mapping[str, float] = field(default_factory=dict)
     model: str = "fem"
 
-    def value(self, knob: Knob) -> float:
+    def value(self, knob: BrakeSlider) -> float:
         """The value of a slider in its unit; the brake file's value if the slider is not moved."""
         return self.values.get(knob.name, knob.start)
 
-    def setting_with_slider_moved(self, knob: Knob, value: float) -> "KnobSetting":
+    def setting_with_slider_moved(self, knob: BrakeSlider, value: float) -> "SliderSetting":
         """A copy of the setting with one slider moved to a value [unit of the slider]."""
         values = dict(self.values)
         values.pop(knob.name, None)
@@ -119,12 +119,12 @@ def finite_element_models_offered_by_page(brake: Brake) -> tuple[str, ...]:
     return ("fem", "solid")
 
 
-def slider_setting_at_brake_file_values(brake: Brake) -> KnobSetting:
+def slider_setting_at_brake_file_values(brake: Brake) -> SliderSetting:
     """The setting with all sliders at the brake file's values and the first law that applies."""
-    return KnobSetting(brake.direction, next(iter(names_of_models_besides_fem(brake)), None))
+    return SliderSetting(brake.direction, next(iter(names_of_models_besides_fem(brake)), None))
 
 
-def sliders_for_brake(brake: Brake) -> tuple[Knob, ...]:
+def sliders_for_brake(brake: Brake) -> tuple[BrakeSlider, ...]:
     """The sliders for a brake, in the order of the page.
 
     Where forces or moduli differ between the shoes, the slider shows the largest value, and the
@@ -152,11 +152,11 @@ def sliders_for_brake(brake: Brake) -> tuple[Knob, ...]:
     return tuple(knob for knob in knobs if knob is not None)
 
 
-def _friction_coefficient_slider(brake: Brake) -> Knob:
+def _friction_coefficient_slider(brake: Brake) -> BrakeSlider:
     """The slider of the friction coefficient between lining and drum."""
     own = brake.first_key_that_gives_lining_its_own_friction() is not None
 
-    def new_friction_coefficients_at_slider_value(value: float) -> Changes:
+    def new_friction_coefficients_at_slider_value(value: float) -> NewValuesByBrakeFileKey:
         """New friction of the brake, `value`; linings' own frictions change in proportion."""
         changes: dict[str, Any] = {"friction": value}
         for i, shoe in enumerate(brake.shoes):
@@ -165,19 +165,19 @@ def _friction_coefficient_slider(brake: Brake) -> Knob:
                 changes[f"shoe[{i}].lining.friction"] = ratio * value
         return changes
 
-    return Knob(
+    return BrakeSlider(
         name="friction",
         label="friction µ (others in proportion)" if own else "friction µ",
         unit="",
-        low=FRICTION_STEP_OF_KNOB if own else 0.0,
+        low=SMALLEST_STEP_OF_FRICTION_SLIDER if own else 0.0,
         high=max(1.0, 2 * brake.friction),
-        step=FRICTION_STEP_OF_KNOB,
+        step=SMALLEST_STEP_OF_FRICTION_SLIDER,
         start=brake.friction,
         changes=new_friction_coefficients_at_slider_value,
     )
 
 
-def _actuation_force_slider(brake: Brake) -> Knob | None:
+def _actuation_force_slider(brake: Brake) -> BrakeSlider | None:
     """The slider of the actuation, a force, pressure or torque; None where all forces are 0."""
     if brake.actuation is not None:
         return _cylinder_or_cam_slider(brake.actuation)
@@ -187,9 +187,9 @@ def _actuation_force_slider(brake: Brake) -> Knob | None:
         return None
     low, high = sorted([0.0, 3 * largest * 1e-3])
 
-    def new_actuation_forces_at_slider_value(value: float) -> Changes:
+    def new_actuation_forces_at_slider_value(value: float) -> NewValuesByBrakeFileKey:
         """New forces on the shoes, in the brake file's proportion; the largest is `value` [kN]."""
-        made: Changes = {}
+        made: NewValuesByBrakeFileKey = {}
         for i, force in enumerate(forces):
             # A strut pushes a shoe without force; the force of this shoe is no key to vary.
             if force:
@@ -201,12 +201,12 @@ def _actuation_force_slider(brake: Brake) -> Knob | None:
     if len(set(forces)) > 1:
         label = "largest force"
     step = nearest_1_2_or_5_times_power_of_ten(abs(largest) * 1e-5)
-    return Knob(
+    return BrakeSlider(
         "force", label, "kN", low, high, step, largest * 1e-3, new_actuation_forces_at_slider_value
     )
 
 
-def _cylinder_or_cam_slider(drive: Drive) -> Knob:
+def _cylinder_or_cam_slider(drive: DriveOfAllShoes) -> BrakeSlider:
     """The slider of an actuation of all shoes: pressure of a cylinder, force or torque of a cam."""
     # A brake file gives one of the keys pressure, force and torque, or the pressure of a chamber.
     if drive.chamber is not None:
@@ -215,17 +215,17 @@ def _cylinder_or_cam_slider(drive: Drive) -> Knob:
         keys = ("pressure", "force", "torque")
         key = next(key for key in keys if getattr(drive, key) is not None)
         value = getattr(drive, key)
-    label, unit, factor = CYLINDER_AND_CAM_KNOBS[key]
+    label, unit, factor = CYLINDER_AND_CAM_SLIDER_LABELS_AND_UNITS[key]
     start = value / factor
     # A brake with an actuation must push its shoes, so that a slider of pressure begins slightly
     # above the pressure at which the shoes are not pushed.
     low, high = sorted([lower_slider_end_over_brake_file_value(drive, key) * start, 3 * start])
 
-    def new_drive_pressure_force_or_torque_at_slider_value(value: float) -> Changes:
+    def new_drive_pressure_force_or_torque_at_slider_value(value: float) -> NewValuesByBrakeFileKey:
         """New pressure of the cylinder, or force or torque of the cam; `value` in slider's unit."""
         return {f"actuation.{key}": value * factor}
 
-    return Knob(
+    return BrakeSlider(
         "force",
         label,
         unit,
@@ -237,7 +237,7 @@ def _cylinder_or_cam_slider(drive: Drive) -> Knob:
     )
 
 
-def lower_slider_end_over_brake_file_value(drive: Drive, key: str) -> float:
+def lower_slider_end_over_brake_file_value(drive: DriveOfAllShoes, key: str) -> float:
     """The lower end of an actuation's slider, as a fraction of the brake file's value.
 
     A cylinder pushes above its threshold pressure, and a chamber above the pressure that its return
@@ -251,12 +251,12 @@ def lower_slider_end_over_brake_file_value(drive: Drive, key: str) -> float:
     return 0.0
 
 
-def _line_of_action_shift_slider(brake: Brake, R: float) -> Knob:
+def _line_of_action_shift_slider(brake: Brake, R: float) -> BrakeSlider:
     """The slider that moves the lines of action of all forces away from the hinges, in mm.
 
     R [mm] is the drum's radius, on a plane the length of the first lining.
     """
-    return Knob(
+    return BrakeSlider(
         name="shift",
         label="line of the force, moved away from the hinge",
         unit="mm",
@@ -268,12 +268,12 @@ def _line_of_action_shift_slider(brake: Brake, R: float) -> Knob:
     )
 
 
-def _new_points_of_shifted_forces(brake: Brake, by: float) -> Changes:
+def _new_points_of_shifted_forces(brake: Brake, by: float) -> NewValuesByBrakeFileKey:
     """New points of all forces, each moved across its line of action by the length `by` [m].
 
     A positive length moves the line of action away from the shoe's hinge.
     """
-    changes: Changes = {}
+    changes: NewValuesByBrakeFileKey = {}
     for i, shoe in enumerate(brake.shoes):
         along, point = shoe.actuation.unit_vector_of_force, shoe.actuation.point
         arm = point.xy - shoe.pin.xy
@@ -284,9 +284,9 @@ def _new_points_of_shifted_forces(brake: Brake, by: float) -> Changes:
     return changes
 
 
-def _line_of_action_angle_slider(brake: Brake) -> Knob:
+def _line_of_action_angle_slider(brake: Brake) -> BrakeSlider:
     """The slider that turns the lines of action of all forces, in degrees."""
-    return Knob(
+    return BrakeSlider(
         name="turn",
         label="line of the force, turned",
         unit="deg",
@@ -298,16 +298,16 @@ def _line_of_action_angle_slider(brake: Brake) -> Knob:
     )
 
 
-def _new_directions_of_turned_forces(brake: Brake, by: float) -> Changes:
+def _new_directions_of_turned_forces(brake: Brake, by: float) -> NewValuesByBrakeFileKey:
     """New directions of all forces, turned by `by` [rad], on mirrored shoes the other way round."""
-    changes: Changes = {}
+    changes: NewValuesByBrakeFileKey = {}
     for i, shoe in enumerate(brake.shoes):
         direction = shoe.actuation.direction + shoe.frame.sense * by
         changes[f"shoe[{i}].actuation.direction"] = rounded_brake_file_text_of_angle(direction)
     return changes
 
 
-def _lining_clearance_slider(brake: Brake, step: float) -> Knob:
+def _lining_clearance_slider(brake: Brake, step: float) -> BrakeSlider:
     """The slider of the clearance between linings and drum, with a smallest change `step` [mm].
 
     Where the shoes have different clearances, or tables of clearance, the slider's value is added
@@ -318,10 +318,10 @@ def _lining_clearance_slider(brake: Brake, step: float) -> Knob:
     same = len(set(given)) == 1 and isinstance(given[0], float | int)
     start = float(given[0]) * 1e3 if same and not isinstance(given[0], tuple) else 0.0
 
-    def new_lining_clearances_at_slider_value(value: float) -> Changes:
+    def new_lining_clearances_at_slider_value(value: float) -> NewValuesByBrakeFileKey:
         """New clearances of all linings for the slider at `value` [mm]; all change equally."""
         more = (value - start) * 1e-3
-        made: Changes = {}
+        made: NewValuesByBrakeFileKey = {}
         for lining, old in zip(linings, given, strict=True):
             key = f"{lining}.clearance"
             if isinstance(old, tuple):
@@ -333,7 +333,7 @@ def _lining_clearance_slider(brake: Brake, step: float) -> Knob:
     # The slider reaches twice as far into clearance as into interference.
     reach = max(100 * step, 2 * abs(start))
     label = "gap between lining and drum" if same else "gap, added to the file's"
-    return Knob(
+    return BrakeSlider(
         "clearance",
         label,
         "mm",
@@ -345,7 +345,7 @@ def _lining_clearance_slider(brake: Brake, step: float) -> Knob:
     )
 
 
-def _lining_radius_misfit_slider(brake: Brake, step: float) -> Knob:
+def _lining_radius_misfit_slider(brake: Brake, step: float) -> BrakeSlider:
     """The slider of the misfit: radius of the linings minus radius of the drum [mm].
 
     Where the linings have different radii, the slider's value is added to all of them. `step` [mm]
@@ -360,20 +360,22 @@ def _lining_radius_misfit_slider(brake: Brake, step: float) -> Knob:
     same = len(set(given)) == 1
     start = given[0] * 1e3 if same else 0.0
 
-    def new_lining_radii_at_slider_value(value: float) -> Changes:
+    def new_lining_radii_at_slider_value(value: float) -> NewValuesByBrakeFileKey:
         """New radii of all linings for the slider at `value` [mm]; all change equally."""
         more = (value - start) * 1e-3
-        made: Changes = {}
+        made: NewValuesByBrakeFileKey = {}
         for lining, old in zip(linings, given, strict=True):
             made[f"{lining}.misfit.radius"] = R + old + more
         return made
 
     reach = max(200 * step, 2 * abs(start))
     label = "lining radius minus drum radius" + ("" if same else ", added to the file's")
-    return Knob("misfit", label, "mm", -reach, reach, step, start, new_lining_radii_at_slider_value)
+    return BrakeSlider(
+        "misfit", label, "mm", -reach, reach, step, start, new_lining_radii_at_slider_value
+    )
 
 
-def _wear_distance_slider(brake: Brake) -> Knob | None:
+def _wear_distance_slider(brake: Brake) -> BrakeSlider | None:
     """The slider for the wear of the linings: a sliding distance in kilometres.
 
     It changes no key of the brake file. The linings of the brake that the other sliders make are
@@ -386,9 +388,9 @@ def _wear_distance_slider(brake: Brake) -> Knob | None:
             units.append(1e-3 / (DEFAULT_WEAR_COEFFICIENT * K))
     if not units:
         return None
-    least = LARGEST_WEAR * max(units)
+    least = SMALLEST_RELATIVE_REACH_OF_WEAR_SLIDER * max(units)
     high = next(number for number in four_round_numbers_around_value(least) if number >= least)
-    return Knob(
+    return BrakeSlider(
         name="wear",
         label="distance slid since new",
         unit="km",
@@ -402,7 +404,7 @@ def _wear_distance_slider(brake: Brake) -> Knob | None:
 
 def _youngs_modulus_slider(
     brake: Brake, part: str, label: str, unit: str, factor: float
-) -> Knob | None:
+) -> BrakeSlider | None:
     """The slider of Young's modulus of linings or shoes; None where the file has no modulus.
 
     The slider reaches from a hundredth to a hundred times the modulus of the brake file. All moduli
@@ -426,20 +428,20 @@ def _youngs_modulus_slider(
         return None
     largest = max(moduli.values())
 
-    def new_elastic_moduli_at_slider_value(value: float) -> Changes:
+    def new_elastic_moduli_at_slider_value(value: float) -> NewValuesByBrakeFileKey:
         """Changes that scale the moduli of all linings or shoes, so that the largest is `value`.
 
         `value` has the unit of the slider.
         """
         times = value * factor / largest
-        made: Changes = {}
+        made: NewValuesByBrakeFileKey = {}
         for i in moduli:
             made |= _scaled_part_moduli_by_brake_key(brake.shoes[i], i, part, times)
         return made
 
     start = largest / factor
     label += "" if len(set(moduli.values())) == 1 else ", the largest"
-    return Knob(
+    return BrakeSlider(
         part,
         label,
         unit,
@@ -465,7 +467,9 @@ def _modulus_shown_by_slider(shoe: Shoe, part: str) -> float | None:
     return shoe.body.material.E_along
 
 
-def _scaled_part_moduli_by_brake_key(shoe: Shoe, i: int, part: str, times: float) -> Changes:
+def _scaled_part_moduli_by_brake_key(
+    shoe: Shoe, i: int, part: str, times: float
+) -> NewValuesByBrakeFileKey:
     """New values, by key of the brake file, of a part's moduli and bending stiffness.
 
     Each value is the value of the brake file multiplied by one factor.
@@ -482,10 +486,10 @@ def _scaled_part_moduli_by_brake_key(shoe: Shoe, i: int, part: str, times: float
     # The caller has made sure that the part has a material.
     assert owner is not None and owner.material is not None
     material = owner.material
-    changes: Changes = {}
+    changes: NewValuesByBrakeFileKey = {}
     for name, E in material.moduli.items():
         changes[f"shoe[{i}].{key}.material.{name}"] = E * times
-    if part == "lining" or not isinstance(shoe.body, Beam):
+    if part == "lining" or not isinstance(shoe.body, BeamBody):
         return changes
     # A bending stiffness in the brake file overrules modulus times second moment of area, so that
     # it has to be scaled, too.
@@ -497,13 +501,15 @@ def _scaled_part_moduli_by_brake_key(shoe: Shoe, i: int, part: str, times: float
     return changes
 
 
-def brake_at_slider_setting(brake: Brake, knobs: Sequence[Knob], setting: KnobSetting) -> Brake:
+def brake_at_slider_setting(
+    brake: Brake, knobs: Sequence[BrakeSlider], setting: SliderSetting
+) -> Brake:
     """The brake of the file, changed by the sliders and the sense of motion of a setting.
 
     The slider of wear changes nothing here. Raises BadInput where the parts of the changed brake do
     not fit together.
     """
-    changes: Changes = {}
+    changes: NewValuesByBrakeFileKey = {}
     if setting.sense != brake.direction:
         changes[brake.direction_key] = setting.sense
     for knob in knobs:
@@ -518,7 +524,9 @@ def brake_at_slider_setting(brake: Brake, knobs: Sequence[Knob], setting: KnobSe
     return vary(brake, value_with_all_numbers_rounded(changes)) if changes else brake
 
 
-def link_query_of_slider_setting(knobs: Sequence[Knob], brake: Brake, setting: KnobSetting) -> str:
+def link_query_of_slider_setting(
+    knobs: Sequence[BrakeSlider], brake: Brake, setting: SliderSetting
+) -> str:
     """The query of the page's address ("friction=0.3&law=sine") for a setting.
 
     The query names each slider and each choice that differs from the brake file.
@@ -538,8 +546,8 @@ def link_query_of_slider_setting(knobs: Sequence[Knob], brake: Brake, setting: K
 
 
 def slider_setting_from_link_query(
-    knobs: Sequence[Knob], brake: Brake, query: Mapping[str, str]
-) -> tuple[KnobSetting, tuple[str, ...]]:
+    knobs: Sequence[BrakeSlider], brake: Brake, query: Mapping[str, str]
+) -> tuple[SliderSetting, tuple[str, ...]]:
     """The setting that a link names, and a line of text for each refused part of the link.
 
     Unknown parts of the link are ignored. Values beyond a slider's range are moved to its end.
@@ -576,8 +584,8 @@ def slider_setting_from_link_query(
 
 
 def _setting_with_law_model_or_motion_from_link(
-    name: str, text: str, setting: KnobSetting
-) -> KnobSetting:
+    name: str, text: str, setting: SliderSetting
+) -> SliderSetting:
     """A copy of the setting with the law, the model or the sense of motion that a link names.
 
     `name` is the name in the link, and `text` one of the allowed words.
@@ -588,15 +596,15 @@ def _setting_with_law_model_or_motion_from_link(
 
 
 def _setting_and_message_after_slider_is_moved_by_link_text(
-    knob: Knob, text: str, setting: KnobSetting
-) -> tuple[KnobSetting, str]:
+    knob: BrakeSlider, text: str, setting: SliderSetting
+) -> tuple[SliderSetting, str]:
     """A copy of the setting with a slider moved to the value `text` of a link, and a message.
 
     The message says why the value was refused or moved. It is empty where the value is a number
     within the range of the slider.
     """
     try:
-        value = float(text[:LONGEST_LINK])
+        value = float(text[:MAX_CHARACTERS_OF_EXPLORE_PAGE_LINK])
     except ValueError:
         value = math.nan
     if not math.isfinite(value):

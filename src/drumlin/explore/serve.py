@@ -10,13 +10,13 @@ from urllib.parse import quote
 
 from drumlin.base.errors import BadInput, system_message_of_error
 from drumlin.brake.brake import Brake
-from drumlin.explore.answers import Explorer
+from drumlin.explore.answers import SliderSolver
 from drumlin.explore.page import http_reply_to_requested_address
 
-ADDRESS = "127.0.0.1"
+LOOPBACK_IP_ADDRESS = "127.0.0.1"
 """The IP address by which this machine calls itself: no other machine reaches the server."""
 
-CONTENT_POLICY = (
+CONTENT_SECURITY_POLICY = (
     "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; "
     "connect-src 'self'; img-src data:"
 )
@@ -34,12 +34,12 @@ class _Server(ThreadingHTTPServer):
 
     daemon_threads = True
 
-    def __init__(self, explorer: Explorer, name: str, port: int) -> None:
-        super().__init__((ADDRESS, port), _Handler)
+    def __init__(self, explorer: SliderSolver, name: str, port: int) -> None:
+        super().__init__((LOOPBACK_IP_ADDRESS, port), _Handler)
         self.explorer, self.name = explorer, name
         # A thread holds this lock while it computes an answer.
         self.answering = threading.Lock()
-        self.hosts = {f"{host}:{self.server_port}" for host in ("localhost", ADDRESS)}
+        self.hosts = {f"{host}:{self.server_port}" for host in ("localhost", LOOPBACK_IP_ADDRESS)}
 
     def handle_error(self, request: Any, client_address: Any) -> None:
         """Print the error of a request, but nothing where the browser has closed its connection."""
@@ -67,12 +67,12 @@ class _Handler(BaseHTTPRequestHandler):
             )
         data = found.text.encode("utf-8", errors="replace")
         self.send_response(found.status)
-        self.send_header("Content-Type", found.media)
+        self.send_header("Content-Type", found.media_type)
         self.send_header("Content-Length", str(len(data)))
-        self.send_header("Content-Security-Policy", CONTENT_POLICY)
+        self.send_header("Content-Security-Policy", CONTENT_SECURITY_POLICY)
         self.send_header("Cache-Control", "no-store")
-        if found.file:
-            name = f"attachment; filename*=UTF-8''{quote(found.file)}"
+        if found.file_name:
+            name = f"attachment; filename*=UTF-8''{quote(found.file_name)}"
             self.send_header("Content-Disposition", name)
         self.end_headers()
         self.wfile.write(data)
@@ -96,7 +96,7 @@ def serve_page_of_brake(brake: Brake, name: str, port: int, ready: Callable[[str
     BadInput
         for a port that is not available, and for a brake that finite elements do not cover
     """
-    explorer = Explorer(brake)
+    explorer = SliderSolver(brake)
     if not 0 <= port <= 65535:
         raise BadInput(f"--port = {port}: must be from 1 to 65535, or 0 for any free one")
     try:

@@ -2,9 +2,9 @@
 
 from drumlin.base.moved import make_getattr_function_of_moved_module
 
-RENAMED_IN_ASSEMBLY = {"prepare": "make_prepared_model"}
+NEW_NAMES_OF_ASSEMBLY_FUNCTIONS = {"prepare": "make_prepared_model"}
 """The present name of each renamed function, by its old name."""
 
 __getattr__ = make_getattr_function_of_moved_module(
-    __name__, "drumlin.fem.preparation.prepare", RENAMED_IN_ASSEMBLY
+    __name__, "drumlin.fem.preparation.prepare", NEW_NAMES_OF_ASSEMBLY_FUNCTIONS
 )

@@ -2,7 +2,7 @@
 
 from drumlin.base.moved import make_getattr_function_of_moved_module
 
-RENAMED_IN_GROUP = {
+NEW_NAMES_OF_GROUP_FUNCTIONS = {
     "groups_of": "divide_pressed_shoes_into_groups",
     "grouped": "divide_shoes_into_groups",
     "pressed_shoes": "indices_of_pressed_shoes_in_brake",
@@ -11,5 +11,5 @@ RENAMED_IN_GROUP = {
 """The present name of each renamed function, by its old name."""
 
 __getattr__ = make_getattr_function_of_moved_module(
-    __name__, "drumlin.fem.equilibrium.group", RENAMED_IN_GROUP
+    __name__, "drumlin.fem.equilibrium.group", NEW_NAMES_OF_GROUP_FUNCTIONS
 )

@@ -14,16 +14,19 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from drumlin.base.arrays import Bools, Floats
-from drumlin.base.errors import BadInput, LostDigits, NoAnswer
+from drumlin.base.errors import AnswerLostToRoundOff, BadInput, NoAnswer
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.brake.components import Bar
+from drumlin.brake.components import ShoeBodyOfConstantSection
 from drumlin.brake.heat import note_on_heated_parts_of_brake
-from drumlin.brake.one_sided import SupportForce
-from drumlin.brake.units import text_in_mm
-from drumlin.contact.active_set import Contact
+from drumlin.brake.one_sided import OneSidedSupportForce
+from drumlin.brake.units import length_as_text_in_mm
+from drumlin.contact.active_set import ContactSolution
 from drumlin.fem.equilibrium.group import ShoeGroup, divide_pressed_shoes_into_groups
 from drumlin.fem.equilibrium.pressure_friction import solve_shoe_group_with_lining_friction
-from drumlin.fem.equilibrium.sharing import LARGEST_FORCE_THAT_DOES_NOT_PUSH, WOULD_PULL_TEXT
+from drumlin.fem.equilibrium.sharing import (
+    ERROR_TEXT_ON_CAM_OR_STRUT_THAT_WOULD_PULL,
+    LARGEST_STRUT_OR_CAM_FORCE_COUNTED_AS_ZERO,
+)
 from drumlin.fem.equilibrium.springs import (
     displacements_of_spring_points_along_pulls,
     find_spring_pulls_that_fit_shoe_motions,
@@ -32,13 +35,13 @@ from drumlin.fem.equilibrium.springs import (
 from drumlin.fem.error_control.singular_points import reason_if_contact_is_too_short
 from drumlin.fem.mesh.from_file import notes_on_mesh_file
 from drumlin.fem.preparation.bodies import (
-    load_column_factors_under_all_loads,
+    force_resultant_of_unit_load_factors,
     moment_of_loads_besides_actuation_about_pin,
-    sum_of_forces_with_load_column_factors,
     support_reaction_of_shoe,
+    unit_load_factors_under_all_loads,
 )
 from drumlin.fem.preparation.cache import cache_key_of_shoe_shape
-from drumlin.fem.preparation.load_places import has_load_columns_of_forces_and_mass
+from drumlin.fem.preparation.load_places import has_unit_loads_of_forces_at_points_or_mass
 from drumlin.fem.preparation.scene import PreparedModel, add_elapsed_time_of_block_to_phase
 from drumlin.laws.rigid import notes_on_cam_force_of_unlike_linings
 from drumlin.response.balance import (
@@ -47,10 +50,10 @@ from drumlin.response.balance import (
     relative_magnitudes_of_force_and_moment_sums,
 )
 from drumlin.response.response import (
-    NEITHER,
-    Balance,
+    LARGEST_NEUTRAL_FRICTION_OVER_PRESSURE_WORK,
+    ForceAndMomentImbalance,
+    RelativeChangesOfShoeResults,
     Response,
-    ShoeChange,
     ShoeResponse,
     length_of_uncompared_edge_zone,
     notes_on_forces_of_one_sided_supports,
@@ -61,21 +64,21 @@ from drumlin.response.response import (
 from drumlin.response.resultants import planar_cross_product
 
 if TYPE_CHECKING:
-    from drumlin.fem.error_control.refinement import RefinedSolution
+    from drumlin.fem.error_control.refinement import RefinedSolutionOfShoeGroup
 
-DOUBLE_SPACING = float(np.finfo(float).eps)
+RELATIVE_SPACING_OF_DOUBLES = float(np.finfo(float).eps)
 """Relative spacing of double-precision numbers.
 
 No smaller relative error is stated for a solution that iterative refinement has corrected.
 """
-LONG_DOUBLE_IS_WIDER = float(np.finfo(np.longdouble).eps) < DOUBLE_SPACING
+LONG_DOUBLE_IS_WIDER = float(np.finfo(np.longdouble).eps) < RELATIVE_SPACING_OF_DOUBLES
 """Whether long double has more digits than double, so that iterative refinement gains digits.
 
 On Windows and on Macs with Apple's processors both are the same. A refinement there would state a
 round-off error that is up to 25 times too small: its residuals do not see the digits that the
 stiffness itself has lost. Soft shoes are then solved without refinement, or refused.
 """
-LARGEST_SILENT_OVERLAP = 0.01
+LARGEST_SILENT_OVERLAP_OVER_LINING_THICKNESS = 0.01
 """Largest overlap of drum and shoe, in lining thicknesses, that causes no warning.
 
 The overlap arises if the mesh of a shoe's file reaches into the drum.
@@ -83,21 +86,21 @@ The overlap arises if the mesh of a shoe's file reaches into the drum.
 A larger overlap squeezes the lining noticeably before any force acts, and a warning is printed. The
 value changes no result.
 """
-PENALTY = 1e8
+DEFAULT_PENALTY_FACTOR = 1e8
 """Default penalty factor alpha: the contact stiffness per area is alpha E/t.
 
 E is the modulus of the lining and t its thickness. The lining then penetrates the drum by 1e-8 of
 its own compression p t/E. The error of the pressure is about the same fraction, or more if the
 contact is short compared with the lining's thickness. Each response states this error.
 """
-LARGEST_ANSWER_IMBALANCE = 1e-8
+LARGEST_ACCEPTED_FORCE_IMBALANCE_OF_SHOE = 1e-8
 """Largest imbalance of forces and moments on a shoe, relative to the largest of them.
 
 A larger imbalance shows that round-off in the condensed bodies has cost too many digits. The full
 system is then solved by iterative refinement. If the imbalance is still larger after the
 refinement, the solution is refused.
 """
-LARGEST_UNREFINED_ROUND_OFF = 1e-5
+LARGEST_PRESSURE_ROUND_OFF_LEFT_UNREFINED = 1e-5
 """Relative round-off error of the pressure up to which a solution needs no refinement.
 
 On elements of degree 1 or 2 it is also the largest round-off error that is accepted after a
@@ -105,37 +108,41 @@ refinement. A solve on such a mesh states no error, so a solution with a larger 
 refused; the discretisation error is some hundred times larger. Hp elements include the round-off
 error in their stated error. The value is a judgement, and the refusal prints the round-off error.
 """
-LARGEST_REFINED_ROUND_OFF = 1e-3
+LARGEST_ACCEPTED_PRESSURE_ROUND_OFF = 1e-3
 """Relative round-off error of the pressure up to which a solution on hp elements is accepted.
 
 The value holds for solutions that have been refined and for solutions that cannot be refined. Their
 stated error contains the round-off error. A solution with a larger round-off error is refused. The
 value is a judgement, and the refusal prints the round-off error.
 """
-LARGEST_REFINED_SYSTEM = 240_000
+LARGEST_SIZE_OF_REFINED_SYSTEM = 240_000
 """Largest size of a group of shoes whose full system is refined.
 
 The size is the number of unknowns times the squared polynomial degree of the elements. The
 iterative refinement of a group of this size takes seconds. The sparse factors of larger systems of
 high degree have so many entries that they take too long.
 """
-LARGEST_CONVERGED_CORRECTION = 1e-10
+LARGEST_CORRECTION_OF_CONVERGED_REFINEMENT = 1e-10
 """Last relative correction of the pressures up to which an iterative refinement has converged.
 
 The full system has two forms: its displacements include the rigid-body motion of the shoe or are
 relative to it. If the last correction in one form is larger than this, the other form is refined as
 well, and the solution with the smaller last correction is taken.
 """
-TOO_FAR_REASON = "stiffnesses or sizes are too far apart for the arithmetic"
+ROUND_OFF_TOO_LARGE_REASON = "stiffnesses or sizes are too far apart for the arithmetic"
 """Reason that is printed if a solution has lost too many digits by round-off."""
 NO_LONG_DOUBLE_REASON = "this computer has no long double, in which drumlin refines such shoes"
 """Reason that is added where a computer with long double would have refined the solution."""
-REFINED_REMARK = "refined in the whole system, condensed it loses digits"
+ITERATIVE_REFINEMENT_REMARK = "refined in the whole system, condensed it loses digits"
 """Remark printed with a solution that was corrected by iterative refinement of the full system."""
 
 
 def solve_prepared_model(
-    scene: PreparedModel, brake: Brake, *, penalty: float = PENALTY, start: Response | None = None
+    scene: PreparedModel,
+    brake: Brake,
+    *,
+    penalty: float = DEFAULT_PENALTY_FACTOR,
+    start: Response | None = None,
 ) -> Response:
     """Solve a brake on a prepared model of the same geometry and stiffness.
 
@@ -181,7 +188,7 @@ def _solve_response_and_spring_motions_under_known_pulls(
     """
     seconds = dict(scene.seconds)
     with add_elapsed_time_of_block_to_phase(seconds, "contact"):
-        answers: dict[int, _ShoeResult] = {}
+        answers: dict[int, _ShoeResponseAndImbalance] = {}
         for group in divide_pressed_shoes_into_groups(scene, brake, penalty):
             answers |= _solve_group_of_coupled_shoes(group, start)
         # The shoes that belong to no group are not pressed on the drum.
@@ -245,10 +252,11 @@ def _warnings_on_overlap_of_mesh_and_drum(scene: PreparedModel, brake: Brake) ->
         if shoe.mesh is None:
             continue
         deep = -float(shoe.distances_from_friction_surface(body.line.xy, brake.size).min())
-        if deep > LARGEST_SILENT_OVERLAP * shoe.lining.thickness:
+        if deep > LARGEST_SILENT_OVERLAP_OVER_LINING_THICKNESS * shoe.lining.thickness:
             yield (
                 f"warning: shoe {shoe.name!r}: the contact line of its mesh lies up to "
-                f"{text_in_mm(deep)} in the {shoe.surface.word}; its pressure is that of the "
+                f"{length_as_text_in_mm(deep)} in the {shoe.surface.name}; its pressure is "
+                f"that of the "
                 "lining "
                 "squeezed out of there"
             )
@@ -262,8 +270,8 @@ def _notes_on_mesh_files(
     Raises BadInput for a contact line that does not have the shape of a lining.
     """
     for body, shoe, response in zip(scene.bodies, brake.shoes, responses, strict=True):
-        if body.of_file is not None:
-            yield from notes_on_mesh_file(shoe, body.of_file, response)
+        if body.mesh_read_from_file is not None:
+            yield from notes_on_mesh_file(shoe, body.mesh_read_from_file, response)
 
 
 def _notes_on_loads_moved_to_actuation_point(scene: PreparedModel, brake: Brake) -> Iterator[str]:
@@ -277,7 +285,7 @@ def _notes_on_loads_moved_to_actuation_point(scene: PreparedModel, brake: Brake)
         for shoe, body in zip(brake.shoes, scene.bodies, strict=True)
         if shoe.body is not None
         and shoe.has_loads_besides_actuation
-        and not has_load_columns_of_forces_and_mass(body.load_matrix_columns_by_load_name)
+        and not has_unit_loads_of_forces_at_points_or_mass(body.load_matrix_columns_by_load_name)
     ]
     if names:
         yield (
@@ -294,7 +302,7 @@ def _notes_on_supports_of_shoe_bodies(brake: Brake) -> Iterator[str]:
     """
     shoes_of: dict[str, list[str]] = {}
     for shoe in brake.shoes:
-        if shoe.mesh is None and isinstance(shoe.body, Bar):
+        if shoe.mesh is None and isinstance(shoe.body, ShoeBodyOfConstantSection):
             shoes_of.setdefault(
                 _support_of_elastic_shoe_body_as_text(shoe, shoe.body, brake.size), []
             ).append(shoe.name)
@@ -303,7 +311,9 @@ def _notes_on_supports_of_shoe_bodies(brake: Brake) -> Iterator[str]:
         yield "held: " + "; ".join(parts)
 
 
-def _support_of_elastic_shoe_body_as_text(shoe: Shoe, bar: Bar, size: float) -> str:
+def _support_of_elastic_shoe_body_as_text(
+    shoe: Shoe, bar: ShoeBodyOfConstantSection, size: float
+) -> str:
     """The text that says how its support holds the elastic body of a shoe."""
     grip = shoe.interval_of_body_back_held_by_support(size)
     if grip is not None:
@@ -311,16 +321,18 @@ def _support_of_elastic_shoe_body_as_text(shoe: Shoe, bar: Bar, size: float) -> 
         # the brake file, all of it is gripped.
         length = (grip[1] - grip[0]) * shoe.length_along_shoe_back_per_unit_of_phi(size)
         return (
-            f"its {shoe.kind_of_support} grips {text_in_mm(round(length, 4))} of the back of its "
+            f"its {shoe.kind_of_support} grips {length_as_text_in_mm(round(length, 4))} of "
+            f"the back of its "
             "body"
         )
     away = math.dist(
         shoe.middle_of_supported_or_loaded_end_face_of_body(size), shoe.pin_position_in_shoe_frame
     )
-    joined = "" if away < 0.5 * bar.depth else ", joined by a rigid arm"
+    joined = "" if away < 0.5 * bar.total_thickness else ", joined by a rigid arm"
     holder = "pin" if shoe.kind_of_support == "hinge" else "foot"
     return (
-        f"its {holder} holds the end face of its body, {text_in_mm(round(away, 4))} from the "
+        f"its {holder} holds the end face of its body, {length_as_text_in_mm(round(away, 4))} "
+        f"from the "
         "face's "
         f"middle{joined}"
     )
@@ -330,7 +342,7 @@ def _support_of_elastic_shoe_body_as_text(shoe: Shoe, bar: Bar, size: float) -> 
 
 
 @dataclass(frozen=True)
-class _ShoeResult:
+class _ShoeResponseAndImbalance:
     """The result of solving one shoe: its response, its imbalance, and a note.
 
     Attributes
@@ -344,13 +356,13 @@ class _ShoeResult:
     """
 
     response: ShoeResponse
-    balance: Balance
+    balance: ForceAndMomentImbalance
     steps: int
     note: str
     spring_motion: Floats | float = 0.0
 
 
-class _GroupSolution(NamedTuple):
+class _GroupSolutionUnderBrakeForces(NamedTuple):
     """The solution of a group of shoes under the forces of the brake, not per newton of force.
 
     Attributes
@@ -371,14 +383,14 @@ class _GroupSolution(NamedTuple):
     pressures: list[Floats]
     coordinates: list[Floats]
     forces: Floats
-    support_forces: list[tuple[SupportForce, ...]]
+    support_forces: list[tuple[OneSidedSupportForce, ...]]
     pressure_errors: Floats
     steps: int
     refined: bool
 
 
-class _ShoeSolution(NamedTuple):
-    """The values of one shoe in the solution of its group; see `_GroupSolution`.
+class _ShoePartOfGroupSolution(NamedTuple):
+    """The values of one shoe in the solution of its group; see `_GroupSolutionUnderBrakeForces`.
 
     `shoe_number` is the position of the shoe in the group.
     """
@@ -388,18 +400,18 @@ class _ShoeSolution(NamedTuple):
     pressures: Floats
     coordinates: Floats
     force: float
-    support_forces: tuple[SupportForce, ...]
+    support_forces: tuple[OneSidedSupportForce, ...]
     pressure_errors: Floats
     refined: bool
 
 
-def _result_of_shoe_not_pressed_on_drum(shoe: Shoe) -> _ShoeResult:
+def _result_of_shoe_not_pressed_on_drum(shoe: Shoe) -> _ShoeResponseAndImbalance:
     """The result for a shoe whose force does not press it on the drum."""
-    word = shoe.surface.word
+    word = shoe.surface.name
     note = f"shoe {shoe.name!r}: no contact, the force does not turn it towards the {word}"
-    return _ShoeResult(
+    return _ShoeResponseAndImbalance(
         response_of_shoe_without_contact(shoe, -shoe.sum_of_forces_of_all_loads),
-        Balance(0.0, 0.0),
+        ForceAndMomentImbalance(0.0, 0.0),
         0,
         note,
     )
@@ -407,27 +419,30 @@ def _result_of_shoe_not_pressed_on_drum(shoe: Shoe) -> _ShoeResult:
 
 def _solve_group_of_coupled_shoes(
     group: ShoeGroup, start: Response | None
-) -> dict[int, _ShoeResult]:
+) -> dict[int, _ShoeResponseAndImbalance]:
     """Solve a group of shoes; returns the result of each shoe, by its position in the brake.
 
-    Raises LostDigits if round-off leaves too few digits, even after a refinement.
+    Raises AnswerLostToRoundOff if round-off leaves too few digits, even after a refinement.
     """
     # The contact algorithm starts from the nodes that touch in the earlier response.
     first = None
     if start is not None:
         parts = [
-            _mask_of_nodes_in_earlier_contact(group, k, start) for k in range(len(group.members))
+            _mask_of_nodes_touching_in_earlier_response(group, k, start)
+            for k in range(len(group.members))
         ]
         first = np.concatenate(parts)
     settled = solve_shoe_group_with_lining_friction(group, first)
     solution = _group_solution_under_brake_forces(*settled)
     answers = _results_of_shoes_in_solved_group(solution)
+    imbalance = _largest_imbalance_of_shoes(answers)
+    balances = imbalance < LARGEST_ACCEPTED_FORCE_IMBALANCE_OF_SHOE
     # A group whose actuation forces come from struts or a cam is never refined.
-    if settled.group.strut_and_cam_force_problem is not None:
-        if not _largest_imbalance_of_shoes(answers) < LARGEST_ANSWER_IMBALANCE:
-            balance = f"it balances only to {_largest_imbalance_of_shoes(answers):.1e}"
-            raise LostDigits(
-                f"{settled.group.names_of_shoes_as_text}: lost digits, {balance}; {TOO_FAR_REASON}"
+    if settled.group.strut_and_cam_contact_problem_or_none is not None:
+        if not balances:
+            raise AnswerLostToRoundOff(
+                f"{settled.group.names_of_shoes_as_text}: lost digits, it balances only to "
+                f"{imbalance:.1e}; {ROUND_OFF_TOO_LARGE_REASON}"
             )
         return answers
     # A group without struts and cam is refined if its round-off error or its imbalance is too
@@ -435,12 +450,14 @@ def _solve_group_of_coupled_shoes(
     refinable = _can_full_system_be_refined(settled.group)
     # Shoes of the solid model are never refined, but are judged as strictly as a group that could
     # be refined.
-    strict = refinable or settled.group.scene.model == "solid"
+    strict = refinable or settled.group.prepared_model.model == "solid"
     if refinable and not LONG_DOUBLE_IS_WIDER:
         return _shoe_results_with_note_if_round_off_is_large(settled.group, answers)
-    most = LARGEST_UNREFINED_ROUND_OFF if strict else LARGEST_REFINED_ROUND_OFF
+    most = (
+        LARGEST_PRESSURE_ROUND_OFF_LEFT_UNREFINED if strict else LARGEST_ACCEPTED_PRESSURE_ROUND_OFF
+    )
     lost = _largest_relative_round_off_that_matters(settled.group, answers)
-    if lost < most and _largest_imbalance_of_shoes(answers) < LARGEST_ANSWER_IMBALANCE:
+    if lost < most and balances:
         return answers
     if not refinable:
         raise _error_that_round_off_of_group_is_too_large(settled.group, answers, most)
@@ -448,32 +465,42 @@ def _solve_group_of_coupled_shoes(
 
 
 def _error_that_round_off_of_group_is_too_large(
-    group: ShoeGroup, answers: dict[int, _ShoeResult], most: float
-) -> LostDigits:
+    group: ShoeGroup, answers: dict[int, _ShoeResponseAndImbalance], most: float
+) -> AnswerLostToRoundOff:
     """The exception for a group whose round-off error exceeds `most`, or that does not balance."""
     lost = _largest_relative_round_off_of_pressure(answers)
     balance = f"it balances only to {_largest_imbalance_of_shoes(answers):.1e}"
     why = f"its pressure is certain only to {lost:.1e}" if lost >= most else balance
-    return LostDigits(f"{group.names_of_shoes_as_text}: lost digits, {why}; {TOO_FAR_REASON}")
+    return AnswerLostToRoundOff(
+        f"{group.names_of_shoes_as_text}: lost digits, {why}; {ROUND_OFF_TOO_LARGE_REASON}"
+    )
 
 
 def _shoe_results_with_note_if_round_off_is_large(
-    group: ShoeGroup, answers: dict[int, _ShoeResult]
-) -> dict[int, _ShoeResult]:
+    group: ShoeGroup, answers: dict[int, _ShoeResponseAndImbalance]
+) -> dict[int, _ShoeResponseAndImbalance]:
     """The results of a group that long double would refine, with a note if round-off is large.
 
     Hp elements state the round-off error. Elements of degree 1 or 2 state no error, so that they
-    are judged as strictly as with long double. Raises LostDigits for a larger round-off error.
+    are judged as strictly as with long double. Raises AnswerLostToRoundOff for a larger round-off
+    error.
     """
     degrees = [
         body.line.interpolation_degree_along_contact_line for body in group.substructures_of_shoes
     ]
-    most = LARGEST_UNREFINED_ROUND_OFF if max(degrees) <= 2 else LARGEST_REFINED_ROUND_OFF
+    most = (
+        LARGEST_PRESSURE_ROUND_OFF_LEFT_UNREFINED
+        if max(degrees) <= 2
+        else LARGEST_ACCEPTED_PRESSURE_ROUND_OFF
+    )
     lost = _largest_relative_round_off_of_pressure(answers)
-    if lost >= most or not _largest_imbalance_of_shoes(answers) < LARGEST_ANSWER_IMBALANCE:
+    if (
+        lost >= most
+        or not _largest_imbalance_of_shoes(answers) < LARGEST_ACCEPTED_FORCE_IMBALANCE_OF_SHOE
+    ):
         error = _error_that_round_off_of_group_is_too_large(group, answers, most)
-        raise LostDigits(f"{error}; {NO_LONG_DOUBLE_REASON}")
-    if lost < LARGEST_UNREFINED_ROUND_OFF:
+        raise AnswerLostToRoundOff(f"{error}; {NO_LONG_DOUBLE_REASON}")
+    if lost < LARGEST_PRESSURE_ROUND_OFF_LEFT_UNREFINED:
         return answers
     noted = {}
     for i, answer in answers.items():
@@ -482,11 +509,13 @@ def _shoe_results_with_note_if_round_off_is_large(
     return noted
 
 
-def _group_solution_under_brake_forces(group: ShoeGroup, contact: Contact) -> _GroupSolution:
+def _group_solution_under_brake_forces(
+    group: ShoeGroup, contact: ContactSolution
+) -> _GroupSolutionUnderBrakeForces:
     """The solution of a group under the brake's forces, from its contact per newton of force."""
     size = group.largest_actuation_force
     coordinates = group.rigid_body_coordinates_of_each_shoe(contact)
-    return _GroupSolution(
+    return _GroupSolutionUnderBrakeForces(
         group=group,
         pressures=[size * contact.p[part] for part in group.contact_node_slices_of_shoes],
         coordinates=[size * y for y in coordinates],
@@ -514,24 +543,25 @@ def _can_full_system_be_refined(group: ShoeGroup) -> bool:
         for body in group.substructures_of_shoes
     )
     # The sparse factors of large systems of high degree have many entries and take too long.
-    small = size <= LARGEST_REFINED_SYSTEM or max(orders) <= 2
-    return group.scene.model != "solid" and small and not group.one_sided_supports
+    small = size <= LARGEST_SIZE_OF_REFINED_SYSTEM or max(orders) <= 2
+    return group.prepared_model.model != "solid" and small and not group.one_sided_supports
 
 
 def _refine_full_system_and_return_shoe_results(
-    solution: _GroupSolution, contact: Contact
-) -> dict[int, _ShoeResult]:
+    solution: _GroupSolutionUnderBrakeForces, contact: ContactSolution
+) -> dict[int, _ShoeResponseAndImbalance]:
     """Solve the full system of a group by iterative refinement, and return each shoe's result.
 
     `contact` is the contact of the condensed bodies; the refinement starts from its contact set.
-    Raises LostDigits if the refinement fails or leaves too few digits.
+    Raises AnswerLostToRoundOff if the refinement fails or leaves too few digits.
     """
     group, size = solution.group, solution.group.largest_actuation_force
     try:
         refined = solve_full_system_of_group_by_refinement(group, contact.active)
     except NoAnswer as error:
-        raise LostDigits(
-            f"{group.names_of_shoes_as_text}: lost digits, {TOO_FAR_REASON}; refined: {error}"
+        raise AnswerLostToRoundOff(
+            f"{group.names_of_shoes_as_text}: lost digits, {ROUND_OFF_TOO_LARGE_REASON}; "
+            f"refined: {error}"
         ) from error
     by_penalty = solution.pressure_errors[0]
     last_correction = size * np.concatenate(refined.last_correction)
@@ -554,25 +584,28 @@ def _refine_full_system_and_return_shoe_results(
         )
         <= 2
     ):
-        lost, most = refined.correction, LARGEST_UNREFINED_ROUND_OFF
+        lost, most = refined.correction, LARGEST_PRESSURE_ROUND_OFF_LEFT_UNREFINED
     else:
-        lost, most = _largest_relative_round_off_of_pressure(answers), LARGEST_REFINED_ROUND_OFF
-    if lost >= most or not imbalance < LARGEST_ANSWER_IMBALANCE:
-        raise LostDigits(
+        lost, most = (
+            _largest_relative_round_off_of_pressure(answers),
+            LARGEST_ACCEPTED_PRESSURE_ROUND_OFF,
+        )
+    if lost >= most or not imbalance < LARGEST_ACCEPTED_FORCE_IMBALANCE_OF_SHOE:
+        raise AnswerLostToRoundOff(
             f"{group.names_of_shoes_as_text}: lost digits, even refined its pressure is certain "
             "only to "
-            f"{lost:.1e} and balances to {imbalance:.1e}; {TOO_FAR_REASON}"
+            f"{lost:.1e} and balances to {imbalance:.1e}; {ROUND_OFF_TOO_LARGE_REASON}"
         )
     return answers
 
 
-def _largest_relative_round_off_of_pressure(answers: dict[int, _ShoeResult]) -> float:
+def _largest_relative_round_off_of_pressure(answers: dict[int, _ShoeResponseAndImbalance]) -> float:
     """The largest relative round-off error of the pressure among several shoes."""
     return max(answer.response.lost.pressure for answer in answers.values())
 
 
 def _largest_relative_round_off_that_matters(
-    group: ShoeGroup, answers: dict[int, _ShoeResult]
+    group: ShoeGroup, answers: dict[int, _ShoeResponseAndImbalance]
 ) -> float:
     """The largest relative round-off error of the results of a solved group that can be known.
 
@@ -593,7 +626,7 @@ def _largest_relative_round_off_that_matters(
     return max(errors)
 
 
-def _largest_imbalance_of_shoes(answers: dict[int, _ShoeResult]) -> float:
+def _largest_imbalance_of_shoes(answers: dict[int, _ShoeResponseAndImbalance]) -> float:
     """The largest relative imbalance of forces or moments among several shoes; inf for nan."""
     balance = largest_imbalance_among_shoes([answer.balance for answer in answers.values()])
     largest = max(balance.force, balance.moment)
@@ -602,7 +635,7 @@ def _largest_imbalance_of_shoes(answers: dict[int, _ShoeResult]) -> float:
 
 def solve_full_system_of_group_by_refinement(
     group: ShoeGroup, active: Bools, order: str = "COLAMD"
-) -> "RefinedSolution":
+) -> "RefinedSolutionOfShoeGroup":
     """Solve the full (not condensed) system of a group of shoes by iterative refinement.
 
     Parameters
@@ -625,7 +658,7 @@ def solve_full_system_of_group_by_refinement(
     refined = solve_full_system_by_iterative_refinement(
         assemble_full_system_of_group(group), active, order
     )
-    if refined.correction < LARGEST_CONVERGED_CORRECTION:
+    if refined.correction < LARGEST_CORRECTION_OF_CONVERGED_REFINEMENT:
         return refined
     # The other form of the system, whose displacements include the rigid-body motion, may converge
     # better if a soft shoe turns behind a lining that the drum holds.
@@ -638,14 +671,16 @@ def solve_full_system_of_group_by_refinement(
 # The following functions compute the results of one shoe of a solved group.
 
 
-def _results_of_shoes_in_solved_group(solution: _GroupSolution) -> dict[int, _ShoeResult]:
+def _results_of_shoes_in_solved_group(
+    solution: _GroupSolutionUnderBrakeForces,
+) -> dict[int, _ShoeResponseAndImbalance]:
     """The result of each shoe of a solved group, by its position in the brake."""
     group = solution.group
     answers = {}
     for k, (i, part) in enumerate(
         zip(group.members, group.contact_node_slices_of_shoes, strict=True)
     ):
-        of_shoe = _ShoeSolution(
+        of_shoe = _ShoePartOfGroupSolution(
             group=group,
             shoe_number=k,
             pressures=solution.pressures[k],
@@ -659,20 +694,23 @@ def _results_of_shoes_in_solved_group(solution: _GroupSolution) -> dict[int, _Sh
     return answers
 
 
-def _result_of_one_shoe_in_solved_group(solution: _ShoeSolution, steps: int) -> _ShoeResult:
+def _result_of_one_shoe_in_solved_group(
+    solution: _ShoePartOfGroupSolution, steps: int
+) -> _ShoeResponseAndImbalance:
     """The result of one shoe of a solved group.
 
     Raises NoAnswer if the cam or the strut of the shoe would have to pull it.
     """
     group, shoe = solution.group, solution.group.shoes[solution.shoe_number]
     if (
-        group.strut_and_cam_force_problem is not None
-        and solution.force < LARGEST_FORCE_THAT_DOES_NOT_PUSH * group.largest_actuation_force
+        group.strut_and_cam_contact_problem_or_none is not None
+        and solution.force
+        < LARGEST_STRUT_OR_CAM_FORCE_COUNTED_AS_ZERO * group.largest_actuation_force
     ):
-        raise NoAnswer(f"shoe {shoe.name!r}: {WOULD_PULL_TEXT}")
+        raise NoAnswer(f"shoe {shoe.name!r}: {ERROR_TEXT_ON_CAM_OR_STRUT_THAT_WOULD_PULL}")
     acting = _forces_on_shoe_due_to_pressure_and_actuation(solution)
     errors = _penalty_and_round_off_errors(solution, acting)
-    return _ShoeResult(
+    return _ShoeResponseAndImbalance(
         response=_response_of_shoe_in_brake_frame(solution, acting, errors),
         balance=_relative_force_and_moment_imbalance_of_shoe(solution, acting),
         steps=steps,
@@ -681,23 +719,23 @@ def _result_of_one_shoe_in_solved_group(solution: _ShoeSolution, steps: int) -> 
     )
 
 
-def _spring_point_displacements_of_shoe_along_pulls(solution: _ShoeSolution) -> Floats:
+def _spring_point_displacements_of_shoe_along_pulls(solution: _ShoePartOfGroupSolution) -> Floats:
     """The displacement (springs,) [m] of each spring's point on a shoe along the spring's pull."""
     group, k, p = solution.group, solution.shoe_number, solution.pressures
     brake, shoe, body = group.brake, group.shoes[k], group.substructures_of_shoes[k]
     if not any(spring.rate for spring in brake.springs):
         return np.zeros(len(brake.springs))
-    load = load_column_factors_under_all_loads(body, shoe, solution.force)
-    elastic = body.load_motion_by_load @ load - body.closure_by_load.T @ p
-    if body.load_motion_by_friction is not None:
+    load = unit_load_factors_under_all_loads(body, shoe, solution.force)
+    elastic = body.load_point_motion_by_load @ load - body.gap_closure_by_load.T @ p
+    if body.load_point_motion_by_friction is not None:
         drag = brake.signed_friction_stress_over_pressure_in_shoe_frame(shoe)
         dragging = group.friction_stress_over_friction_coefficient_of_shoe(k, p)
-        elastic = elastic + drag * (body.load_motion_by_friction @ dragging)
+        elastic = elastic + drag * (body.load_point_motion_by_friction @ dragging)
     pin_motion = group.rigid_body_modes_of_shoes[k].pin_motion @ solution.coordinates
     return displacements_of_spring_points_along_pulls(brake, shoe, body, elastic, pin_motion)
 
 
-class _ForcesOnShoe(NamedTuple):
+class _ForcesOnShoeInShoeFrame(NamedTuple):
     """The forces on a shoe, in the frame of the shoe.
 
     Moments about the centre are moments about the drum's centre.
@@ -722,15 +760,17 @@ class _ForcesOnShoe(NamedTuple):
     guide_moment: float
 
 
-def _forces_on_shoe_due_to_pressure_and_actuation(solution: _ShoeSolution) -> _ForcesOnShoe:
+def _forces_on_shoe_due_to_pressure_and_actuation(
+    solution: _ShoePartOfGroupSolution,
+) -> _ForcesOnShoeInShoeFrame:
     """Compute the forces on a shoe from its pressures and its actuation force."""
     group, k, p = solution.group, solution.shoe_number, solution.pressures
     shoe, body = group.shoes[k], group.substructures_of_shoes[k]
-    load = load_column_factors_under_all_loads(body, shoe, solution.force)
+    load = unit_load_factors_under_all_loads(body, shoe, solution.force)
     moment = abs(solution.force) * group.actuation_of_each_shoe_by_one_newton[k].moment_about_pin
     if shoe.has_loads_besides_actuation:
         moment += moment_of_loads_besides_actuation_about_pin(shoe)
-    push = sum_of_forces_with_load_column_factors(body, shoe, load)
+    push = force_resultant_of_unit_load_factors(body, shoe, load)
     drag = group.brake.signed_friction_stress_over_pressure_in_shoe_frame(shoe)
     dragging = group.friction_stress_over_friction_coefficient_of_shoe(k, p)
     normal, dragged = body.resultants_of_unit_nodal_pressures_and_tractions
@@ -749,10 +789,12 @@ def _forces_on_shoe_due_to_pressure_and_actuation(solution: _ShoeSolution) -> _F
     else:
         reaction = support_reaction_of_shoe(body, p, dragging, drag, load)
     twist = float(reaction[2]) if shoe.kind_of_support in {"guide", "anchor"} else 0.0
-    return _ForcesOnShoe(normal, contact, push, moment, reaction[:2], twist)
+    return _ForcesOnShoeInShoeFrame(normal, contact, push, moment, reaction[:2], twist)
 
 
-def _resultant_of_support_forces_at_pin(shoe: Shoe, supports: Sequence[SupportForce]) -> Floats:
+def _resultant_of_support_forces_at_pin(
+    shoe: Shoe, supports: Sequence[OneSidedSupportForce]
+) -> Floats:
     """The resultant (3,) of one-sided supports: force x, y [N] and moment about the pin [N m].
 
     The resultant is in the frame of the shoe. `supports` are the forces of the supports on it.
@@ -769,8 +811,8 @@ def _resultant_of_support_forces_at_pin(shoe: Shoe, supports: Sequence[SupportFo
 
 
 def _relative_force_and_moment_imbalance_of_shoe(
-    solution: _ShoeSolution, acting: _ForcesOnShoe
-) -> Balance:
+    solution: _ShoePartOfGroupSolution, acting: _ForcesOnShoeInShoeFrame
+) -> ForceAndMomentImbalance:
     """The imbalance of the forces and of the moments on a shoe, relative to the largest of them."""
     group, shoe = solution.group, solution.group.shoes[solution.shoe_number]
     pin = shoe.pin_position_in_shoe_frame
@@ -785,7 +827,7 @@ def _relative_force_and_moment_imbalance_of_shoe(
         float(planar_cross_product(pin, acting.actuation_force)),
     ]
     if shoe.guide is not None:
-        length = group.brake.scale_factor * (shoe.lining.end - shoe.lining.start)
+        length = group.brake.length_per_surface_coordinate * (shoe.lining.end - shoe.lining.start)
         moments += [
             acting.guide_moment,
             *moments_that_scale_imbalance_on_guide(
@@ -799,12 +841,12 @@ def _relative_force_and_moment_imbalance_of_shoe(
     )
     if shoe.kind_of_support == "hinge":
         return balance
-    return Balance(
+    return ForceAndMomentImbalance(
         balance.force, max(balance.moment, _largest_relative_virtual_work_imbalance(solution))
     )
 
 
-def _largest_relative_virtual_work_imbalance(solution: _ShoeSolution) -> float:
+def _largest_relative_virtual_work_imbalance(solution: _ShoePartOfGroupSolution) -> float:
     """The largest relative residual of virtual work among a shoe's test modes.
 
     A test mode is a rigid-body motion on which the support of the shoe does no work. The residual
@@ -818,7 +860,7 @@ def _largest_relative_virtual_work_imbalance(solution: _ShoeSolution) -> float:
         drag * (coupling.T.T @ group.friction_stress_over_friction_coefficient_of_shoe(k, p))
         - coupling.N.T @ p
     )
-    by_actuation = abs(solution.force) * modes.actuation_work + modes.further_work
+    by_actuation = abs(solution.force) * modes.actuation_work + modes.work_of_further_loads
     for support in solution.support_forces:
         by_actuation += group.work_of_support_push_on_shoe_modes(k, support.push)
     by_contact = nodal[:, None] * modes.test_modes
@@ -827,31 +869,33 @@ def _largest_relative_virtual_work_imbalance(solution: _ShoeSolution) -> float:
     return float((residual / scale).max())
 
 
-class _ArithmeticErrors(NamedTuple):
+class _PenaltyAndRoundOffErrors(NamedTuple):
     """The relative errors of a shoe's results by the penalty, and by round-off."""
 
-    penalty: ShoeChange
-    round_off: ShoeChange
+    penalty: RelativeChangesOfShoeResults
+    round_off: RelativeChangesOfShoeResults
 
 
 def _penalty_and_round_off_errors(
-    solution: _ShoeSolution, acting: _ForcesOnShoe
-) -> _ArithmeticErrors:
+    solution: _ShoePartOfGroupSolution, acting: _ForcesOnShoeInShoeFrame
+) -> _PenaltyAndRoundOffErrors:
     """The relative errors of a shoe's results by the penalty, and by round-off."""
     normal_force = math.hypot(*acting.resultant_of_pressure[:2])
     size = reference_force_of_reaction_errors(acting.support_force, normal_force)
-    by_penalty, by_round_off = _relative_errors_of_shoe_results(solution, size)
+    by_penalty, by_round_off = _shoe_changes_by_penalty_and_round_off(solution, size)
     # Eliminating the unknowns inside a body causes a round-off error. No smaller error is stated.
     least = 0.0
     if not solution.refined:
         least = solution.group.substructures_of_shoes[
             solution.shoe_number
         ].condensed.force_imbalance
-    round_off = ShoeChange(*(max(part, least) for part in by_round_off))
-    return _ArithmeticErrors(by_penalty, round_off)
+    round_off = RelativeChangesOfShoeResults(*(max(part, least) for part in by_round_off))
+    return _PenaltyAndRoundOffErrors(by_penalty, round_off)
 
 
-def _note_on_accuracy_of_shoe_contact(solution: _ShoeSolution, errors: _ArithmeticErrors) -> str:
+def _note_on_accuracy_of_shoe_contact(
+    solution: _ShoePartOfGroupSolution, errors: _PenaltyAndRoundOffErrors
+) -> str:
     """The note on a shoe's penetration, the effect of the penalty on torque, and any refinement."""
     group, k, p = solution.group, solution.shoe_number, solution.pressures
     shoe, lever = group.shoes[k], group.substructures_of_shoes[k].coupling.lever
@@ -862,19 +906,22 @@ def _note_on_accuracy_of_shoe_contact(solution: _ShoeSolution, errors: _Arithmet
         softer = float(lever @ solution.pressure_errors[0]) / pressed if pressed else 0.0
         penetration = p.max() / group.contact_stiffness_per_area_of_shoes[k]
         contact = (
-            f"penalty {group.penalty:g} E/t, the stiffness between lining and {shoe.surface.word}: "
-            f"the lining enters the {shoe.surface.word} by {1e3 * penetration:.1e} mm at most, "
-            f"which changes the {shoe.surface.effect} by {100 * softer:+.1e} %"
+            f"penalty {group.penalty:g} E/t, the stiffness between lining and {shoe.surface.name}: "
+            f"the lining enters the {shoe.surface.name} by {1e3 * penetration:.1e} mm at most, "
+            f"which changes the {shoe.surface.word_for_torque_or_brake_force} by "
+            f"{100 * softer:+.1e} %"
         )
     note = f"shoe {shoe.name!r}: {contact}"
     if solution.refined:
-        certain = max(errors.round_off.pressure, DOUBLE_SPACING)
-        note += f"; {REFINED_REMARK}, so its pressure is certain to {certain:.0e}"
+        certain = max(errors.round_off.pressure, RELATIVE_SPACING_OF_DOUBLES)
+        note += f"; {ITERATIVE_REFINEMENT_REMARK}, so its pressure is certain to {certain:.0e}"
     return note
 
 
 def _response_of_shoe_in_brake_frame(
-    solution: _ShoeSolution, acting: _ForcesOnShoe, errors: _ArithmeticErrors
+    solution: _ShoePartOfGroupSolution,
+    acting: _ForcesOnShoeInShoeFrame,
+    errors: _PenaltyAndRoundOffErrors,
 ) -> ShoeResponse:
     """The response of a shoe, in the frame of the brake.
 
@@ -899,16 +946,16 @@ def _response_of_shoe_in_brake_frame(
     phi, on_lining = line.node_angles_with_mask_of_linings
     dragging = group.friction_stress_over_friction_coefficient_of_shoe(k, p)
     mean = np.zeros(len(phi))
-    mean[on_lining] = line.angles_and_mean_pressures(p)[1]
+    mean[on_lining] = line.angles_and_pressures_averaged_over_width(p)[1]
     stress = None
-    if group.friction_at_nodes is not None:
+    if group.node_frictions_over_brake_friction is not None:
         stress = np.zeros(len(phi))
-        stress[on_lining] = abs(drag) * line.angles_and_mean_pressures(dragging)[1]
+        stress[on_lining] = abs(drag) * line.angles_and_pressures_averaged_over_width(dragging)[1]
     pin_motion = modes.pin_motion @ solution.coordinates
     return response_of_pressed_elastic_shoe(
         shoe,
-        brake.scale_factor,
-        frame.theta(phi),
+        brake.length_per_surface_coordinate,
+        frame.surface_coordinates_of_phi(phi),
         mean,
         order=line.interpolation_degree_along_contact_line,
         on_lining=on_lining,
@@ -918,7 +965,7 @@ def _response_of_shoe_in_brake_frame(
         self_energising=_is_shoe_self_energising(solution),
         hinge_reaction=frame.convert_vectors_from_shoe_to_brake_frame(acting.support_force),
         turn=frame.sense * float(modes.pin_motion[2] @ solution.coordinates),
-        force=None if group.strut_and_cam_force_problem is None else solution.force,
+        force=None if group.strut_and_cam_contact_problem_or_none is None else solution.force,
         pivot_reaction=None
         if shoe.pivot is None
         else -frame.convert_vectors_from_shoe_to_brake_frame(acting.force_of_drum[:2])
@@ -933,7 +980,7 @@ def _response_of_shoe_in_brake_frame(
     )
 
 
-def _is_shoe_self_energising(solution: _ShoeSolution) -> bool:
+def _is_shoe_self_energising(solution: _ShoePartOfGroupSolution) -> bool:
     """Whether the work of the friction on the first test mode of a shoe helps the actuation.
 
     For a shoe on anchors the work is taken in the computed motion of the shoe instead.
@@ -949,22 +996,22 @@ def _is_shoe_self_energising(solution: _ShoeSolution) -> bool:
             float(acting @ part @ solution.coordinates)
             for acting, part in zip((p, dragging), closures, strict=True)
         ]
-        return drag * work[1] > NEITHER * abs(work[0])
+        return drag * work[1] > LARGEST_NEUTRAL_FRICTION_OVER_PRESSURE_WORK * abs(work[0])
     closed = float(closures.normal[:, 0] @ p)
     rubbed = float(closures.tangential[:, 0] @ dragging)
     modes = group.rigid_body_modes_of_shoes[k]
     pushing = modes.actuation_work[0]
     if group.shoes[k].has_loads_besides_actuation:
-        pushing = abs(solution.force) * pushing + modes.further_work[0]
+        pushing = abs(solution.force) * pushing + modes.work_of_further_loads[0]
     sense = math.copysign(1.0, pushing)
-    return sense * drag * rubbed > NEITHER * abs(closed)
+    return sense * drag * rubbed > LARGEST_NEUTRAL_FRICTION_OVER_PRESSURE_WORK * abs(closed)
 
 
 # The following functions estimate the penalty error and the round-off error.
 
 
 def _pressure_errors_due_to_penalty_and_round_off(
-    group: ShoeGroup, contact: Contact, coordinates: Sequence[Floats]
+    group: ShoeGroup, contact: ContactSolution, coordinates: Sequence[Floats]
 ) -> Floats:
     """The first-order change (2, n) of all pressures: by the penalty, and by round-off.
 
@@ -994,12 +1041,15 @@ def _pressure_errors_due_to_penalty_and_round_off(
     return np.array([contact.pressure_change(np.concatenate(gaps)) for gaps in (opened, strayed)])
 
 
-def _relative_errors_of_shoe_results(solution: _ShoeSolution, reaction: float) -> list[ShoeChange]:
+def _shoe_changes_by_penalty_and_round_off(
+    solution: _ShoePartOfGroupSolution, reaction: float
+) -> list[RelativeChangesOfShoeResults]:
     """The relative changes of a shoe's pressure, torque, reaction and peak pressure.
 
     The first item of the list is the change by the penalty, the second the change by round-off. The
-    change of the pressure is taken outside EDGE_ZONE at the lining's ends, unless more than half of
-    the force acts in these zones. `reaction` is the size of the support reaction [N].
+    change of the pressure is taken outside UNCOMPARED_EDGE_ZONE_IN_RADIANS at the lining's ends,
+    unless more than half of the force acts in these zones. `reaction` is the size of the support
+    reaction [N].
     """
     group, k, p, changes = (
         solution.group,
@@ -1033,7 +1083,7 @@ def _relative_errors_of_shoe_results(solution: _ShoeSolution, reaction: float) -
     ]
     wholes = [math.sqrt(weight @ p**2), float(lever @ p), reaction, top]
     relative = np.array(by_quantity).T / [whole or 1.0 for whole in wholes]
-    return [ShoeChange(*row) for row in relative.tolist()]
+    return [RelativeChangesOfShoeResults(*row) for row in relative.tolist()]
 
 
 def _node_areas_with_zero_in_edge_zones(shoe: Shoe, phi: Floats, area: Floats) -> Floats:
@@ -1052,7 +1102,7 @@ def _node_areas_with_zero_in_edge_zones(shoe: Shoe, phi: Floats, area: Floats) -
     return np.where(inside, area, 0.0)
 
 
-def _mask_of_nodes_in_earlier_contact(group: ShoeGroup, k: int, start: Response) -> Bools:
+def _mask_of_nodes_touching_in_earlier_response(group: ShoeGroup, k: int, start: Response) -> Bools:
     """Mark the contact nodes (n_k,) of a shoe that touched in an earlier response.
 
     Parameters
@@ -1061,7 +1111,9 @@ def _mask_of_nodes_in_earlier_contact(group: ShoeGroup, k: int, start: Response)
     k : position of the shoe in the group
     start : the earlier response, whose contact arcs count
     """
-    theta = group.shoes[k].frame.theta(group.substructures_of_shoes[k].line.phi)
+    theta = group.shoes[k].frame.surface_coordinates_of_phi(
+        group.substructures_of_shoes[k].line.phi
+    )
     touching = np.zeros(len(theta), dtype=bool)
     for first, last in start.shoes[group.members[k]].contact_arcs:
         touching |= (theta > first - 1e-9) & (theta < last + 1e-9)

@@ -2,7 +2,7 @@
 
 from drumlin.base.moved import make_getattr_function_of_moved_module
 
-RENAMED_IN_SENSITIVITY = {
+NEW_NAMES_OF_SENSITIVITY_FUNCTIONS = {
     "sensitivity": "compute_torque_sensitivity",
     "as_text": "sensitivity_as_text_lines",
     "law_sensitivity": "friction_sensitivity_by_rigid_shoe_law",
@@ -11,5 +11,5 @@ RENAMED_IN_SENSITIVITY = {
 """The present name of each renamed function, by its old name."""
 
 __getattr__ = make_getattr_function_of_moved_module(
-    __name__, "drumlin.fem.analysis.sensitivity", RENAMED_IN_SENSITIVITY
+    __name__, "drumlin.fem.analysis.sensitivity", NEW_NAMES_OF_SENSITIVITY_FUNCTIONS
 )

@@ -6,15 +6,21 @@ from drumlin.base.errors import BadInput
 from drumlin.base.files import require_fields_file_name_ends_in_vtu
 from drumlin.brake.brake import Brake
 from drumlin.brake.further_loads import brake_with_all_loads_moved_to_actuation
-from drumlin.fem.error_control.adapt import Tolerance, require_tolerance_between_zero_and_one
-from drumlin.fem.model import PENALTY, require_positive_penalty
-from drumlin.fem.preparation.cache import Cache
-from drumlin.fem.width.ladder import LARGEST_STATED_DEGREE, solve_brake_with_widths_and_keep_model
+from drumlin.fem.error_control.adapt import (
+    TolerancesOfPressureAndTorque,
+    require_tolerance_between_zero_and_one,
+)
+from drumlin.fem.model import DEFAULT_PENALTY_FACTOR, require_positive_penalty
+from drumlin.fem.preparation.cache import CacheOfCondensedBodies
+from drumlin.fem.width.ladder import (
+    LARGEST_WIDTH_DEGREE_WITH_STATED_ERROR,
+    solve_brake_with_widths_and_keep_model,
+)
 from drumlin.fem.width.prepare import reason_why_width_model_does_not_apply
 from drumlin.response.merit import response_with_figures_of_merit
 from drumlin.response.response import Response
 
-DEFAULT_SOLID_TOLERANCE = 0.01
+DEFAULT_ERROR_TOLERANCE_OF_SOLID_MODEL = 0.01
 """Default tolerance of the solid model: relative error of p (mean over the width) and of torque."""
 
 
@@ -23,14 +29,14 @@ def solve(
     *,
     across: int | None = None,
     tolerance: float | None = None,
-    penalty: float = PENALTY,
+    penalty: float = DEFAULT_PENALTY_FACTOR,
     fields: Path | None = None,
-    cache: Cache | None = None,
+    cache: CacheOfCondensedBodies | None = None,
 ) -> Response:
     """The response of a brake's solid shoes, with its stated errors.
 
-    Without a tolerance DEFAULT_SOLID_TOLERANCE is aimed at, and a note states the error that is
-    reached.
+    Without a tolerance DEFAULT_ERROR_TOLERANCE_OF_SOLID_MODEL is aimed at, and a note states the
+    error that is reached.
 
     Parameters
     ----------
@@ -53,9 +59,11 @@ def solve(
     """
     require_positive_penalty(penalty)
     require_fields_file_name_ends_in_vtu(fields)
-    if across is not None and not 1 <= across <= LARGEST_STATED_DEGREE:
-        raise BadInput(f"--across = {across}: must be from 1 to {LARGEST_STATED_DEGREE}")
-    asked = DEFAULT_SOLID_TOLERANCE
+    if across is not None and not 1 <= across <= LARGEST_WIDTH_DEGREE_WITH_STATED_ERROR:
+        raise BadInput(
+            f"--across = {across}: must be from 1 to {LARGEST_WIDTH_DEGREE_WITH_STATED_ERROR}"
+        )
+    asked = DEFAULT_ERROR_TOLERANCE_OF_SOLID_MODEL
     if tolerance is not None:
         require_tolerance_between_zero_and_one(tolerance)
         asked = tolerance
@@ -71,7 +79,7 @@ def solve(
     # in the model with widths.
     solved = solve_brake_with_widths_and_keep_model(
         brake_with_all_loads_moved_to_actuation(brake),
-        Tolerance(asked, asked),
+        TolerancesOfPressureAndTorque(asked, asked),
         must=tolerance is not None,
         across=across,
         penalty=penalty,
@@ -83,7 +91,7 @@ def solve(
         from drumlin.fem.analysis.solid_fields import recover_stresses_in_half_of_each_solid_shoe  # noqa: PLC0415
 
         recovered = recover_stresses_in_half_of_each_solid_shoe(
-            solved.scene, brake, solved.response
+            solved.prepared_model, brake, solved.response
         )
         write_fields_to_vtu_file(fields, recovered)
     return response_with_figures_of_merit(brake, solved.response)

@@ -20,8 +20,8 @@ from drumlin.fem.equilibrium.locking import (
     compare_friction_with_self_locking_limits,
 )
 from drumlin.fem.error_control.adapt import (
-    DEFAULT_TOLERANCE,
-    Tolerance,
+    DEFAULT_TOLERANCES_OF_PRESSURE_AND_TORQUE,
+    TolerancesOfPressureAndTorque,
     require_tolerance_between_zero_and_one,
     solve_brake_to_tolerance,
 )
@@ -33,11 +33,11 @@ from drumlin.fem.error_control.first_level import (
     solve_brake_on_first_refinement_level,
     solve_on_levels_and_hand_out_first,
 )
-from drumlin.fem.error_control.levels import LEVELS, SolvedLevel
-from drumlin.fem.mesh.arc import DEFAULT_KIND
-from drumlin.fem.model import PENALTY, require_positive_penalty, solve_prepared_model
-from drumlin.fem.preparation.cache import Cache
-from drumlin.fem.preparation.meshes import ELEMENTS
+from drumlin.fem.error_control.levels import REFINEMENT_LEVELS_FROM_COARSE_TO_FINE, SolvedLevel
+from drumlin.fem.mesh.arc import DEFAULT_MESH_KIND
+from drumlin.fem.model import DEFAULT_PENALTY_FACTOR, require_positive_penalty, solve_prepared_model
+from drumlin.fem.preparation.cache import CacheOfCondensedBodies
+from drumlin.fem.preparation.meshes import DEFAULT_ELEMENTS_ALONG_LINING
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.preparation.scene import PreparedModel, add_elapsed_time_of_block_to_phase
 from drumlin.fem.width.correction import (
@@ -53,7 +53,7 @@ from drumlin.response.balance import (
 from drumlin.response.merit import response_with_figures_of_merit
 from drumlin.response.response import Response
 
-REPORTED_IMBALANCE = 1e-8
+SMALLEST_REPORTED_PRESSURE_CURVE_IMBALANCE = 1e-8
 """Imbalance of the pressure curve p(theta) above which a note is added to the response.
 
 It is the relative imbalance of forces or moments under p(theta), less the imbalance under the nodal
@@ -68,13 +68,13 @@ def solve(
     elements: int | None = None,
     kind: str | None = None,
     tolerance: float | None = None,
-    penalty: float = PENALTY,
+    penalty: float = DEFAULT_PENALTY_FACTOR,
     finite_width: bool = False,
     model_error: bool = False,
     self_locking: bool = False,
     use_model: Callable[[PreparedModel, Response], None] | None = None,
     use_first_level: Callable[[Response], None] | None = None,
-    cache: Cache | None = None,
+    cache: CacheOfCondensedBodies | None = None,
 ) -> Response:
     """Solve a brake by finite elements, on finer and finer divisions up to a tolerance.
 
@@ -87,8 +87,9 @@ def solve(
         without error estimate
     kind : kind of the finite elements; the brake is then solved on one mesh, without error estimate
     tolerance : largest estimated relative error of p (L2, outside the zones at the lining's ends)
-        and of the torque; by default DEFAULT_TOLERANCE is aimed at, and larger errors are accepted.
-        On the mesh of a file the degree of the elements rises until the tolerance is met.
+        and of the torque; by default DEFAULT_TOLERANCES_OF_PRESSURE_AND_TORQUE is aimed at, and
+        larger errors are accepted. On the mesh of a file the degree of the elements rises until the
+        tolerance is met.
     penalty : factor alpha of the contact stiffness alpha E/t
     finite_width : whether the response is corrected for the widths of the shoes, see
         fem/width/correction.py; it then states the error that remains
@@ -160,9 +161,9 @@ def solve(
 def solve_brake_on_first_level_without_error_estimate(
     brake: Brake,
     *,
-    penalty: float = PENALTY,
+    penalty: float = DEFAULT_PENALTY_FACTOR,
     model_error: bool = False,
-    cache: Cache | None = None,
+    cache: CacheOfCondensedBodies | None = None,
 ) -> Response:
     """The response of a brake on the first level of a solve, which states no errors of its own.
 
@@ -203,7 +204,7 @@ def _solved_model_in_plane_stress(
     tolerance: float | None,
     penalty: float,
     use_first_level: Callable[[Response], None] | None,
-    cache: Cache | None,
+    cache: CacheOfCondensedBodies | None,
 ) -> SolvedLevel:
     """The prepared model and the response of a brake in plane stress; parameters as in `solve`.
 
@@ -216,14 +217,19 @@ def _solved_model_in_plane_stress(
     if elements is None and kind is None and any(shoe.mesh for shoe in brake.shoes):
         return solve_brake_on_mesh_files(brake, answer, tolerance, cache)
     if tolerance is not None:
-        asked = Tolerance(tolerance, tolerance)
+        asked = TolerancesOfPressureAndTorque(tolerance, tolerance)
         return solve_brake_to_tolerance(brake, asked, answer, cache=cache)
     if _is_brake_solved_on_hp_element_levels(brake, elements, kind):
         levels = None
         if use_first_level is not None:
             levels = solve_on_levels_and_hand_out_first(brake, answer, cache, use_first_level)
         return solve_brake_to_tolerance(
-            brake, DEFAULT_TOLERANCE, answer, must=False, cache=cache, levels=levels
+            brake,
+            DEFAULT_TOLERANCES_OF_PRESSURE_AND_TORQUE,
+            answer,
+            must=False,
+            cache=cache,
+            levels=levels,
         )
     model = prepared_model_with_finest_elements(brake, elements=elements, kind=kind, cache=cache)
     return SolvedLevel(model, answer(model, brake))
@@ -234,16 +240,18 @@ def prepared_model_with_finest_elements(
     *,
     elements: int | None = None,
     kind: str | None = None,
-    cache: Cache | None = None,
+    cache: CacheOfCondensedBodies | None = None,
 ) -> PreparedModel:
     """The prepared model of the finest division that `solve` uses, for further analyses.
 
-    The parameters and the errors raised are those of `finest_model_with_stated_errors`.
+    The parameters and the errors raised are those of `finest_prepared_model_with_stated_errors`.
     """
-    return finest_model_with_stated_errors(brake, elements=elements, kind=kind, cache=cache).scene
+    return finest_prepared_model_with_stated_errors(
+        brake, elements=elements, kind=kind, cache=cache
+    ).scene
 
 
-class FinestModel(NamedTuple):
+class FinestPreparedModelWithErrors(NamedTuple):
     """The prepared model of the finest division of a brake, and the errors of its response.
 
     Attributes
@@ -257,13 +265,13 @@ class FinestModel(NamedTuple):
     error: Mapping[str, float] | None = None
 
 
-def finest_model_with_stated_errors(
+def finest_prepared_model_with_stated_errors(
     brake: Brake,
     *,
     elements: int | None = None,
     kind: str | None = None,
-    cache: Cache | None = None,
-) -> FinestModel:
+    cache: CacheOfCondensedBodies | None = None,
+) -> FinestPreparedModelWithErrors:
     """The prepared model of the finest division that `solve` uses, with the errors that it states.
 
     The elements of a mesh file are split and their degree is raised as in `solve`. A brake without
@@ -285,20 +293,30 @@ def finest_model_with_stated_errors(
         try:
             solved = solve_brake_on_mesh_files(brake, solve_prepared_model, None, cache)
         except NoAnswer:
-            return FinestModel(prepared_model_on_second_level_of_mesh_files(brake, cache))
-        return FinestModel(solved.scene, solved.response.error)
+            return FinestPreparedModelWithErrors(
+                prepared_model_on_second_level_of_mesh_files(brake, cache)
+            )
+        return FinestPreparedModelWithErrors(solved.prepared_model, solved.response.error)
     if not _is_brake_solved_on_hp_element_levels(brake, elements, kind):
-        elements = ELEMENTS if elements is None else elements
-        kind = kind or DEFAULT_KIND
-        return FinestModel(make_prepared_model(brake, elements=elements, kind=kind, cache=cache))
+        elements = DEFAULT_ELEMENTS_ALONG_LINING if elements is None else elements
+        kind = kind or DEFAULT_MESH_KIND
+        return FinestPreparedModelWithErrors(
+            make_prepared_model(brake, elements=elements, kind=kind, cache=cache)
+        )
     # The model is that of the last level on which a solution was found.
     try:
         solved = solve_brake_to_tolerance(
-            brake, DEFAULT_TOLERANCE, solve_prepared_model, must=False, cache=cache
+            brake,
+            DEFAULT_TOLERANCES_OF_PRESSURE_AND_TORQUE,
+            solve_prepared_model,
+            must=False,
+            cache=cache,
         )
     except NoAnswer:
-        return FinestModel(make_prepared_model(brake, LEVELS[1], cache=cache))
-    return FinestModel(solved.scene, solved.response.error)
+        return FinestPreparedModelWithErrors(
+            make_prepared_model(brake, REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[1], cache=cache)
+        )
+    return FinestPreparedModelWithErrors(solved.prepared_model, solved.response.error)
 
 
 def require_element_options_have_effect(
@@ -342,7 +360,7 @@ def _response_with_note_on_curve_balance(brake: Brake, response: Response) -> Re
     )
     more_force = curve.force - response.balance.force
     more_moment = curve.moment - response.balance.moment
-    if max(more_force, more_moment) <= REPORTED_IMBALANCE:
+    if max(more_force, more_moment) <= SMALLEST_REPORTED_PRESSURE_CURVE_IMBALANCE:
         return response
     note = (
         f"p(theta) on the round drum balances to {error_text_in_percent(curve.force)} (force) and "

@@ -8,18 +8,18 @@ from typing import TYPE_CHECKING
 
 from drumlin.base.moved import make_getattr_function_for_renamed_functions
 from drumlin.foundation.model import (
-    LIFTS,
-    RING_SECTIONS,
+    DEFAULT_DIVISIONS_OF_SHOE_BEAM,
+    INCLUDABLE_EFFECTS,
+    inward_ring_displacement_under_each_shoe,
     reason_against_foundation_model,
-    ring_displacement_under_each_shoe,
     solve_brake_by_foundation_model,
 )
 
 __all__ = [
-    "LIFTS",
-    "RING_SECTIONS",
+    "DEFAULT_DIVISIONS_OF_SHOE_BEAM",
+    "INCLUDABLE_EFFECTS",
+    "inward_ring_displacement_under_each_shoe",
     "reason_against_foundation_model",
-    "ring_displacement_under_each_shoe",
     "solve_brake_by_foundation_model",
 ]
 
@@ -30,6 +30,6 @@ if not TYPE_CHECKING:
         {
             "solve": "solve_brake_by_foundation_model",
             "why_not": "reason_against_foundation_model",
-            "rim": "ring_displacement_under_each_shoe",
+            "rim": "inward_ring_displacement_under_each_shoe",
         },
     )

@@ -7,10 +7,10 @@ below the sector moves inwards by z, and the beam closes the gap by d, so that t
     w = Delta + N/k + z - d >= 0,                N w = 0
 
 The beam turns about its hinge by y and bends under its moments M. The forces of all sectors bend
-the ring, which has the flexibilities c. `SectionedShoe` explains the arrays `loaded`, `pressed`,
-`dragged` and `closing`, and the friction factor mu_hat. The subscript 0 stands for the first row of
-an array, which belongs to the station at the hinge. With the trapezoidal rule over the stations of
-the beam, whose weights are dx,
+the ring, which has the flexibilities c. `ShoeInStationsAndSectors` explains the arrays `loaded`,
+`pressed`, `dragged` and `closing`, and the friction factor mu_hat. The subscript 0 stands for the
+first row of an array, which belongs to the station at the hinge. With the trapezoidal rule over the
+stations of the beam, whose weights are dx,
 
     M = loaded - (pressed + mu_hat dragged) N,   d = y closing_0 + closing^T (dx/EI) M,
     z = c N,                                     M_0 = 0: (pressed + mu_hat dragged)_0 N = loaded_0.
@@ -27,28 +27,28 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drumlin.base.arrays import Bools, Floats, slices_of_consecutive_parts
+from drumlin.base.arrays import Bools, Floats, slices_from_lengths_of_consecutive_parts
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.base.lapack import block_diag
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.brake.components import Beam
+from drumlin.brake.components import BeamBody
 from drumlin.brake.friction import reason_if_friction_depends_on_pressure
 from drumlin.brake.further_loads import reason_if_loads_besides_actuation_act
 from drumlin.brake.heat import reason_if_any_shoe_is_heated
 from drumlin.brake.orthotropic import reason_if_any_part_is_orthotropic
 from drumlin.brake.ring_support import reason_if_ring_edge_is_not_fixed_or_free
-from drumlin.brake.surface import DRUM
+from drumlin.brake.surface import FRICTION_SURFACE_OF_DRUM
 from drumlin.contact import active_set, self_locking
 from drumlin.contact.equations import ContactProblem
 from drumlin.foundation.post import (
-    SectionedShoe,
+    ShoeInStationsAndSectors,
     brake_angles_from_beam_angles,
     divide_shoe_into_stations_and_sectors,
     trapezoidal_rule_weights,
 )
 from drumlin.foundation.ring import (
-    ring_displacement_per_radial_force,
-    ring_displacement_per_tangential_force,
+    inward_ring_displacement_per_radial_force,
+    inward_ring_displacement_per_tangential_force,
 )
 from drumlin.laws import self_locking_friction_of_hinged_shoe
 from drumlin.laws.hinged import actuation_moment_towards_drum
@@ -56,24 +56,27 @@ from drumlin.laws.rigid import note_on_shoe_without_contact
 from drumlin.response.balance import largest_imbalance_among_shoes, relative_imbalance_of_shoe
 from drumlin.response.merit import response_with_figures_of_merit
 from drumlin.response.response import (
-    Deformation,
+    BeamAndRingDeflections,
     Response,
     ShoeResponse,
     response_of_pressed_elastic_shoe,
     response_of_shoe_without_contact,
 )
-from drumlin.response.resultants import Resultant, polynomial_nodes_on_linings_and_slots
+from drumlin.response.resultants import (
+    PressureAndFrictionResultant,
+    polynomial_nodes_on_linings_and_slots,
+)
 
-RING_SECTIONS = 360
+DEFAULT_DIVISIONS_OF_SHOE_BEAM = 360
 """Number of divisions of each shoe's beam if the user gives none."""
 
-LARGEST_SHOE_TURN = 0.2
+LARGEST_ACCEPTED_TURN_ABOUT_HINGE = 0.2
 """Largest turn of a shoe about its hinge [rad] that the model accepts, some 11 degrees.
 
 The model assumes small displacements, and an answer with a larger turn is refused.
 """
 
-LIFTS = {
+INCLUDABLE_EFFECTS = {
     "plane-stress": (
         "layers as columns of stiffness E/t, not bonded and held along the arc: E/((1 - nu^2) t)"
     ),
@@ -104,20 +107,22 @@ ALWAYS_NEGLECTED_EFFECTS = (
 )
 """Effects that the foundation model always neglects, as lines for the printed answer."""
 
-EFFECTS_OF_AN_ELASTIC_RING = frozenset({"thick-ring", "all-modes", "own-pressure", "ring-friction"})
-"""Names, as in LIFTS, of the effects that exist only if the drum is an elastic ring."""
+INCLUDABLE_EFFECTS_THAT_NEED_ELASTIC_RING = frozenset(
+    {"thick-ring", "all-modes", "own-pressure", "ring-friction"}
+)
+"""The effects of INCLUDABLE_EFFECTS that exist only if the drum is an elastic ring."""
 
 
 def reason_against_foundation_model(brake: Brake) -> str | None:
     """The reason why the foundation model does not apply to a brake; None if it applies."""
     refusal = (
-        brake.surface.reason_why_surface_is_not_required_one(DRUM)
+        brake.surface.reason_why_surface_is_not_required_one(FRICTION_SURFACE_OF_DRUM)
         or brake.reason_why_cam_or_strut_sets_forces
     )
     if refusal is not None:
         return refusal
     for shoe in brake.shoes:
-        if not isinstance(shoe.body, Beam):
+        if not isinstance(shoe.body, BeamBody):
             return f'shoe {shoe.name!r}: is not a straight beam, [shoe.body] with shape = "beam"'
     model = "the foundation model"
     return (
@@ -130,21 +135,22 @@ def reason_against_foundation_model(brake: Brake) -> str | None:
 
 
 def validated_names_of_effects_to_include(brake: Brake, lift: Iterable[str]) -> frozenset[str]:
-    """The names in LIFTS of the effects that a solve includes, from the values of --lift.
+    """The names of the effects that a solve includes, from the values of --lift.
 
     The value "all" stands for all effects for which the brake file has data. Raises BadInput for an
     unknown name, and for an effect for which the brake file lacks data.
     """
     names = set(lift)
-    unknown = sorted(names - set(LIFTS) - {"all"})
+    unknown = sorted(names - set(INCLUDABLE_EFFECTS) - {"all"})
     if unknown:
         raise BadInput(
-            f"--lift = {unknown[0]!r}: unknown simplification; allowed: {', '.join(LIFTS)}, all"
+            f"--lift = {unknown[0]!r}: unknown simplification; allowed: "
+            f"{', '.join(INCLUDABLE_EFFECTS)}, all"
         )
     # `lacking` tells why the brake file does not allow an effect, by the name of the effect.
     lacking: dict[str, str] = {}
     for shoe in brake.shoes:
-        if shoe.backing and isinstance(shoe.body, Beam) and shoe.body.thickness is None:
+        if shoe.backing and isinstance(shoe.body, BeamBody) and shoe.body.thickness is None:
             lacking["wedge"] = "needs shoe.body.thickness"
     if brake.ring is not None and brake.ring.section is None:
         lacking["thick-ring"] = "needs drum.ring.thickness, width and material"
@@ -154,7 +160,7 @@ def validated_names_of_effects_to_include(brake: Brake, lift: Iterable[str]) -> 
     for name in sorted(names & set(lacking)):
         raise BadInput(f"--lift = {name!r}: {lacking[name]}")
     if "all" in names:
-        names = set(LIFTS) - set(lacking)
+        names = set(INCLUDABLE_EFFECTS) - set(lacking)
     # Without "all-modes" an equal shoe opposite each shoe is assumed, so that the ring has even
     # modes only. If each shoe loads the ring by its own pressure, it needs the odd modes as well.
     if "own-pressure" in names:
@@ -162,7 +168,7 @@ def validated_names_of_effects_to_include(brake: Brake, lift: Iterable[str]) -> 
     return frozenset(names)
 
 
-class FoundationSystem(NamedTuple):
+class FoundationContactProblem(NamedTuple):
     """The contact problem of a group of shoes that load the drum's ring together.
 
     Attributes
@@ -173,14 +179,14 @@ class FoundationSystem(NamedTuple):
     problem : the contact problem, whose unknowns are the normal forces [N] of the sectors
     """
 
-    posts: tuple[SectionedShoe, ...]
+    posts: tuple[ShoeInStationsAndSectors, ...]
     ring: Floats
     problem: ContactProblem
 
 
 def contact_problem_of_shoe_group(
     brake: Brake, group: list[int], sections: int, lift: frozenset[str]
-) -> FoundationSystem:
+) -> FoundationContactProblem:
     """Set up the contact problem of a group of shoes for the normal forces [N] of their sectors.
 
     Parameters
@@ -188,7 +194,7 @@ def contact_problem_of_shoe_group(
     brake : the brake
     group : indices of the group's shoes in the brake
     sections : number of divisions of each beam
-    lift : names in LIFTS of the effects to include
+    lift : names in INCLUDABLE_EFFECTS of the effects to include
 
     Raises
     ------
@@ -206,8 +212,10 @@ def contact_problem_of_shoe_group(
     )
     posts = tuple(make(brake, brake.shoes[i]) for i in group)
     # The polar angles, on the ring, of the sectors of all shoes of the group.
-    theta = np.concatenate([p.axis.origin + p.axis.sense * p.theta for p in posts])
-    ring = ring_displacement_per_normal_force(brake, theta, theta, lift)
+    theta = np.concatenate(
+        [p.axis.polar_angle_of_perpendicular_foot + p.axis.sense * p.theta for p in posts]
+    )
+    ring = inward_ring_displacement_per_normal_force(brake, theta, theta, lift)
     # Only the ring couples the shoes: all matrices except `ring` have a diagonal block per shoe.
     problems = list(map(_contact_problem_of_one_shoe, posts))
     problem = ContactProblem(
@@ -217,15 +225,15 @@ def contact_problem_of_shoe_group(
         C=block_diag(*(each.C for each in problems)),
         h=np.concatenate([each.h for each in problems]),
     )
-    return FoundationSystem(posts, ring, problem)
+    return FoundationContactProblem(posts, ring, problem)
 
 
-def _contact_problem_of_one_shoe(p: SectionedShoe) -> ContactProblem:
+def _contact_problem_of_one_shoe(p: ShoeInStationsAndSectors) -> ContactProblem:
     """The contact problem of one shoe for the normal forces [N] of its sectors, on a rigid drum."""
     # `turning` times the bending moments at the stations is the distance by which the gaps close.
     # `moments` times the normal forces of the sectors are the moments of these forces and their
     # friction about the stations.
-    turning = p.closing.T * (p.step / p.EI)
+    turning = p.closing.T * (p.station_weights / p.EI)
     moments = p.pressed + p.drag * p.dragged
     return ContactProblem(
         A=turning @ moments + np.diag(1 / p.k),
@@ -236,7 +244,7 @@ def _contact_problem_of_one_shoe(p: SectionedShoe) -> ContactProblem:
     )
 
 
-def ring_displacement_per_normal_force(
+def inward_ring_displacement_per_normal_force(
     brake: Brake, theta: Floats, loads: Floats, lift: frozenset[str]
 ) -> Floats:
     """The inward displacement (k, n) [m/N] of the drum's ring per normal force on its rim.
@@ -248,25 +256,28 @@ def ring_displacement_per_normal_force(
     brake : the brake
     theta : angles (k,) [rad] at which the displacement is evaluated
     loads : angles (n,) [rad] at which the normal forces act
-    lift : names in LIFTS of the effects to include
+    lift : names in INCLUDABLE_EFFECTS of the effects to include
     """
     ring = brake.ring
     if ring is None:
         return np.zeros((len(theta), len(loads)))
     d = np.subtract.outer(theta, loads)
     twin, R = "all-modes" not in lift, brake.size
-    c = ring_displacement_per_radial_force(
+    c = inward_ring_displacement_per_radial_force(
         ring, R, d, twin=twin, sign=-1, thick="thick-ring" in lift
     )
     # The friction on the drum acts against the rotation, and bends the ring as well.
     if "ring-friction" in lift:
-        c = c - brake.friction * brake.sign_of_motion * ring_displacement_per_tangential_force(
-            ring, R, d, twin=twin
+        c = (
+            c
+            - brake.friction
+            * brake.sign_of_motion
+            * inward_ring_displacement_per_tangential_force(ring, R, d, twin=twin)
         )
     return c
 
 
-def ring_displacement_under_each_shoe(
+def inward_ring_displacement_under_each_shoe(
     brake: Brake, response: Response, theta: Floats, lift: Iterable[str] = ()
 ) -> Floats:
     """The inward displacement (shoes, k) [m] of the drum's ring under the pressure of each shoe.
@@ -280,7 +291,7 @@ def ring_displacement_under_each_shoe(
     brake : the brake
     response : the response of the foundation model
     theta : angles (k,) [rad] at which the displacement is evaluated
-    lift : names in LIFTS of the effects that the response includes
+    lift : names in INCLUDABLE_EFFECTS of the effects that the response includes
     """
     names = validated_names_of_effects_to_include(brake, lift)
     rows = []
@@ -293,14 +304,16 @@ def ring_displacement_under_each_shoe(
             * trapezoidal_rule_weights(answer.theta)
             * answer.pressure
         )
-        rows.append(ring_displacement_per_normal_force(brake, theta, answer.theta, names) @ N)
+        rows.append(
+            inward_ring_displacement_per_normal_force(brake, theta, answer.theta, names) @ N
+        )
     return np.array(rows)
 
 
 def solve_brake_by_foundation_model(
     brake: Brake,
     *,
-    sections: int = RING_SECTIONS,
+    sections: int = DEFAULT_DIVISIONS_OF_SHOE_BEAM,
     lift: Iterable[str] = (),
     start: list[Bools] | None = None,
 ) -> Response:
@@ -310,7 +323,7 @@ def solve_brake_by_foundation_model(
     ----------
     brake : the brake
     sections : number of divisions of each beam
-    lift : names in LIFTS of the effects to include, or "all"
+    lift : names in INCLUDABLE_EFFECTS of the effects to include, or "all"
     start : first guess for the sectors in contact: a mask (n,) for each shoe of the brake
 
     Raises
@@ -368,7 +381,10 @@ def _groups_of_shoes_solved_together(
 
 
 def _responses_of_shoe_group(
-    brake: Brake, group: list[int], parts: FoundationSystem, found: active_set.Contact
+    brake: Brake,
+    group: list[int],
+    parts: FoundationContactProblem,
+    found: active_set.ContactSolution,
 ) -> dict[int, ShoeResponse]:
     """The responses of a group of shoes, by the index of each shoe in the brake.
 
@@ -382,7 +398,7 @@ def _responses_of_shoe_group(
     answers = {}
     # Inward displacement of the ring at the sectors of all shoes of the group.
     z = parts.ring @ found.p
-    ranges = slices_of_consecutive_parts(len(p.theta) for p in parts.posts)
+    ranges = slices_from_lengths_of_consecutive_parts(len(p.theta) for p in parts.posts)
     for k, i in enumerate(group):
         part, turn = ranges[k], float(found.y[k])
         answers[i] = response_of_post_brake_shoe(
@@ -394,15 +410,17 @@ def _responses_of_shoe_group(
 def texts_of_neglected_effects(brake: Brake, names: frozenset[str]) -> tuple[str, ...]:
     """Lines of text about the effects that a solve neglects, each with the option to include it.
 
-    `names` are the names in LIFTS of the effects that the solve includes.
+    `names` are the names in INCLUDABLE_EFFECTS of the effects that the solve includes.
     """
     ring = brake.ring is not None
     blocks = any(shoe.backing for shoe in brake.shoes)
     kept = []
     # Effects of an elastic ring are listed only if the drum has a ring, and "wedge" only if a shoe
     # has a block.
-    for name, text in LIFTS.items():
-        concerns = (ring or name not in EFFECTS_OF_AN_ELASTIC_RING) and (blocks or name != "wedge")
+    for name, text in INCLUDABLE_EFFECTS.items():
+        concerns = (ring or name not in INCLUDABLE_EFFECTS_THAT_NEED_ELASTIC_RING) and (
+            blocks or name != "wedge"
+        )
         if name not in names and concerns:
             kept.append(f"{text} (--lift {name})")
     rigid = () if ring else ("drum: rigid, no [drum.ring] in the brake",)
@@ -412,11 +430,11 @@ def texts_of_neglected_effects(brake: Brake, names: frozenset[str]) -> tuple[str
 def _solve_contact_of_shoe_group(
     brake: Brake,
     group: list[int],
-    parts: FoundationSystem,
+    parts: FoundationContactProblem,
     sections: int,
     names: frozenset[str],
     start: list[Bools] | None,
-) -> active_set.Contact:
+) -> active_set.ContactSolution:
     """Solve the contact problem of a group of shoes for normal forces and turns about the hinges.
 
     Parameters
@@ -425,14 +443,14 @@ def _solve_contact_of_shoe_group(
     group : indices of the group's shoes in the brake
     sections : number of divisions of each beam
     parts : the contact problem of the group
-    names : names in LIFTS of the effects to include
+    names : names in INCLUDABLE_EFFECTS of the effects to include
     start : first guess for the sectors in contact: a mask (n,) for each shoe of the brake
 
     Raises
     ------
     NoAnswer
         for a self-locking shoe, no equilibrium, no convergence, or a turn of a shoe beyond
-        LARGEST_SHOE_TURN
+        LARGEST_ACCEPTED_TURN_ABOUT_HINGE
     """
     begin = None if start is None else np.concatenate([start[i] for i in group])
 
@@ -462,17 +480,18 @@ def _solve_contact_of_shoe_group(
     except NoAnswer as error:
         raise NoAnswer(f"{brake.text_with_names_of_shoes_at_indices(group)}: {error}") from error
     turn = float(np.abs(found.y).max())
-    if turn > LARGEST_SHOE_TURN:
+    if turn > LARGEST_ACCEPTED_TURN_ABOUT_HINGE:
         raise NoAnswer(
             f"{brake.text_with_names_of_shoes_at_indices(group)}: it would have to turn by "
             f"{math.degrees(turn):.3g} deg; "
-            f"small displacements hold up to {math.degrees(LARGEST_SHOE_TURN):.3g} deg"
+            f"small displacements hold up to "
+            f"{math.degrees(LARGEST_ACCEPTED_TURN_ABOUT_HINGE):.3g} deg"
         )
     return found
 
 
 def response_of_post_brake_shoe(
-    brake: Brake, index: int, p: SectionedShoe, N: Floats, z: Floats, turn: float
+    brake: Brake, index: int, p: ShoeInStationsAndSectors, N: Floats, z: Floats, turn: float
 ) -> ShoeResponse:
     """The response of one shoe, from the normal forces on the sectors of its lining.
 
@@ -489,7 +508,7 @@ def response_of_post_brake_shoe(
     pressure = N / (shoe.lining.width * R * p.sector)
     # The displacement w of the beam is the sum of its turn about the hinge and its bending.
     moment = p.loaded - (p.pressed + p.drag * p.dragged) @ N
-    bent = np.maximum(np.subtract.outer(p.x, p.x), 0.0) @ (p.step / p.EI * moment)
+    bent = np.maximum(np.subtract.outer(p.x, p.x), 0.0) @ (p.station_weights / p.EI * moment)
     w = turn * p.x + bent
     theta = brake_angles_from_beam_angles(p.axis, shoe, p.theta)
     contact = _resultant_of_sector_forces(brake, shoe, theta, N)
@@ -502,7 +521,9 @@ def response_of_post_brake_shoe(
     p_at_place = np.zeros(len(place))
     p_at_place[on_lining] = pressure[:: p.axis.sense]
     z_at_place = np.interp(place, theta[:: p.axis.sense], z[:: p.axis.sense])
-    deformation = Deformation(x=p.x, w=w, relative=w - w[-1] * p.x / p.x[-1], z=z_at_place)
+    deformation = BeamAndRingDeflections(
+        x=p.x, w=w, relative=w - w[-1] * p.x / p.x[-1], z=z_at_place
+    )
     return response_of_pressed_elastic_shoe(
         shoe,
         R,
@@ -521,14 +542,16 @@ def response_of_post_brake_shoe(
     )
 
 
-def _resultant_of_sector_forces(brake: Brake, shoe: Shoe, theta: Floats, N: Floats) -> Resultant:
+def _resultant_of_sector_forces(
+    brake: Brake, shoe: Shoe, theta: Floats, N: Floats
+) -> PressureAndFrictionResultant:
     """The resultant on an external lining of the normal forces `N` (n,) [N] and of their friction.
 
     The normal forces act at the angles `theta` (n,) [rad] around the drum.
     """
     normal = np.array([N @ np.cos(theta), N @ np.sin(theta)])
     drag = brake.signed_friction_stress_over_pressure(shoe)
-    return Resultant(
+    return PressureAndFrictionResultant(
         normal=normal,
         friction=drag * np.array([-normal[1], normal[0]]),
         moment=drag * brake.size * float(N.sum()),

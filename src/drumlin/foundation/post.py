@@ -18,13 +18,13 @@ import numpy as np
 
 from drumlin.base.arrays import Floats, Ints
 from drumlin.brake import clearance
-from drumlin.brake.beam_axis import Axis, make_beam_axis
+from drumlin.brake.beam_axis import BeamAxis, make_beam_axis
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.brake.components import Beam
-from drumlin.brake.fields import AnyMaterial, Material
+from drumlin.brake.components import BeamBody
+from drumlin.brake.fields import IsotropicOrOrthotropicMaterial, Material
 
 
-class SectionedShoe(NamedTuple):
+class ShoeInStationsAndSectors(NamedTuple):
     """A shoe of a post brake, whose beam has m stations and whose lining has n sectors.
 
     A station is a point of the beam. A sector is the part of the lining at a station. All
@@ -34,7 +34,7 @@ class SectionedShoe(NamedTuple):
     ----------
     axis : axis of the beam
     x : (m,) [m], distances of the stations from the hinge along the beam
-    step : (m,) [m], weights of the trapezoidal rule over the stations, 0 at the hinge
+    station_weights : (m,) [m], weights of the trapezoidal rule over the stations, 0 at the hinge
     EI : (m,) [N m^2], bending stiffness of the beam at the stations
     under : (n,), index of the station of each sector
     theta : (n,) [rad], angles of the sectors in the beam's coordinates, see `beam_axis`
@@ -53,9 +53,9 @@ class SectionedShoe(NamedTuple):
     further_linings : index of the first sector of each lining except the first lining
     """
 
-    axis: Axis
+    axis: BeamAxis
     x: Floats
-    step: Floats
+    station_weights: Floats
     EI: Floats
     under: Ints
     theta: Floats
@@ -80,7 +80,7 @@ class SectionedShoe(NamedTuple):
 
 def divide_shoe_into_stations_and_sectors(
     brake: Brake, shoe: Shoe, sections: int, *, tilt: bool, wedge: bool, plane_stress: bool
-) -> SectionedShoe:
+) -> ShoeInStationsAndSectors:
     """Divide a shoe of a post brake into stations along its beam and sectors of its lining.
 
     Parameters
@@ -95,15 +95,15 @@ def divide_shoe_into_stations_and_sectors(
     """
     body, lining, R = shoe.body, shoe.lining, brake.size
     # `reason_against_foundation_model` has refused brakes whose shoes are not beams.
-    assert isinstance(body, Beam)
+    assert isinstance(body, BeamBody)
     axis = make_beam_axis(shoe.pin.xy, shoe.actuation.point.xy)
     arcs = sorted(
         (np.sort(axis.angle(np.array(arc))) for arc in shoe.lining.arcs), key=itemgetter(0)
     )
-    places = [axis.foot + R * np.sin(arc) for arc in arcs]
+    places = [axis.x_of_perpendicular_foot + R * np.sin(arc) for arc in arcs]
     x, stations = places_of_beam_stations_and_indices_under_linings(axis.length, places, sections)
     angles = [
-        _angles_of_sectors_at_places(x[own], axis, R, arc)
+        _sector_angles_from_distances_along_beam(x[own], axis, R, arc)
         for own, arc in zip(stations, arcs, strict=True)
     ]
     under, theta = np.concatenate(stations), np.concatenate(angles)
@@ -114,14 +114,14 @@ def divide_shoe_into_stations_and_sectors(
     c, s = np.cos(theta), np.sin(theta)
     offset = body.neutral_axis_offset_at_distances_from_hinge(x)
     arm_x, arm_y = _levers_along_and_across_beam_of_sectors_about_stations(
-        x, under, angles, offset[:, None] + (axis.distance - R * c)
+        x, under, angles, offset[:, None] + (axis.distance_from_drum_centre - R * c)
     )
     along, towards = axis.vector_components_along_and_across_beam(shoe.actuation.force_vector)
     pressed = arm_x * c + arm_y * s
-    return SectionedShoe(
+    return ShoeInStationsAndSectors(
         axis=axis,
         x=x,
-        step=_weights_of_beam_stations(x),
+        station_weights=_weights_of_beam_stations(x),
         EI=body.bending_stiffness_at_distances_from_hinge(x),
         under=under,
         theta=theta,
@@ -139,7 +139,9 @@ def divide_shoe_into_stations_and_sectors(
     )
 
 
-def _angles_of_sectors_at_places(places: Floats, axis: Axis, R: float, ends: Floats) -> Floats:
+def _sector_angles_from_distances_along_beam(
+    places: Floats, axis: BeamAxis, R: float, ends: Floats
+) -> Floats:
     """The angles (m,) [rad] of the sectors of a lining from their distances along the beam.
 
     Parameters
@@ -149,7 +151,7 @@ def _angles_of_sectors_at_places(places: Floats, axis: Axis, R: float, ends: Flo
     R : radius of the drum [m]
     ends : (2,) angles of the lining's ends [rad], which are the first and the last result
     """
-    theta = np.arcsin(np.clip((places - axis.foot) / R, -1, 1))
+    theta = np.arcsin(np.clip((places - axis.x_of_perpendicular_foot) / R, -1, 1))
     theta[[0, -1]] = ends
     return theta
 
@@ -239,7 +241,7 @@ def trapezoidal_rule_weights(x: Floats) -> Floats:
 
 
 def compression_of_layers_per_pressure(
-    brake: Brake, shoe: Shoe, axis: Axis, theta: Floats, *, wedge: bool, plane_stress: bool
+    brake: Brake, shoe: Shoe, axis: BeamAxis, theta: Floats, *, wedge: bool, plane_stress: bool
 ) -> Floats:
     """The compression per pressure [m/Pa] of lining and block together, in the shape of `theta`.
 
@@ -256,7 +258,9 @@ def compression_of_layers_per_pressure(
         1/(1 - nu^2) times as stiff
     """
 
-    def compression_of_layer_per_pressure(thickness: Floats, material: AnyMaterial) -> Floats:
+    def compression_of_layer_per_pressure(
+        thickness: Floats, material: IsotropicOrOrthotropicMaterial
+    ) -> Floats:
         """The compression per pressure [m/Pa] of a layer of a given thickness [m] and material."""
         # `reason_against_foundation_model` has refused brakes with orthotropic materials.
         assert isinstance(material, Material)
@@ -272,13 +276,13 @@ def compression_of_layers_per_pressure(
     if wedge:
         # `reason_against_foundation_model` has refused bodies other than beams, and
         # `validated_names_of_effects_to_include` has refused beams without a thickness.
-        assert isinstance(shoe.body, Beam) and shoe.body.thickness is not None
-        face = axis.distance - shoe.body.thickness / 2
+        assert isinstance(shoe.body, BeamBody) and shoe.body.thickness is not None
+        face = axis.distance_from_drum_centre - shoe.body.thickness / 2
         thickness = face - (brake.size + lining.thickness) * np.cos(theta)
     return total + compression_of_layer_per_pressure(thickness, backing.material)
 
 
-def brake_angles_from_beam_angles(axis: Axis, shoe: Shoe, theta: Floats) -> Floats:
+def brake_angles_from_beam_angles(axis: BeamAxis, shoe: Shoe, theta: Floats) -> Floats:
     """Convert angles in a beam's coordinates to angles of the brake [rad], of the same shape.
 
     Full turns are added so that the results are near the angles of the shoe's lining.

@@ -17,10 +17,10 @@ import math
 import numpy as np
 
 from drumlin.base.arrays import Floats
-from drumlin.brake.components import Ring
+from drumlin.brake.components import DrumRing
 from drumlin.brake.fields import Material
 
-SHEAR_FACTOR = 6 / 5
+INVERSE_SHEAR_CORRECTION_FACTOR = 6 / 5
 """Shear factor 1/kappa of a rectangular cross-section; its shear stiffness is kappa G A."""
 
 
@@ -76,8 +76,8 @@ def deflection_series_of_one_tangential_force(d: Floats) -> Floats:
     return np.asarray(0.5 * u - (math.pi**2 / 24 + 3 / 16) * s - (u * c + s) / 2 + u**2 * s / 8)
 
 
-def ring_displacement_per_radial_force(
-    ring: Ring, radius: float, d: Floats, *, twin: bool, sign: int, thick: bool
+def inward_ring_displacement_per_radial_force(
+    ring: DrumRing, radius: float, d: Floats, *, twin: bool, sign: int, thick: bool
 ) -> Floats:
     """The inward displacement [m/N] of a ring's rim per inward radial force.
 
@@ -109,7 +109,7 @@ def ring_displacement_per_radial_force(
     r = radius + sign * section.thickness / 2
     e = section.thickness**2 / (12 * r**2)
     # The ratio E/(kappa G) of Young's modulus to the effective shear modulus.
-    shear = 2 * (1 + section.material.nu) * SHEAR_FACTOR
+    shear = 2 * (1 + section.material.nu) * INVERSE_SHEAR_CORRECTION_FACTOR
     # The mean of the line load of one force, in units of 1/(pi R).
     hoop = 0.5
     n2 = shear_series_of_one_radial_force(d)
@@ -121,8 +121,8 @@ def ring_displacement_per_radial_force(
     return r**3 / (math.pi * section.bending_stiffness) * modes
 
 
-def ring_displacement_per_tangential_force(
-    ring: Ring, radius: float, d: Floats, *, twin: bool
+def inward_ring_displacement_per_tangential_force(
+    ring: DrumRing, radius: float, d: Floats, *, twin: bool
 ) -> Floats:
     """The inward displacement [m/N] of a ring's rim per force along the rim.
 

@@ -12,12 +12,16 @@ from typing import TYPE_CHECKING
 from drumlin.base.moved import make_getattr_function_for_renamed_functions
 from drumlin.laws.hinged import self_locking_friction_of_hinged_shoe, solve_brake_by_sine_law
 from drumlin.laws.naming import solve_brake_by_its_rigid_shoe_law
-from drumlin.laws.shapes import LAWS, Law, Layout
+from drumlin.laws.shapes import (
+    LAWS_OF_HINGED_SHOES_BY_NAME,
+    PressureLawOfHingedShoe,
+    ShoeAnglesAndRadii,
+)
 
 __all__ = [
-    "LAWS",
-    "Law",
-    "Layout",
+    "LAWS_OF_HINGED_SHOES_BY_NAME",
+    "PressureLawOfHingedShoe",
+    "ShoeAnglesAndRadii",
     "self_locking_friction_of_hinged_shoe",
     "solve_brake_by_its_rigid_shoe_law",
     "solve_brake_by_sine_law",

@@ -29,12 +29,12 @@ from drumlin.base.errors import NoAnswer
 from drumlin.base.lapack import block_diag
 from drumlin.brake.brake import Brake
 from drumlin.brake.one_sided import (
-    LARGEST_PULL,
-    NOT_HELD_TEXT,
-    Bearing,
-    HeldMotions,
+    ERROR_TEXT_ON_SHOE_THAT_IS_NOT_HELD,
+    LARGEST_ROUND_OFF_PULL_OF_SUPPORT,
+    BearingFlagsOfOneSidedSupports,
+    HeldAndFreeRigidBodyMotions,
     OneSidedSupport,
-    SupportForce,
+    OneSidedSupportForce,
     all_choices_of_bearing_supports,
     divide_motions_into_held_and_free,
     do_linings_resist_free_motions,
@@ -44,10 +44,14 @@ from drumlin.brake.one_sided import (
     text_with_names_of_bearing_supports,
     work_of_support_push_in_rigid_body_modes,
 )
-from drumlin.brake.support import Freedoms
-from drumlin.laws.face import Arcs, Face, friction_surface_of_shoe
+from drumlin.brake.support import SupportRigidBodyModes
+from drumlin.laws.face import (
+    ContactArcsOfRigidShoe,
+    FrictionSurfaceOfRigidShoe,
+    friction_surface_of_shoe,
+)
 from drumlin.laws.shoe_contact import (
-    MOST_CONTACT_STEPS,
+    MOST_ITERATIONS_FOR_CONTACT_ARCS,
     RigidShoeContact,
     arcs_of_positive_pressure_on_linings,
     are_contact_arcs_equal,
@@ -55,7 +59,7 @@ from drumlin.laws.shoe_contact import (
     smallest_friction_with_singular_equilibrium,
 )
 
-MOST_HALVED_FRICTIONS = 30
+MOST_FRICTION_HALVINGS = 30
 """Largest number of times that the friction is halved in search of an equilibrium.
 
 The search is for mu_lock, which depends on the supports that bear. If the friction of the brake is
@@ -90,7 +94,7 @@ NEAR_POLE = 0.01
 The limit is then mu_lock of the arcs in contact. So near to it the iterations of the arcs need not
 converge. On a block between two anchors, the results for several first frictions differ by 0.02 %.
 """
-SAME_FORCES = 1e-6
+SAME_SUPPORT_FORCE_TOLERANCE = 1e-6
 """Relative difference of the support forces below which two equilibria count as the same.
 
 A support may touch its shoe with zero force: the sets of bearing supports with and without it then
@@ -99,7 +103,7 @@ real equilibria.
 """
 
 
-class _ShoesOnAnchors(NamedTuple):
+class _GeometryOfShoesOnAnchors(NamedTuple):
     """The geometry of shoes on one-sided supports whose equilibria are solved together.
 
     Attributes
@@ -115,15 +119,15 @@ class _ShoesOnAnchors(NamedTuple):
     """
 
     members: tuple[int, ...]
-    faces: tuple[Face, ...]
-    freedoms: tuple[Freedoms, ...]
+    faces: tuple[FrictionSurfaceOfRigidShoe, ...]
+    freedoms: tuple[SupportRigidBodyModes, ...]
     stiffness: Floats
     supports: tuple[OneSidedSupport, ...]
     opening: Floats
     sizes: Floats
 
 
-class SolvedShoesOnAnchors(NamedTuple):
+class EquilibriumOfShoesOnAnchors(NamedTuple):
     """An equilibrium of shoes on one-sided supports.
 
     `bearing` tells which supports bear, `contacts` has the contact of each shoe by its name, and
@@ -132,14 +136,14 @@ class SolvedShoesOnAnchors(NamedTuple):
     the linings in contact.
     """
 
-    shoes: _ShoesOnAnchors
-    bearing: Bearing
+    shoes: _GeometryOfShoesOnAnchors
+    bearing: BearingFlagsOfOneSidedSupports
     contacts: dict[str, RigidShoeContact]
     forces: Floats
     mu_lock: float
 
 
-def _collect_shoes_on_anchors(brake: Brake, members: tuple[int, ...]) -> _ShoesOnAnchors:
+def _collect_shoes_on_anchors(brake: Brake, members: tuple[int, ...]) -> _GeometryOfShoesOnAnchors:
     """Collect the shoes of a brake with the indices `members`, with their one-sided supports."""
     shoes = [brake.shoes[i] for i in members]
     freedoms = tuple(shoe.rigid_body_modes_of_support() for shoe in shoes)
@@ -153,14 +157,14 @@ def _collect_shoes_on_anchors(brake: Brake, members: tuple[int, ...]) -> _ShoesO
         for side in support.sides:
             k = members.index(side.shoe)
             opening[j, 3 * k : 3 * k + 3] = work_of_support_push_in_rigid_body_modes(
-                shoes[k], side.push
+                shoes[k], side.push_of_one_newton
             )
     # If the stiffness of any lining is unknown, all linings are taken as equally stiff.
     stiffness = np.ones(len(shoes))
     linings = [shoe.lining for shoe in shoes]
     if all(lining.material is not None and lining.thickness for lining in linings):
         stiffness = np.array([each.material.E_through / each.thickness for each in linings])
-    return _ShoesOnAnchors(
+    return _GeometryOfShoesOnAnchors(
         members,
         tuple(friction_surface_of_shoe(brake, shoe) for shoe in shoes),
         freedoms,
@@ -171,7 +175,7 @@ def _collect_shoes_on_anchors(brake: Brake, members: tuple[int, ...]) -> _ShoesO
     )
 
 
-class _Matrices(NamedTuple):
+class _AnchoredEquilibriumMatrices(NamedTuple):
     """Matrices N and F (k, k) of the equilibria of several shoes, weighted by lining stiffness.
 
     The weight of a shoe is E/t of its lining divided by E/t of the first lining. F is also
@@ -183,8 +187,8 @@ class _Matrices(NamedTuple):
 
 
 def _equilibrium_matrices_of_shoes_on_arcs(
-    brake: Brake, on: _ShoesOnAnchors, arcs: list[Arcs]
-) -> _Matrices:
+    brake: Brake, on: _GeometryOfShoesOnAnchors, arcs: list[ContactArcsOfRigidShoe]
+) -> _AnchoredEquilibriumMatrices:
     """The matrices N and F of shoes whose linings touch drum or plane on the given arcs."""
     found = []
     for k, i in enumerate(on.members):
@@ -195,10 +199,12 @@ def _equilibrium_matrices_of_shoes_on_arcs(
         relative = brake.shoe_friction_over_brake_friction(brake.shoes[i])
         found.append((normal_work, relative * friction_work))
     normal, friction = zip(*found, strict=True)
-    return _Matrices(block_diag(*normal), block_diag(*friction))
+    return _AnchoredEquilibriumMatrices(block_diag(*normal), block_diag(*friction))
 
 
-def _rigid_body_motions_held_and_free(on: _ShoesOnAnchors, bearing: Bearing) -> HeldMotions | None:
+def _rigid_body_motions_held_and_free(
+    on: _GeometryOfShoesOnAnchors, bearing: BearingFlagsOfOneSidedSupports
+) -> HeldAndFreeRigidBodyMotions | None:
     """The motions that the bearing supports prevent, and the motions that they leave free.
 
     The result is None if a free motion closes no gap, so that no pressure resists it, and if one of
@@ -216,7 +222,7 @@ def _rigid_body_motions_held_and_free(on: _ShoesOnAnchors, bearing: Bearing) -> 
     return motions if do_linings_resist_free_motions(closing @ motions.free, scale) else None
 
 
-class _SettledContact(NamedTuple):
+class _EquilibriumInFreeMotions(NamedTuple):
     """The equilibrium of shoes that can move in given ways, on arcs with positive pressure.
 
     Attributes
@@ -227,19 +233,19 @@ class _SettledContact(NamedTuple):
     arcs : arcs in contact of each shoe
     """
 
-    matrices: _Matrices
+    matrices: _AnchoredEquilibriumMatrices
     y: Floats
     c: list[Floats]
-    arcs: list[Arcs]
+    arcs: list[ContactArcsOfRigidShoe]
 
 
 def _equilibrium_in_free_motions(
     brake: Brake,
-    on: _ShoesOnAnchors,
+    on: _GeometryOfShoesOnAnchors,
     free: Floats,
     work: Floats,
-    first_arcs: list[Arcs] | None = None,
-) -> _SettledContact | None:
+    first_arcs: list[ContactArcsOfRigidShoe] | None = None,
+) -> _EquilibriumInFreeMotions | None:
     """The equilibrium of shoes that can move only in the motions `free`; None if none is found.
 
     The arcs in contact are changed until they are those where the pressure is positive. A column of
@@ -247,14 +253,14 @@ def _equilibrium_in_free_motions(
     the loads on each mode. The first arcs are those of the linings by default.
     """
     linings = [brake.shoes[i].lining for i in on.members]
-    arcs: list[Arcs] = first_arcs or [lining.arcs for lining in linings]
-    before: list[list[Arcs]] = []
+    arcs: list[ContactArcsOfRigidShoe] = first_arcs or [lining.arcs for lining in linings]
+    before: list[list[ContactArcsOfRigidShoe]] = []
     shapes = [
         face.gap_closing_factors_of_rigid_body_motions(modes.motions)
         for face, modes in zip(on.faces, on.freedoms, strict=True)
     ]
     drag = brake.friction * brake.sign_of_motion
-    for _ in range(MOST_CONTACT_STEPS):
+    for _ in range(MOST_ITERATIONS_FOR_CONTACT_ARCS):
         matrices = _equilibrium_matrices_of_shoes_on_arcs(brake, on, arcs)
         K = matrices.normal - drag * matrices.friction
         try:
@@ -267,7 +273,7 @@ def _equilibrium_in_free_motions(
             for face, each, lining in zip(on.faces, c, linings, strict=True)
         ]
         if all(map(are_contact_arcs_equal, after, arcs)):
-            return _SettledContact(matrices, y, c, arcs)
+            return _EquilibriumInFreeMotions(matrices, y, c, arcs)
         # The search ends if a shoe without an arc in contact lifts off, or if the arcs are those of
         # an earlier iteration, from which the iterations would repeat for ever.
         back = any(all(map(are_contact_arcs_equal, after, each)) for each in before)
@@ -280,10 +286,10 @@ def _equilibrium_in_free_motions(
 
 def _solve_rigid_shoes_on_given_supports(
     brake: Brake,
-    on: _ShoesOnAnchors,
-    bearing: Bearing,
-    first_arcs: list[Arcs] | None = None,
-) -> SolvedShoesOnAnchors | None:
+    on: _GeometryOfShoesOnAnchors,
+    bearing: BearingFlagsOfOneSidedSupports,
+    first_arcs: list[ContactArcsOfRigidShoe] | None = None,
+) -> EquilibriumOfShoesOnAnchors | None:
     """The equilibrium of shoes of which given supports bear; None if other supports must bear.
 
     Others must bear if the given supports allow no equilibrium or lock the shoes, if one of them
@@ -293,7 +299,9 @@ def _solve_rigid_shoes_on_given_supports(
     motions = _rigid_body_motions_held_and_free(on, bearing)
     if motions is None:
         return None
-    work = np.concatenate([modes.work + modes.further_work for modes in on.freedoms])
+    work = np.concatenate(
+        [modes.actuation_work + modes.work_of_further_loads for modes in on.freedoms]
+    )
     settled = _equilibrium_in_free_motions(brake, on, motions.free, work, first_arcs)
     if settled is None:
         return None
@@ -315,11 +323,14 @@ def _solve_rigid_shoes_on_given_supports(
         contacts[brake.shoes[i].name] = RigidShoeContact(
             on.faces[k], settled.c[k], amounts, settled.arcs[k], on.freedoms[k], 1
         )
-    return SolvedShoesOnAnchors(on, bearing, contacts, forces, mu_lock)
+    return EquilibriumOfShoesOnAnchors(on, bearing, contacts, forces, mu_lock)
 
 
 def _do_supports_of_rigid_shoes_bear_as_assumed(
-    on: _ShoesOnAnchors, bearing: Bearing, y: Floats, forces: Floats
+    on: _GeometryOfShoesOnAnchors,
+    bearing: BearingFlagsOfOneSidedSupports,
+    y: Floats,
+    forces: Floats,
 ) -> bool:
     """Whether no bearing support pulls its shoe, and no open support overlaps its shoe.
 
@@ -331,17 +342,22 @@ def _do_supports_of_rigid_shoes_bear_as_assumed(
     forces : (m,) forces of the supports [N]
     """
     bears = np.array(bearing, dtype=bool)
-    actuation = max(float(np.abs(free.work + free.further_work).max()) for free in on.freedoms)
+    actuation = max(
+        float(np.abs(free.actuation_work + free.work_of_further_loads).max())
+        for free in on.freedoms
+    )
     largest = max(float(np.abs(forces).max()), actuation * float(on.sizes[0]))
     largest_displacement = np.abs(y / on.sizes).max()
-    pulls = (forces[bears] < -LARGEST_PULL * largest).any()
-    overlaps = ((on.opening @ y)[~bears] < -LARGEST_PULL * largest_displacement).any()
+    pulls = (forces[bears] < -LARGEST_ROUND_OFF_PULL_OF_SUPPORT * largest).any()
+    overlaps = (
+        (on.opening @ y)[~bears] < -LARGEST_ROUND_OFF_PULL_OF_SUPPORT * largest_displacement
+    ).any()
     return not (pulls or overlaps)
 
 
 def _equilibria_of_shoes_on_anchors(
     brake: Brake, members: tuple[int, ...]
-) -> Iterator[SolvedShoesOnAnchors]:
+) -> Iterator[EquilibriumOfShoesOnAnchors]:
     """Yield each equilibrium of shoes on anchors, trying one set of bearing supports after another.
 
     Sets of bearing supports that lead to the same support forces count as one equilibrium.
@@ -353,14 +369,17 @@ def _equilibria_of_shoes_on_anchors(
         if solved is None:
             continue
         size = max(float(np.abs(solved.forces).max()), math.ulp(1.0))
-        if not any(np.allclose(solved.forces, each, 0, SAME_FORCES * size) for each in found):
+        if not any(
+            np.allclose(solved.forces, each, 0, SAME_SUPPORT_FORCE_TOLERANCE * size)
+            for each in found
+        ):
             found.append(solved.forces)
             yield solved
 
 
 def _first_equilibrium_of_shoes_on_anchors(
     brake: Brake, members: tuple[int, ...]
-) -> SolvedShoesOnAnchors:
+) -> EquilibriumOfShoesOnAnchors:
     """The first equilibrium of shoes on anchors. Raises NoAnswer if there is none."""
     first = next(_equilibria_of_shoes_on_anchors(brake, members), None)
     if first is not None:
@@ -372,7 +391,7 @@ def _first_equilibrium_of_shoes_on_anchors(
             f"{names}: self-locking, friction {brake.friction:g} is not below mu_lock = "
             f"{limit:.6g} of the rigid-shoe law"
         )
-    raise NoAnswer(f"{names}: {NOT_HELD_TEXT}")
+    raise NoAnswer(f"{names}: {ERROR_TEXT_ON_SHOE_THAT_IS_NOT_HELD}")
 
 
 # A solve asks for the limit of each shoe of a group, on each of its levels.
@@ -384,7 +403,7 @@ def _locking_friction_of_anchored_shoe_group(brake: Brake, members: tuple[int, .
     friction, the friction is halved until there is one.
     """
     friction = brake.friction
-    for _ in range(MOST_HALVED_FRICTIONS):
+    for _ in range(MOST_FRICTION_HALVINGS):
         found = next(
             _equilibria_of_shoes_on_anchors(
                 brake.brake_with_new_friction_coefficient(friction), members
@@ -398,7 +417,7 @@ def _locking_friction_of_anchored_shoe_group(brake: Brake, members: tuple[int, .
 
 
 def _locking_friction_beyond_equilibrium(
-    brake: Brake, friction: float, found: SolvedShoesOnAnchors
+    brake: Brake, friction: float, found: EquilibriumOfShoesOnAnchors
 ) -> float:
     """The friction coefficient above `friction` at which shoes lock; inf if they never do.
 
@@ -426,8 +445,8 @@ def _locking_friction_beyond_equilibrium(
 
 
 def _largest_friction_on_same_supports(
-    brake: Brake, friction: float, found: SolvedShoesOnAnchors
-) -> tuple[float, SolvedShoesOnAnchors]:
+    brake: Brake, friction: float, found: EquilibriumOfShoesOnAnchors
+) -> tuple[float, EquilibriumOfShoesOnAnchors]:
     """The largest friction coefficient at which the bearing supports stay, and its equilibrium.
 
     The search begins at `friction`, with the equilibrium `found`, and ends at
@@ -462,7 +481,7 @@ def contact_of_shoe_on_anchors(brake: Brake, index: int) -> RigidShoeContact:
     ).contacts[brake.shoes[index].name]
 
 
-def locking_friction_of_shoes_on_anchors(brake: Brake, index: int) -> float:
+def locking_friction_of_shoe_on_anchors(brake: Brake, index: int) -> float:
     """The friction coefficient at which shoe `index`, which is on anchors, locks; inf if never.
 
     The friction coefficients of all linings are scaled in proportion until the shoe locks. The
@@ -474,7 +493,9 @@ def locking_friction_of_shoes_on_anchors(brake: Brake, index: int) -> float:
     return limit * brake.shoe_friction_over_brake_friction(brake.shoes[index])
 
 
-def which_supports_of_rigid_shoes_bear(brake: Brake, members: tuple[int, ...]) -> Bearing:
+def which_supports_of_rigid_shoes_bear(
+    brake: Brake, members: tuple[int, ...]
+) -> BearingFlagsOfOneSidedSupports:
     """Whether each one-sided support of the shoes `members` bears, by the rigid-shoe law.
 
     The order is that of `one_sided_supports_of_brake`. The result is () if the shoes have no
@@ -493,7 +514,7 @@ def which_supports_of_rigid_shoes_bear(brake: Brake, members: tuple[int, ...]) -
     return tuple(bears[name] for name in order if name in bears)
 
 
-class AnchoredAnswer(NamedTuple):
+class SolutionOfAllShoesOnAnchors(NamedTuple):
     """The answer of the rigid-shoe law for all shoes on anchors of a brake.
 
     Attributes
@@ -505,17 +526,17 @@ class AnchoredAnswer(NamedTuple):
     """
 
     contacts: dict[str, RigidShoeContact]
-    supports: dict[str, tuple[SupportForce, ...]]
+    supports: dict[str, tuple[OneSidedSupportForce, ...]]
     warnings: tuple[str, ...]
 
 
-def solve_shoes_on_anchors(brake: Brake) -> AnchoredAnswer:
+def solve_shoes_on_anchors(brake: Brake) -> SolutionOfAllShoesOnAnchors:
     """Solve all shoes on anchors of a brake by the rigid-shoe law.
 
     Raises NoAnswer for shoes that lock themselves, or that no set of their supports holds.
     """
     contacts: dict[str, RigidShoeContact] = {}
-    supports: dict[str, tuple[SupportForce, ...]] = {}
+    supports: dict[str, tuple[OneSidedSupportForce, ...]] = {}
     warnings = []
     for members in groups_of_shoes_on_anchors(brake):
         found = list(_equilibria_of_shoes_on_anchors(brake, members)) or [
@@ -537,4 +558,4 @@ def solve_shoes_on_anchors(brake: Brake) -> AnchoredAnswer:
                 "equilibrium by the rigid-shoe "
                 f"law, on the supports {choices}; the law takes the first"
             )
-    return AnchoredAnswer(contacts, supports, tuple(warnings))
+    return SolutionOfAllShoesOnAnchors(contacts, supports, tuple(warnings))

@@ -3,8 +3,9 @@
 A rigid-body motion of the shoe closes the gap between lining and surface by c_1 g_1 + c_2 g_2. The
 shape functions g_1, g_2 are cos and sin of the angle on a drum, and 1 and x on a plane. The
 pressure of a rigid shoe is proportional to the closing of the gap. Whatever the shoe's support, the
-pressure is therefore p = c_1 g_1 + c_2 g_2, too. `DrumFace` and `PlaneFace` hold the formulas of
-the rigid-shoe law that differ between a drum and a plane. All integrals are in closed form.
+pressure is therefore p = c_1 g_1 + c_2 g_2, too. `DrumFrictionSurface` and `PlaneFrictionSurface`
+hold the formulas of the rigid-shoe law that differ between a drum and a plane. All integrals are in
+closed form.
 """
 
 import math
@@ -15,13 +16,13 @@ import numpy as np
 
 from drumlin.base.arrays import Floats
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.response.resultants import Resultant
+from drumlin.response.resultants import PressureAndFrictionResultant
 
-Arcs = tuple[tuple[float, float], ...]
+ContactArcsOfRigidShoe = tuple[tuple[float, float], ...]
 """Begin and end of each stretch of lining in contact: angles [rad] on a drum, x [m] on a plane."""
 
 
-class DrumFace(NamedTuple):
+class DrumFrictionSurface(NamedTuple):
     """A drum as the friction surface of a rigid shoe.
 
     Places on the drum are angles theta [rad]. The shape functions of the pressure are cos(theta)
@@ -55,7 +56,7 @@ class DrumFace(NamedTuple):
         """Values (3, ...) of the shape functions cos, sin and 1 at angles [rad] of any shape."""
         return np.array([np.cos(place), np.sin(place), np.ones(np.shape(place))])
 
-    def integrals_of_shape_products(self, arcs: Arcs) -> Floats:
+    def integrals_of_shape_products(self, arcs: ContactArcsOfRigidShoe) -> Floats:
         """Integrals (3, 2) [m] of products of shape functions over the length of arcs.
 
         Row i belongs to the factor cos, sin or 1, and column j to the factor cos or sin.
@@ -73,7 +74,9 @@ class DrumFace(NamedTuple):
             ]
         return self.radius * total
 
-    def arcs_of_positive_pressure(self, c: Floats, start: float, end: float) -> Arcs:
+    def arcs_of_positive_pressure(
+        self, c: Floats, start: float, end: float
+    ) -> ContactArcsOfRigidShoe:
         """Arcs of a lining in which the pressure c[0] cos(theta) + c[1] sin(theta) is positive.
 
         The lining reaches from `start` to `end` [rad].
@@ -88,7 +91,7 @@ class DrumFace(NamedTuple):
                 found.append((a, b))
         return tuple(found)
 
-    def peak_pressure_on_arcs(self, c: Floats, arcs: Arcs) -> float:
+    def peak_pressure_on_arcs(self, c: Floats, arcs: ContactArcsOfRigidShoe) -> float:
         """Largest value [Pa] of the pressure c[0] cos + c[1] sin on the arcs."""
         top = math.atan2(c[1], c[0])
         # The pressure is largest at an end of an arc, or at the maximum of c[0] cos + c[1] sin if
@@ -99,7 +102,7 @@ class DrumFace(NamedTuple):
             places += [x for x in (a, b, *tops) if a <= x <= b]
         return float(np.max(c @ self.shape_function_values(np.array(places))[:2]))
 
-    def force(self, loads: Floats, drag: float) -> Resultant:
+    def force(self, loads: Floats, drag: float) -> PressureAndFrictionResultant:
         """Resultant on the shoe of pressure and friction.
 
         Parameters
@@ -110,13 +113,15 @@ class DrumFace(NamedTuple):
         """
         along = loads[:2]
         # Friction acts at right angles to the normal force, with the radius as its lever.
-        return Resultant(
+        return PressureAndFrictionResultant(
             normal=-self.sign * along,
             friction=drag * np.array([-along[1], along[0]]),
             moment=drag * self.radius * float(loads[2]),
         )
 
-    def sign_of_pressure_with_given_resultant(self, c: Floats, start: float, end: float) -> int:
+    def sign_of_normal_stress_with_given_resultant(
+        self, c: Floats, start: float, end: float
+    ) -> int:
         """The sign of the normal stress on a lining that can have a given resultant.
 
         It is +1 if a pressure (nowhere negative) can have the resultant, -1 if only a tension can,
@@ -140,12 +145,12 @@ class DrumFace(NamedTuple):
         return -1 if abs(back) <= half + slack else 0
 
 
-class PlaneFace(NamedTuple):
+class PlaneFrictionSurface(NamedTuple):
     """The plane y = 0 as the friction surface of a rigid shoe, with the linings above it.
 
     Places on the plane are x [m]. The shape functions of the pressure are 1 and x. A third shape
-    function, which is 0, gives all arrays the same shapes as in `DrumFace`. The methods have the
-    same meaning as in `DrumFace`.
+    function, which is 0, gives all arrays the same shapes as in `DrumFrictionSurface`. The methods
+    have the same meaning as in `DrumFrictionSurface`.
     """
 
     def gap_closing_factors_of_rigid_body_motions(self, motions: Floats) -> Floats:
@@ -166,7 +171,7 @@ class PlaneFace(NamedTuple):
         """Values (3, ...) of the shape functions 1, x and 0 at places x [m] of any shape."""
         return np.array([np.ones(np.shape(place)), place, np.zeros(np.shape(place))])
 
-    def integrals_of_shape_products(self, arcs: Arcs) -> Floats:
+    def integrals_of_shape_products(self, arcs: ContactArcsOfRigidShoe) -> Floats:
         """Integrals (3, 2) of products of shape functions over the length of arcs.
 
         Row i belongs to the factor 1, x or 0, and column j to the factor 1 or x.
@@ -177,7 +182,9 @@ class PlaneFace(NamedTuple):
             total[:2] += [[b - a, first], [first, (b**3 - a**3) / 3]]
         return total
 
-    def arcs_of_positive_pressure(self, c: Floats, start: float, end: float) -> Arcs:
+    def arcs_of_positive_pressure(
+        self, c: Floats, start: float, end: float
+    ) -> ContactArcsOfRigidShoe:
         """The arc, if any, of a lining in which the pressure c[0] + c[1] x is positive.
 
         The lining reaches from `start` to `end` [m].
@@ -191,12 +198,12 @@ class PlaneFace(NamedTuple):
             return ((start, end),)
         return ()
 
-    def peak_pressure_on_arcs(self, c: Floats, arcs: Arcs) -> float:
+    def peak_pressure_on_arcs(self, c: Floats, arcs: ContactArcsOfRigidShoe) -> float:
         """Largest value [Pa] of the pressure c[0] + c[1] x on the arcs."""
         # A linear pressure is largest at an end of an arc.
         return float(max(c @ [1.0, x] for x in chain.from_iterable(arcs)))
 
-    def force(self, loads: Floats, drag: float) -> Resultant:
+    def force(self, loads: Floats, drag: float) -> PressureAndFrictionResultant:
         """Resultant on the shoe of pressure and friction.
 
         Parameters
@@ -205,9 +212,11 @@ class PlaneFace(NamedTuple):
         drag : friction stress on the lining along +x, divided by the pressure: mu or -mu
         """
         normal, friction = np.array([0.0, loads[0]]), np.array([drag * loads[0], 0.0])
-        return Resultant(normal, friction, float(loads[1]))
+        return PressureAndFrictionResultant(normal, friction, float(loads[1]))
 
-    def sign_of_pressure_with_given_resultant(self, c: Floats, start: float, end: float) -> int:
+    def sign_of_normal_stress_with_given_resultant(
+        self, c: Floats, start: float, end: float
+    ) -> int:
         """The sign of the normal stress on a lining that can have a given resultant.
 
         It is +1 if a pressure (nowhere negative) can have the resultant, -1 if only a tension can,
@@ -226,10 +235,14 @@ class PlaneFace(NamedTuple):
         return int(math.copysign(1, c[0])) if start - slack <= c[1] / c[0] <= end + slack else 0
 
 
-Face = DrumFace | PlaneFace
+FrictionSurfaceOfRigidShoe = DrumFrictionSurface | PlaneFrictionSurface
 """The friction surface of a rigid shoe."""
 
 
-def friction_surface_of_shoe(brake: Brake, shoe: Shoe) -> Face:
+def friction_surface_of_shoe(brake: Brake, shoe: Shoe) -> FrictionSurfaceOfRigidShoe:
     """The drum or the plane on which a shoe of a brake presses."""
-    return PlaneFace() if shoe.flat else DrumFace(brake.size, shoe.sign)
+    return (
+        PlaneFrictionSurface()
+        if shoe.is_on_plane
+        else DrumFrictionSurface(brake.size, shoe.sign_internal_plus_external_minus)
+    )

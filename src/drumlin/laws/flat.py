@@ -10,8 +10,8 @@ mu_lock:
 
     M = w p_0 (X + s' mu h F),    mu_lock = -X / (s' h F)
 
-Here F is the integral of f over the lining, and X is the integral of f x. `FlatLoad` holds them as
-`total` and `x`.
+Here F is the integral of f over the lining, and X is the integral of f x. `FlatPressureIntegrals`
+holds them as `total` and `x`.
 """
 
 from collections.abc import Callable
@@ -20,19 +20,19 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drumlin.base.arrays import Floats, Values
+from drumlin.base.arrays import Floats, NumberOrArray
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.brake.support import MOVES
-from drumlin.brake.surface import PLANE
-from drumlin.brake.units import text_in_mm
+from drumlin.brake.support import MOTION_TEXTS_BY_KIND_OF_SUPPORT
+from drumlin.brake.surface import FRICTION_SURFACE_OF_PLANE
+from drumlin.brake.units import length_as_text_in_mm
 from drumlin.laws.rigid import NEGLECTED_BY_RIGID_LAWS, note_on_shoe_without_contact
 from drumlin.response.balance import largest_imbalance_among_shoes, relative_imbalance_of_shoe
 from drumlin.response.merit import response_with_figures_of_merit
 from drumlin.response.response import Response, ShoeResponse, response_of_shoe_without_contact
 
 
-class FlatLoad(NamedTuple):
+class FlatPressureIntegrals(NamedTuple):
     """Integrals of the pressure f(x) of amplitude 1 over a lining on a plane.
 
     Attributes
@@ -45,7 +45,7 @@ class FlatLoad(NamedTuple):
     x: Floats
 
 
-class FlatLayout(NamedTuple):
+class FlatShoeLengths(NamedTuple):
     """Lengths and the sign s' of a shoe on a plane, which the formulas of a law need.
 
     The attributes are numbers or arrays that broadcast, so that one call serves many shoes.
@@ -57,30 +57,30 @@ class FlatLayout(NamedTuple):
     s : sign s', +1 if the body drags the lining away from the hinge, -1 if towards the hinge
     """
 
-    x_min: Values
-    x_max: Values
-    h: Values
-    s: Values
+    x_min: NumberOrArray
+    x_max: NumberOrArray
+    h: NumberOrArray
+    s: NumberOrArray
 
 
-def integrals_of_linear_pressure(pad: FlatLayout) -> FlatLoad:
+def integrals_of_linear_pressure(pad: FlatShoeLengths) -> FlatPressureIntegrals:
     """Integrals over the lining of the linear pressure f = x/x_max (UWA notes, eq. iv)."""
     total = (pad.x_max**2 - pad.x_min**2) / (2 * pad.x_max)
     moment = (pad.x_max**3 - pad.x_min**3) / (3 * pad.x_max)
-    return FlatLoad(np.asarray(total), np.asarray(moment))
+    return FlatPressureIntegrals(np.asarray(total), np.asarray(moment))
 
 
-def integrals_of_short_flat_shoe_pressure(pad: FlatLayout) -> FlatLoad:
+def integrals_of_short_flat_shoe_pressure(pad: FlatShoeLengths) -> FlatPressureIntegrals:
     """Integrals over the lining of the uniform pressure f = 1 (UWA notes, eq. iii).
 
     The force of a uniform pressure acts at the lining's middle.
     """
     total = np.asarray(pad.x_max - pad.x_min)
-    return FlatLoad(total, total * (pad.x_min + pad.x_max) / 2)
+    return FlatPressureIntegrals(total, total * (pad.x_min + pad.x_max) / 2)
 
 
 @dataclass(frozen=True)
-class FlatLaw:
+class PressureLawOfFlatShoe:
     """A law p = p_0 f(x) for the pressure of a hinged shoe on a plane.
 
     Attributes
@@ -93,10 +93,12 @@ class FlatLaw:
 
     name: str
     assumes: str
-    load: Callable[[FlatLayout], FlatLoad]
-    pressure: Callable[[Floats, FlatLayout], Floats]
+    load: Callable[[FlatShoeLengths], FlatPressureIntegrals]
+    pressure: Callable[[Floats, FlatShoeLengths], Floats]
 
-    def actuation_moment_over_pressure_amplitude(self, mu: Values, pad: FlatLayout) -> Floats:
+    def actuation_moment_over_pressure_amplitude(
+        self, mu: NumberOrArray, pad: FlatShoeLengths
+    ) -> Floats:
         """Actuation moment divided by w p_0: X + s' mu h F [m^2].
 
         The actuation must balance this moment of pressure and friction about the hinge, here for
@@ -106,7 +108,7 @@ class FlatLaw:
         return load.x + pad.s * mu * pad.h * load.total
 
     def pressure_amplitude(
-        self, moment: Values, width: Values, mu: Values, pad: FlatLayout
+        self, moment: NumberOrArray, width: NumberOrArray, mu: NumberOrArray, pad: FlatShoeLengths
     ) -> Floats:
         """Amplitude p_0 [Pa] of the pressure; nan if the shoe locks itself.
 
@@ -120,11 +122,15 @@ class FlatLaw:
         resistance = self.actuation_moment_over_pressure_amplitude(mu, pad)
         return moment / (width * np.where(resistance > 0, resistance, np.nan))
 
-    def braking_force(self, moment: Values, mu: Values, pad: FlatLayout) -> Floats:
+    def braking_force(
+        self, moment: NumberOrArray, mu: NumberOrArray, pad: FlatShoeLengths
+    ) -> Floats:
         """Braking force mu N [N] under an actuation moment [N m]; nan if the shoe locks itself."""
         return mu * self.pressure_amplitude(moment, 1.0, mu, pad) * self.load(pad).total
 
-    def sensitivity_of_braking_effect_to_friction(self, mu: Values, pad: FlatLayout) -> Floats:
+    def sensitivity_of_braking_effect_to_friction(
+        self, mu: NumberOrArray, pad: FlatShoeLengths
+    ) -> Floats:
         """Sensitivity S = (mu/F) dF/dmu of the braking force F at fixed actuation.
 
         S is nan if the shoe locks itself.
@@ -132,7 +138,7 @@ class FlatLaw:
         resistance = self.actuation_moment_over_pressure_amplitude(mu, pad)
         return self.load(pad).x / np.where(resistance > 0, resistance, np.nan)
 
-    def self_locking_friction(self, pad: FlatLayout) -> Floats:
+    def self_locking_friction(self, pad: FlatShoeLengths) -> Floats:
         """Friction coefficient mu_lock from which the shoe locks itself.
 
         It is inf if friction does not help the actuation.
@@ -145,7 +151,7 @@ class FlatLaw:
             return np.where(helps > 0, load.x / np.where(helps > 0, helps, 1.0), np.inf)
 
 
-LINEAR = FlatLaw(
+LINEAR_PRESSURE_LAW = PressureLawOfFlatShoe(
     "linear",
     "rigid flat shoe turning about its hinge on a plane: p = p_max x/x_max, x from the hinge's "
     "foot",
@@ -153,7 +159,7 @@ LINEAR = FlatLaw(
     lambda x, pad: np.asarray(x / pad.x_max),
 )
 """The law of a long shoe on a plane, whose pressure grows in proportion to the place x."""
-FLAT_SHORT = FlatLaw(
+SHORT_SHOE_LAW_ON_PLANE = PressureLawOfFlatShoe(
     "short",
     "short flat shoe: N = p_m A and friction mu N at the lining's middle",
     integrals_of_short_flat_shoe_pressure,
@@ -170,32 +176,32 @@ def distances_of_lining_ends_from_hinge_foot(shoe: Shoe) -> tuple[float, float]:
     return float(ends.min()), float(ends.max())
 
 
-def lengths_of_flat_shoe(brake: Brake, shoe: Shoe) -> FlatLayout:
+def lengths_of_flat_shoe(brake: Brake, shoe: Shoe) -> FlatShoeLengths:
     """The lengths and the sign s' of a shoe on a plane, which the formulas of a law need."""
-    return FlatLayout(
+    return FlatShoeLengths(
         *distances_of_lining_ends_from_hinge_foot(shoe),
         h=shoe.pin.y,
         s=brake.sign_of_motion * shoe.frame.sense,
     )
 
 
-def reason_against_flat_law(law: FlatLaw, brake: Brake) -> str | None:
+def reason_against_flat_law(law: PressureLawOfFlatShoe, brake: Brake) -> str | None:
     """The reason why a law of shoes on a plane does not apply to a brake; None if it applies."""
     refusal = (
-        brake.surface.reason_why_surface_is_not_required_one(PLANE)
+        brake.surface.reason_why_surface_is_not_required_one(FRICTION_SURFACE_OF_PLANE)
         or brake.reason_why_cam_or_strut_sets_forces
     )
     if refusal is not None:
         return refusal
     for shoe in brake.shoes:
         if shoe.kind_of_support != "hinge":
-            return f"shoe {shoe.name!r}: {MOVES[shoe.kind_of_support]}"
+            return f"shoe {shoe.name!r}: {MOTION_TEXTS_BY_KIND_OF_SUPPORT[shoe.kind_of_support]}"
         # The pressure of the linear law is proportional to x: behind the hinge it would be tension.
         x_min, x_max = distances_of_lining_ends_from_hinge_foot(shoe)
-        if law is LINEAR and x_min < 0:
+        if law is LINEAR_PRESSURE_LAW and x_min < 0:
             return (
                 f"shoe {shoe.name!r}: the lining must lie on one side of the hinge, "
-                f"not reach {text_in_mm(-x_min)} beyond"
+                f"not reach {length_as_text_in_mm(-x_min)} beyond"
             )
         if x_min + x_max <= 0:
             return (
@@ -205,9 +211,9 @@ def reason_against_flat_law(law: FlatLaw, brake: Brake) -> str | None:
     return None
 
 
-def solve_brake_on_plane_by_law(law: FlatLaw, brake: Brake) -> Response:
+def solve_brake_on_plane_by_law(law: PressureLawOfFlatShoe, brake: Brake) -> Response:
     """Solve a brake on a plane by a law of flat shoes. Raises NoAnswer for a self-locking shoe."""
-    word = brake.surface.word
+    word = brake.surface.name
     shoes = tuple(_flat_shoe_response_by_law(law, brake, shoe) for shoe in brake.shoes)
     apart = [
         note_on_shoe_without_contact(shoe.name, word) for shoe in shoes if not shoe.contact_arcs
@@ -223,7 +229,9 @@ def solve_brake_on_plane_by_law(law: FlatLaw, brake: Brake) -> Response:
     return response_with_figures_of_merit(brake, response)
 
 
-def _flat_shoe_response_by_law(law: FlatLaw, brake: Brake, shoe: Shoe) -> ShoeResponse:
+def _flat_shoe_response_by_law(
+    law: PressureLawOfFlatShoe, brake: Brake, shoe: Shoe
+) -> ShoeResponse:
     """The response of one shoe on a plane by a law. Raises NoAnswer if the shoe locks itself."""
     pad, w = lengths_of_flat_shoe(brake, shoe), shoe.lining.width
     mu = brake.friction_coefficient_of_shoe_at_zero_pressure(shoe)

@@ -17,11 +17,21 @@ from drumlin.base.arrays import Floats
 from drumlin.base.errors import NoAnswer
 from drumlin.base.texts import number_as_text
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.brake.support import MOVES
-from drumlin.brake.surface import DRUM
-from drumlin.brake.units import text_in_degrees
-from drumlin.laws.rigid import NEGLECTED_BY_RIGID_LAWS, PRESSURE_NODES, note_on_shoe_without_contact
-from drumlin.laws.shapes import SINE, Law, Layout, Load, ratio_of_equivalent_friction
+from drumlin.brake.support import MOTION_TEXTS_BY_KIND_OF_SUPPORT
+from drumlin.brake.surface import FRICTION_SURFACE_OF_DRUM
+from drumlin.brake.units import angle_as_text_in_degrees
+from drumlin.laws.rigid import (
+    NEGLECTED_BY_RIGID_LAWS,
+    NUMBER_OF_PRESSURE_NODES_ON_DRUM_LINING,
+    note_on_shoe_without_contact,
+)
+from drumlin.laws.shapes import (
+    SINE_PRESSURE_LAW,
+    PressureIntegrals,
+    PressureLawOfHingedShoe,
+    ShoeAnglesAndRadii,
+    ratio_of_equivalent_to_lining_friction,
+)
 from drumlin.response.balance import (
     largest_imbalance_among_shoes,
     relative_imbalance_of_shoe,
@@ -33,19 +43,19 @@ from drumlin.response.merit import (
 )
 from drumlin.response.response import Response, ShoeResponse, response_of_shoe_without_contact
 from drumlin.response.resultants import (
-    Resultant,
+    PressureAndFrictionResultant,
     planar_cross_product,
     polynomial_nodes_on_linings_and_slots,
-    slots_between_nodes,
+    slots_from_nodes_and_lining_mask,
 )
 
-ANGLE_ROUND_OFF = 1e-9
+ROUND_OFF_BEYOND_ALLOWED_LINING_ANGLE = 1e-9
 """Largest angle [rad], due to round-off, by which a lining may exceed the angles a law allows."""
 
 
-def angles_and_radii_of_hinged_shoe(brake: Brake, shoe: Shoe) -> Layout:
+def angles_and_radii_of_hinged_shoe(brake: Brake, shoe: Shoe) -> ShoeAnglesAndRadii:
     """The angles, radii and the sign dD of a shoe on a drum, which the formulas of a law need."""
-    return Layout(
+    return ShoeAnglesAndRadii(
         *shoe.arc,
         R=brake.size,
         a=shoe.pin.radius,
@@ -54,7 +64,9 @@ def angles_and_radii_of_hinged_shoe(brake: Brake, shoe: Shoe) -> Layout:
     )
 
 
-def self_locking_friction_of_hinged_shoe(brake: Brake, shoe: Shoe, law: Law = SINE) -> float:
+def self_locking_friction_of_hinged_shoe(
+    brake: Brake, shoe: Shoe, law: PressureLawOfHingedShoe = SINE_PRESSURE_LAW
+) -> float:
     """Friction coefficient mu_lock at which the torque of a shoe becomes infinite by a law.
 
     It is inf if friction does not help the actuation.
@@ -62,13 +74,13 @@ def self_locking_friction_of_hinged_shoe(brake: Brake, shoe: Shoe, law: Law = SI
     return float(law.self_locking_friction(angles_and_radii_of_hinged_shoe(brake, shoe)))
 
 
-def reason_against_hinged_shoe_law(law: Law, brake: Brake) -> str | None:
+def reason_against_hinged_shoe_law(law: PressureLawOfHingedShoe, brake: Brake) -> str | None:
     """The reason why a law of hinged shoes does not apply to a brake; None if it applies."""
     refusal = (
         brake.reason_why_cam_or_strut_sets_forces
-        or brake.surface.reason_why_surface_is_not_required_one(DRUM)
+        or brake.surface.reason_why_surface_is_not_required_one(FRICTION_SURFACE_OF_DRUM)
     )
-    if refusal is None and law.load_on_part is None:
+    if refusal is None and law.pressure_integrals_on_arc_part is None:
         refusal = brake.reason_if_several_linings_are_not_allowed(
             "a force lumped at the lining's middle"
         )
@@ -81,28 +93,38 @@ def reason_against_hinged_shoe_law(law: Law, brake: Brake) -> str | None:
     return None
 
 
-def _reason_against_law_for_shoe(law: Law, shoe: Shoe) -> str | None:
+def _reason_against_law_for_shoe(law: PressureLawOfHingedShoe, shoe: Shoe) -> str | None:
     """The reason why a law of hinged shoes does not apply to a shoe; None if it applies."""
     phi_1, phi_2 = shoe.arc
     if shoe.kind_of_support != "hinge":
-        return MOVES[shoe.kind_of_support]
+        return MOTION_TEXTS_BY_KIND_OF_SUPPORT[shoe.kind_of_support]
     # The pressure of the sine law is positive only from 0 to 180 degrees from the hinge.
-    if law is SINE:
-        if phi_1 < -ANGLE_ROUND_OFF or phi_2 > math.pi + ANGLE_ROUND_OFF:
+    if law is SINE_PRESSURE_LAW:
+        if (
+            phi_1 < -ROUND_OFF_BEYOND_ALLOWED_LINING_ANGLE
+            or phi_2 > math.pi + ROUND_OFF_BEYOND_ALLOWED_LINING_ANGLE
+        ):
             return (
                 "the lining must lie within 0 to 180 deg of the hinge, "
-                f"not {text_in_degrees(phi_1)} to {text_in_degrees(phi_2)}"
+                f"not {angle_as_text_in_degrees(phi_1)} to {angle_as_text_in_degrees(phi_2)}"
             )
         return None
-    if phi_2 - phi_1 > math.pi + ANGLE_ROUND_OFF:
-        return f"the lining's arc {text_in_degrees(phi_2 - phi_1)} must not be more than 180 deg"
+    if phi_2 - phi_1 > math.pi + ROUND_OFF_BEYOND_ALLOWED_LINING_ANGLE:
+        return (
+            f"the lining's arc {angle_as_text_in_degrees(phi_2 - phi_1)} must not be more "
+            f"than 180 deg"
+        )
     middle = 0.5 * (phi_1 + phi_2)
-    if not ANGLE_ROUND_OFF < middle < math.pi - ANGLE_ROUND_OFF:
+    if (
+        not ROUND_OFF_BEYOND_ALLOWED_LINING_ANGLE
+        < middle
+        < math.pi - ROUND_OFF_BEYOND_ALLOWED_LINING_ANGLE
+    ):
         return "the normal force passes through the hinge, so that no moment can press the lining"
     return None
 
 
-def solve_brake_with_hinged_shoes_by_law(law: Law, brake: Brake) -> Response:
+def solve_brake_with_hinged_shoes_by_law(law: PressureLawOfHingedShoe, brake: Brake) -> Response:
     """Solve a drum brake with hinged shoes by a law. Raises NoAnswer for a self-locking shoe."""
     shoes = tuple(_hinged_shoe_response_by_law(law, brake, i) for i in range(len(brake.shoes)))
     notes: list[str] = []
@@ -113,7 +135,7 @@ def solve_brake_with_hinged_shoes_by_law(law: Law, brake: Brake) -> Response:
         model=law.name,
         shoes=shoes,
         balance=largest_imbalance_among_shoes(balances),
-        left_out=NEGLECTED_BY_RIGID_LAWS[brake.surface.word],
+        left_out=NEGLECTED_BY_RIGID_LAWS[brake.surface.name],
         notes=tuple(notes),
     )
     return response_with_figures_of_merit(brake, response)
@@ -121,11 +143,11 @@ def solve_brake_with_hinged_shoes_by_law(law: Law, brake: Brake) -> Response:
 
 def solve_brake_by_sine_law(brake: Brake) -> Response:
     """Solve a brake by the sine law. Raises NoAnswer for a self-locking shoe."""
-    return solve_brake_with_hinged_shoes_by_law(SINE, brake)
+    return solve_brake_with_hinged_shoes_by_law(SINE_PRESSURE_LAW, brake)
 
 
 def _notes_on_shoe_response(
-    law: Law, brake: Brake, index: int, response: ShoeResponse
+    law: PressureLawOfHingedShoe, brake: Brake, index: int, response: ShoeResponse
 ) -> list[str]:
     """Notes for the user on the response of shoe `index` by a law.
 
@@ -149,7 +171,9 @@ def _notes_on_shoe_response(
     ]
 
 
-def _hinged_shoe_response_by_law(law: Law, brake: Brake, index: int) -> ShoeResponse:
+def _hinged_shoe_response_by_law(
+    law: PressureLawOfHingedShoe, brake: Brake, index: int
+) -> ShoeResponse:
     """The response of shoe `index` by a law. Raises NoAnswer if the shoe locks itself."""
     shoe = brake.shoes[index]
     arc, mu = (
@@ -169,13 +193,13 @@ def _hinged_shoe_response_by_law(law: Law, brake: Brake, index: int) -> ShoeResp
         )
     amplitude = float(law.pressure_amplitude(moment, shoe.lining.width, mu, arc))
     # The integrals of the pressure are its amplitude [Pa] times the integrals of f.
-    load = Load(
+    load = PressureIntegrals(
         *(amplitude * integral for integral in law.pressure_integrals_over_all_linings(arc))
     )
     return response_of_hinged_shoe_in_contact(
         brake,
         shoe,
-        resultant_of_hinged_shoe_pressure(brake, shoe, load, float(law.friction(arc))),
+        resultant_of_hinged_shoe_pressure_and_friction(brake, shoe, load, float(law.friction(arc))),
         lambda phi: amplitude * law.pressure(phi, arc),
         law.angle_of_peak_pressure(arc),
         lumped=law.lumped,
@@ -186,18 +210,18 @@ def torque_of_brake_with_guided_shoes(brake: Brake) -> float:
     """Torque [N m] of a brake whose guided shoes move only along their linings' middle radii.
 
     The pressure of such a shoe is p_0 cos(theta - middle). Its torque is mu' N R, with the
-    equivalent friction coefficient mu' (`ratio_of_equivalent_friction`), the drum's radius R, and
-    the component N of the actuation force along the middle radius (NPTEL lesson 12.1). The guides
-    bear all other forces.
+    equivalent friction coefficient mu' (`ratio_of_equivalent_to_lining_friction`), the drum's
+    radius R, and the component N of the actuation force along the middle radius (NPTEL lesson
+    12.1). The guides bear all other forces.
     """
     total = 0.0
     for shoe in brake.shoes:
         middle = 0.5 * (shoe.lining.start + shoe.lining.end)
-        force = shoe.sign * float(
+        force = shoe.sign_internal_plus_external_minus * float(
             shoe.sum_of_forces_of_all_loads @ [math.cos(middle), math.sin(middle)]
         )
         lumped = brake.friction_coefficient_of_shoe_at_zero_pressure(shoe) * float(
-            ratio_of_equivalent_friction(
+            ratio_of_equivalent_to_lining_friction(
                 angles_and_radii_of_hinged_shoe(brake, shoe).half_of_lining_arc
             )
         )
@@ -207,12 +231,16 @@ def torque_of_brake_with_guided_shoes(brake: Brake) -> float:
 
 def actuation_moment_towards_drum(shoe: Shoe) -> float:
     """Moment [N m] of all loads on a shoe about its hinge, positive if it presses on the drum."""
-    return -shoe.sign * shoe.frame.sense * shoe.moment_of_all_loads_about_point(shoe.pin)
+    return (
+        -shoe.sign_internal_plus_external_minus
+        * shoe.frame.sense
+        * shoe.moment_of_all_loads_about_point(shoe.pin)
+    )
 
 
-def resultant_of_hinged_shoe_pressure(
-    brake: Brake, shoe: Shoe, load: Load, factor: float = 1.0
-) -> Resultant:
+def resultant_of_hinged_shoe_pressure_and_friction(
+    brake: Brake, shoe: Shoe, load: PressureIntegrals, factor: float = 1.0
+) -> PressureAndFrictionResultant:
     """Resultant of pressure and friction on a hinged shoe.
 
     Parameters
@@ -227,8 +255,10 @@ def resultant_of_hinged_shoe_pressure(
     along: Floats = force * np.array([load.cos, load.sin])
     across = np.array([-along[1], along[0]])
     drag = factor * brake.signed_friction_stress_over_pressure(shoe)
-    return Resultant(
-        normal=shoe.frame.convert_vectors_from_shoe_to_brake_frame(-shoe.sign * along),
+    return PressureAndFrictionResultant(
+        normal=shoe.frame.convert_vectors_from_shoe_to_brake_frame(
+            -shoe.sign_internal_plus_external_minus * along
+        ),
         friction=shoe.frame.convert_vectors_from_shoe_to_brake_frame(
             drag * shoe.frame.sense * across
         ),
@@ -239,9 +269,9 @@ def resultant_of_hinged_shoe_pressure(
 def response_of_hinged_shoe_in_contact(
     brake: Brake,
     shoe: Shoe,
-    contact: Resultant,
+    contact: PressureAndFrictionResultant,
     pressure: Callable[[Floats], Floats],
-    peak_at: float,
+    angle_of_largest_pressure: float,
     *,
     lumped: bool = False,
 ) -> ShoeResponse:
@@ -252,13 +282,15 @@ def response_of_hinged_shoe_in_contact(
     brake, shoe : the brake and the shoe
     contact : resultant of pressure and friction on the shoe
     pressure : function that returns the pressure [Pa] at angles phi [rad] from the hinge
-    peak_at : angle phi [rad] of the largest pressure
+    angle_of_largest_pressure : angle phi [rad] of the largest pressure
     lumped : whether the law lets the resultant act as one force at the lining's middle
     """
     sense = shoe.frame.sense
-    nodes = [np.linspace(*arc, PRESSURE_NODES)[::sense] for arc in shoe.arcs][::sense]
+    nodes = [
+        np.linspace(*arc, NUMBER_OF_PRESSURE_NODES_ON_DRUM_LINING)[::sense] for arc in shoe.arcs
+    ][::sense]
     theta, on_lining = polynomial_nodes_on_linings_and_slots(
-        [shoe.frame.theta(phi) for phi in nodes], 2
+        [shoe.frame.surface_coordinates_of_phi(phi) for phi in nodes], 2
     )
     # Round-off of the angle may make the pressure negative at an end where it is zero.
     pressures = np.zeros(len(theta))
@@ -270,11 +302,11 @@ def response_of_hinged_shoe_in_contact(
         torque=abs(contact.moment),
         normal_force=float(np.linalg.norm(contact.normal)),
         self_energising=helping * shoe.moment_of_all_loads_about_point(shoe.pin) > 0,
-        peak_pressure=float(pressure(np.array(peak_at))),
+        peak_pressure=float(pressure(np.array(angle_of_largest_pressure))),
         hinge_reaction=-shoe.sum_of_forces_of_all_loads - contact.force,
         contact_arcs=shoe.lining.arcs,
         theta=theta,
         pressure=pressures,
-        slots=slots_between_nodes(theta, on_lining),
+        slots=slots_from_nodes_and_lining_mask(theta, on_lining),
         lumped=contact if lumped else None,
     )

@@ -2,7 +2,7 @@
 
 from drumlin.brake.brake import Brake
 from drumlin.laws import flat, hinged, pivoted, rigid
-from drumlin.laws.shapes import SINE
+from drumlin.laws.shapes import SINE_PRESSURE_LAW
 from drumlin.response.response import Response
 
 
@@ -12,9 +12,9 @@ def name_of_rigid_shoe_law(brake: Brake) -> str:
     The name is "rigid" if none of the laws with a closed form applies to the brake.
     """
     known = {
-        "sine": hinged.reason_against_hinged_shoe_law(SINE, brake),
+        "sine": hinged.reason_against_hinged_shoe_law(SINE_PRESSURE_LAW, brake),
         "pivoted": pivoted.reason_against_pivoted_shoe_law(brake),
-        "linear": flat.reason_against_flat_law(flat.LINEAR, brake),
+        "linear": flat.reason_against_flat_law(flat.LINEAR_PRESSURE_LAW, brake),
     }
     for name, reason in known.items():
         if reason is None:

@@ -11,39 +11,41 @@ import numpy as np
 
 from drumlin.base.arrays import Floats
 from drumlin.base.errors import BadInput, NoAnswer
-from drumlin.laws.shapes import Law, Layout, Load
+from drumlin.laws.shapes import PressureIntegrals, PressureLawOfHingedShoe, ShoeAnglesAndRadii
 
-Shape = Callable[[Floats, Layout], Any]
-"""A function of the angles phi (n,) [rad] from the hinge and of the shoe's `Layout`.
+PressureShapeFunction = Callable[[Floats, ShoeAnglesAndRadii], Any]
+"""A function of the angles phi (n,) [rad] from the hinge and of the shoe's `ShoeAnglesAndRadii`.
 
 It returns the pressures (n,) up to a factor.
 """
 
-LAW_GAUSS_POINTS = 20
-"""Number of Gauss points in each of ARC_PIECES pieces of a lining.
+GAUSS_POINTS_PER_PIECE_OF_LINING = 20
+"""Number of Gauss points in each of INTEGRATION_PIECES_OF_LINING pieces of a lining.
 
 The integral of a smooth pressure has no error but round-off. A kink of the pressure inside a piece
 causes a relative error of some 1e-5, a jump of some 1e-3.
 """
 
-ARC_PIECES = 20
+INTEGRATION_PIECES_OF_LINING = 20
 """Number of equal pieces into which a lining is divided to integrate the pressure."""
 
-PEAK_POINTS = 2001
+NUMBER_OF_ANGLES_SEARCHED_FOR_PEAK_PRESSURE = 2001
 """Number of equally spaced angles among which the largest pressure is sought.
 
 On a lining of 120 degrees they are 0.06 degrees apart, and the largest of the pressures there
 differs from a smooth peak by 1e-6 of the peak.
 """
 
-NEGLIGIBLE_PRESSURE = 1e-12
+LARGEST_NEGLIGIBLE_NEGATIVE_PRESSURE = 1e-12
 """Negative pressure, relative to the largest pressure, that counts as zero.
 
 A user's function that is zero at an end of the lining may be as negative there by round-off.
 """
 
 
-def make_law_from_pressure_shape(name: str, assumes: str, shape: Shape) -> Law:
+def make_law_from_pressure_shape(
+    name: str, assumes: str, shape: PressureShapeFunction
+) -> PressureLawOfHingedShoe:
     """Make the law of hinged shoes on a drum whose pressure has the given shape.
 
     Parameters
@@ -60,7 +62,7 @@ def make_law_from_pressure_shape(name: str, assumes: str, shape: Shape) -> Law:
         when the law is used: for a shape that is negative somewhere, or zero everywhere
     """
 
-    def pressure(phi: Floats, arc: Layout) -> Floats:
+    def pressure(phi: Floats, arc: ShoeAnglesAndRadii) -> Floats:
         """The pressures that the user's function returns at the angles phi [rad], after a check.
 
         They have the shape of `phi`. Round-off below zero is set to zero.
@@ -76,7 +78,7 @@ def make_law_from_pressure_shape(name: str, assumes: str, shape: Shape) -> Law:
             wrong = np.ravel(phi)[~np.isfinite(values)][0]
             raise BadInput(f"{asked}returned {values[~np.isfinite(values)][0]} at {wrong:g} rad")
         least = values.min()
-        if least < -NEGLIGIBLE_PRESSURE * np.abs(values).max():
+        if least < -LARGEST_NEGLIGIBLE_NEGATIVE_PRESSURE * np.abs(values).max():
             at = np.ravel(phi)[values.argmin()]
             raise NoAnswer(
                 f"law {name!r}: its pressure is negative, the lining cannot pull: "
@@ -84,27 +86,31 @@ def make_law_from_pressure_shape(name: str, assumes: str, shape: Shape) -> Law:
             )
         return np.maximum(values, 0.0).reshape(np.shape(phi))
 
-    def load_on_part(whole: Layout, part: Layout) -> Load:
+    def pressure_integrals_on_arc_part(
+        whole: ShoeAnglesAndRadii, part: ShoeAnglesAndRadii
+    ) -> PressureIntegrals:
         """Integrals of the function over a part of the arc, by Gauss's rule on equal pieces."""
-        ends = np.linspace(float(part.phi_1), float(part.phi_2), ARC_PIECES + 1)
-        x, w = np.polynomial.legendre.leggauss(LAW_GAUSS_POINTS)
+        ends = np.linspace(float(part.phi_1), float(part.phi_2), INTEGRATION_PIECES_OF_LINING + 1)
+        x, w = np.polynomial.legendre.leggauss(GAUSS_POINTS_PER_PIECE_OF_LINING)
         half = 0.5 * np.diff(ends)[:, None]
         phi = (ends[:-1, None] + half * (1 + x)).ravel()
         f = pressure(phi, whole) * (half * w).ravel()
         if not f.sum() > 0:
             raise NoAnswer(f"law {name!r}: its pressure is zero on the whole lining")
-        return Load(np.asarray(f.sum()), f @ np.cos(phi), f @ np.sin(phi))
+        return PressureIntegrals(np.asarray(f.sum()), f @ np.cos(phi), f @ np.sin(phi))
 
-    def peak_at(arc: Layout) -> Floats:
+    def angle_of_largest_pressure(arc: ShoeAnglesAndRadii) -> Floats:
         """The angle phi [rad] of the largest pressure."""
-        phi = np.linspace(float(arc.phi_1), float(arc.phi_2), PEAK_POINTS)
+        phi = np.linspace(
+            float(arc.phi_1), float(arc.phi_2), NUMBER_OF_ANGLES_SEARCHED_FOR_PEAK_PRESSURE
+        )
         return np.asarray(phi[np.argmax(pressure(phi, arc))])
 
-    return Law(
+    return PressureLawOfHingedShoe(
         name,
         assumes,
-        lambda arc: load_on_part(arc, arc),
+        lambda arc: pressure_integrals_on_arc_part(arc, arc),
         pressure,
-        peak_at,
-        load_on_part=load_on_part,
+        angle_of_largest_pressure,
+        pressure_integrals_on_arc_part=pressure_integrals_on_arc_part,
     )

@@ -11,8 +11,8 @@ lever's pin H (UWA notes, hinged shoe with a pivot G):
 
 Each bracket holds the moments M_N and M_F of the pressure cos phi (before A) or sin phi (before B)
 about G or H, see `scaled_normal_and_friction_moments_about_point`. The sign dD is explained at
-`Layout`, b is the lining's width and R the drum's radius. With phi counted from the lining's
-middle, B vanishes only if G lies on the middle radius at the distance
+`ShoeAnglesAndRadii`, b is the lining's width and R the drum's radius. With phi counted from the
+lining's middle, B vanishes only if G lies on the middle radius at the distance
 `pivot_radius_for_cosine_pressure`.
 
 The functions of this module work on arrays and assume a lining in contact over its whole length. To
@@ -24,17 +24,19 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drumlin.base.arrays import Floats, Values
+from drumlin.base.arrays import Floats, NumberOrArray
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.brake.surface import DRUM
+from drumlin.brake.surface import FRICTION_SURFACE_OF_DRUM
 from drumlin.laws.shapes import (
-    Layout,
+    ShoeAnglesAndRadii,
     integrals_of_cos_phi_pressure,
     integrals_of_sine_pressure,
     scaled_normal_and_friction_moments_about_point,
 )
 
-PIVOTED_ASSUMES = "rigid shoe on a pivot of a lever: p = A cos + B sin, no moment about the pivot"
+PIVOTED_SHOE_LAW_ASSUMPTIONS = (
+    "rigid shoe on a pivot of a lever: p = A cos + B sin, no moment about the pivot"
+)
 """The assumptions of the law of a pivoted shoe, as printed with its answer."""
 
 
@@ -43,22 +45,27 @@ class MomentEquilibriumMatrix(NamedTuple):
 
     Attributes
     ----------
-    g_cos, g_sin : moments about the pivot G of the pressures cos phi and sin phi
-    h_cos, h_sin : moments about the lever's pin H of the pressures cos phi and sin phi
+    pivot_moment_of_cos, pivot_moment_of_sin : moments about the pivot G of the pressures cos phi
+        and sin phi
+    pin_moment_of_cos, pin_moment_of_sin : moments about the lever's pin H of the pressures cos phi
+        and sin phi
     """
 
-    g_cos: Floats
-    g_sin: Floats
-    h_cos: Floats
-    h_sin: Floats
+    pivot_moment_of_cos: Floats
+    pivot_moment_of_sin: Floats
+    pin_moment_of_cos: Floats
+    pin_moment_of_sin: Floats
 
     @property
     def determinant_of_equilibrium_matrix(self) -> Floats:
         """Determinant of the matrix [m^2]; zero at the friction where the lever locks itself."""
-        return np.asarray(self.g_cos * self.h_sin - self.g_sin * self.h_cos)
+        return np.asarray(
+            self.pivot_moment_of_cos * self.pin_moment_of_sin
+            - self.pivot_moment_of_sin * self.pin_moment_of_cos
+        )
 
 
-class _MatricesOfMoments(NamedTuple):
+class _NormalAndFrictionMomentMatrices(NamedTuple):
     """The matrices of the moments M_N of the normal pressure and M_F of the friction."""
 
     normal: MomentEquilibriumMatrix
@@ -66,8 +73,8 @@ class _MatricesOfMoments(NamedTuple):
 
 
 def _matrices_of_normal_and_friction_moments(
-    arc: Layout, x: Values, y: Values
-) -> _MatricesOfMoments:
+    arc: ShoeAnglesAndRadii, x: NumberOrArray, y: NumberOrArray
+) -> _NormalAndFrictionMomentMatrices:
     """The matrices M_N of pressure and M_F of friction in the equilibrium matrix M_N - dD mu M_F.
 
     The pivot is at x, y [m] in the shoe's frame, and the lever's pin at (a, 0).
@@ -78,11 +85,13 @@ def _matrices_of_normal_and_friction_moments(
             M_N, M_F = scaled_normal_and_friction_moments_about_point(load(arc), arc.R, *point)
             normal.append(M_N)
             friction.append(M_F)
-    return _MatricesOfMoments(MomentEquilibriumMatrix(*normal), MomentEquilibriumMatrix(*friction))
+    return _NormalAndFrictionMomentMatrices(
+        MomentEquilibriumMatrix(*normal), MomentEquilibriumMatrix(*friction)
+    )
 
 
 def _matrix_of_moment_equilibria(
-    mu: Values, arc: Layout, x: Values, y: Values
+    mu: NumberOrArray, arc: ShoeAnglesAndRadii, x: NumberOrArray, y: NumberOrArray
 ) -> MomentEquilibriumMatrix:
     """Matrix of the moment equilibria at the friction mu, with the pivot at x, y [m]."""
     of = _matrices_of_normal_and_friction_moments(arc, x, y)
@@ -92,7 +101,12 @@ def _matrix_of_moment_equilibria(
 
 
 def pressure_factors_of_cos_and_sin(
-    moment: Values, width: Values, mu: Values, arc: Layout, x: Values, y: Values
+    moment: NumberOrArray,
+    width: NumberOrArray,
+    mu: NumberOrArray,
+    arc: ShoeAnglesAndRadii,
+    x: NumberOrArray,
+    y: NumberOrArray,
 ) -> tuple[Floats, Floats]:
     """Factors A and B [Pa] of the pressure A cos phi + B sin phi.
 
@@ -108,10 +122,18 @@ def pressure_factors_of_cos_and_sin(
     """
     rows = _matrix_of_moment_equilibria(mu, arc, x, y)
     scale = moment / (width * arc.R * rows.determinant_of_equilibrium_matrix)
-    return np.asarray(-rows.g_sin * scale), np.asarray(rows.g_cos * scale)
+    return np.asarray(-rows.pivot_moment_of_sin * scale), np.asarray(
+        rows.pivot_moment_of_cos * scale
+    )
 
 
-def torque_of_pivoted_shoe(moment: Values, mu: Values, arc: Layout, x: Values, y: Values) -> Floats:
+def torque_of_pivoted_shoe(
+    moment: NumberOrArray,
+    mu: NumberOrArray,
+    arc: ShoeAnglesAndRadii,
+    x: NumberOrArray,
+    y: NumberOrArray,
+) -> Floats:
     """Torque [N m] of a shoe on a lever's pivot under an actuation moment that is not negative.
 
     The parameters are those of `pressure_factors_of_cos_and_sin`.
@@ -130,7 +152,9 @@ def torque_of_pivoted_shoe(moment: Values, mu: Values, arc: Layout, x: Values, y
     return np.where(least >= -1e-12 * np.hypot(A, B), size, np.nan)
 
 
-def torque_sensitivity_of_pivoted_shoe(mu: Values, arc: Layout, x: Values, y: Values) -> Floats:
+def torque_sensitivity_of_pivoted_shoe(
+    mu: NumberOrArray, arc: ShoeAnglesAndRadii, x: NumberOrArray, y: NumberOrArray
+) -> Floats:
     """Sensitivity S = (mu/T) dT/dmu of the torque at fixed actuation.
 
     S includes the change of the pressure's shape, which is the ratio A : B, with mu.
@@ -141,15 +165,21 @@ def torque_sensitivity_of_pivoted_shoe(mu: Values, arc: Layout, x: Values, y: Va
     change = MomentEquilibriumMatrix(
         *(-arc.dD * F for F in _matrices_of_normal_and_friction_moments(arc, x, y).friction)
     )
-    g = change.g_cos * A + change.g_sin * B
-    h = change.h_cos * A + change.h_sin * B
-    dA = -(rows.h_sin * g - rows.g_sin * h) / rows.determinant_of_equilibrium_matrix
-    dB = -(rows.g_cos * h - rows.h_cos * g) / rows.determinant_of_equilibrium_matrix
+    g = change.pivot_moment_of_cos * A + change.pivot_moment_of_sin * B
+    h = change.pin_moment_of_cos * A + change.pin_moment_of_sin * B
+    dA = (
+        -(rows.pin_moment_of_sin * g - rows.pivot_moment_of_sin * h)
+        / rows.determinant_of_equilibrium_matrix
+    )
+    dB = (
+        -(rows.pivot_moment_of_cos * h - rows.pin_moment_of_cos * g)
+        / rows.determinant_of_equilibrium_matrix
+    )
     of_cos, of_sin = integrals_of_cos_phi_pressure(arc).total, integrals_of_sine_pressure(arc).total
     return np.asarray(1 + mu * (dA * of_cos + dB * of_sin) / (A * of_cos + B * of_sin))
 
 
-def self_locking_friction_of_pivoted_shoe(arc: Layout, x: float, y: float) -> float:
+def self_locking_friction_of_pivoted_shoe(arc: ShoeAnglesAndRadii, x: float, y: float) -> float:
     """Friction coefficient mu_lock at which the lever locks itself; inf if it never does.
 
     It is the smallest mu > 0 at which the determinant of the equilibria vanishes. The pivot is at
@@ -172,7 +202,7 @@ def self_locking_friction_of_pivoted_shoe(arc: Layout, x: float, y: float) -> fl
 def reason_against_pivoted_shoe_law(brake: Brake) -> str | None:
     """The reason why the law of pivoted shoes does not apply to a brake; None if it applies."""
     refusal = (
-        brake.surface.reason_why_surface_is_not_required_one(DRUM)
+        brake.surface.reason_why_surface_is_not_required_one(FRICTION_SURFACE_OF_DRUM)
         or brake.reason_why_cam_or_strut_sets_forces
     )
     if refusal is not None:

@@ -13,19 +13,19 @@ import numpy as np
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake
 from drumlin.brake.friction import (
-    FrictionCurve,
+    FrictionOverPressureCurve,
     first_key_of_pressure_dependent_friction,
     reason_if_friction_depends_on_pressure,
 )
 from drumlin.response.response import Response
 
-EVEN_PRESSURE_LAWS = frozenset({"uniform", "short"})
+NAMES_OF_LAWS_OF_UNIFORM_PRESSURE = frozenset({"uniform", "short"})
 """Names of the laws whose pressure is the same everywhere on the lining."""
 
-PRESSURE_ROUND_OFF = 4 * float(np.finfo(float).eps)
+PRESSURE_SOLVER_TOLERANCE = 4 * float(np.finfo(float).eps)
 """Relative accuracy to which the pressure of a shoe is found: the finest that `brentq` accepts."""
 
-LawSolver = Callable[[Brake], Response]
+SolveBrakeByLawFunction = Callable[[Brake], Response]
 """A function that solves a brake by a law."""
 
 
@@ -34,14 +34,16 @@ def reason_why_law_cannot_take_pressure_dependent_friction(name: str, brake: Bra
 
     `name` is the name of the law.
     """
-    if name in EVEN_PRESSURE_LAWS:
+    if name in NAMES_OF_LAWS_OF_UNIFORM_PRESSURE:
         return None
     return reason_if_friction_depends_on_pressure(
         brake, f"the law {name!r}, whose pressure varies,"
     )
 
 
-def solve_brake_by_law_of_even_pressure(solve: LawSolver, brake: Brake) -> Response:
+def solve_brake_by_law_of_uniform_pressure(
+    solve: SolveBrakeByLawFunction, brake: Brake
+) -> Response:
     """Solve a brake by a law, with the friction coefficient that belongs to each shoe's pressure.
 
     Raises NoAnswer if a shoe has no equilibrium.
@@ -82,7 +84,7 @@ def _brake_with_friction_coefficient_of_each_shoe(brake: Brake, frictions: list[
 
 
 def _friction_at_equilibrium_of_smallest_pressure(
-    curve: FrictionCurve, pressure: Callable[[float], float], name: str
+    curve: FrictionOverPressureCurve, pressure: Callable[[float], float], name: str
 ) -> float:
     """The friction coefficient at the smallest pressure at which a shoe is in equilibrium.
 
@@ -102,7 +104,7 @@ def _friction_at_equilibrium_of_smallest_pressure(
     # The import of scipy takes time, and few brakes need it.
     from scipy.optimize import brentq  # noqa: PLC0415
 
-    def pressure_minus_pressure_by_its_friction(p: float) -> float:
+    def pressure_minus_law_pressure_at_its_friction(p: float) -> float:
         """The pressure p minus the pressure [Pa] that the law gives with the friction at p."""
         # A shoe that locks itself has an infinite pressure: the difference is then negative for
         # every finite p.
@@ -112,15 +114,15 @@ def _friction_at_equilibrium_of_smallest_pressure(
     # The friction is linear between two pressures of the table. `brentq` finds the zero between the
     # first two at which the differences have opposite signs.
     for low, high in pairwise([0.0, *curve.pressure.tolist()]):
-        if low < high and pressure_minus_pressure_by_its_friction(
+        if low < high and pressure_minus_law_pressure_at_its_friction(
             low
-        ) <= 0 <= pressure_minus_pressure_by_its_friction(high):
+        ) <= 0 <= pressure_minus_law_pressure_at_its_friction(high):
             p = brentq(
-                pressure_minus_pressure_by_its_friction,
+                pressure_minus_law_pressure_at_its_friction,
                 low,
                 high,
-                xtol=PRESSURE_ROUND_OFF * high,
-                rtol=PRESSURE_ROUND_OFF,
+                xtol=PRESSURE_SOLVER_TOLERANCE * high,
+                rtol=PRESSURE_SOLVER_TOLERANCE,
             )
             return float(curve.friction_coefficients_at_pressures(np.array(p)))
     # Beyond the table the coefficient is constant.

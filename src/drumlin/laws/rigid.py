@@ -25,16 +25,20 @@ from drumlin.base.arrays import Floats
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.heat import warning_that_law_neglects_heat
-from drumlin.brake.support import Freedoms
+from drumlin.brake.support import SupportRigidBodyModes
 from drumlin.brake.writing import part_values_other_than_defaults
 from drumlin.laws.anchored import (
     contact_of_shoe_on_anchors,
-    locking_friction_of_shoes_on_anchors,
+    locking_friction_of_shoe_on_anchors,
     solve_shoes_on_anchors,
 )
-from drumlin.laws.face import Arcs, Face, friction_surface_of_shoe
+from drumlin.laws.face import (
+    ContactArcsOfRigidShoe,
+    FrictionSurfaceOfRigidShoe,
+    friction_surface_of_shoe,
+)
 from drumlin.laws.shoe_contact import (
-    MOST_CONTACT_STEPS,
+    MOST_ITERATIONS_FOR_CONTACT_ARCS,
     RigidShoeContact,
     arcs_of_positive_pressure_on_linings,
     are_contact_arcs_equal,
@@ -44,33 +48,42 @@ from drumlin.laws.shoe_contact import (
 from drumlin.response.balance import largest_imbalance_among_shoes, relative_imbalance_of_shoe
 from drumlin.response.merit import response_with_figures_of_merit
 from drumlin.response.response import (
-    NEITHER,
+    LARGEST_NEUTRAL_FRICTION_OVER_PRESSURE_WORK,
     Response,
     ShoeResponse,
     notes_on_forces_of_one_sided_supports,
     response_of_shoe_without_contact,
 )
 from drumlin.response.resultants import (
-    Resultant,
+    PressureAndFrictionResultant,
     planar_cross_product,
     polynomial_nodes_on_linings_and_slots,
-    slots_between_nodes,
+    slots_from_nodes_and_lining_mask,
 )
-from drumlin.response.self_locking import LockedShoes, SelfLocking, first_shoes_to_lock
+from drumlin.response.self_locking import (
+    LockedShoesAndLockingFriction,
+    SelfLocking,
+    first_shoes_to_lock,
+)
 
-RIGID_ASSUMES = (
+RIGID_SHOE_LAW_ASSUMPTIONS = (
     "rigid shoe: p = sum of a_k f_k >= 0, f_k how each freedom of the shoe closes the gap"
 )
 """The assumptions of the law of a rigid shoe on any support, as printed with its answer."""
 # The beginning of the last note in NEGLECTED_BY_RIGID_LAWS; the name of the surface follows.
-_FITS = "clearance and misfit: the law is that of a lining that fits, new or worn in, on a"
+_NEGLECTED_CLEARANCE_AND_MISFIT = (
+    "clearance and misfit: the law is that of a lining that fits, new or worn in, on a"
+)
 NEGLECTED_BY_RIGID_LAWS = {
-    "drum": ("elasticity of shoe, backing and drum: rigid by assumption", f"{_FITS} round drum"),
-    "plane": ("elasticity: rigid by assumption", f"{_FITS} plane"),
+    "drum": (
+        "elasticity of shoe, backing and drum: rigid by assumption",
+        f"{_NEGLECTED_CLEARANCE_AND_MISFIT} round drum",
+    ),
+    "plane": ("elasticity: rigid by assumption", f"{_NEGLECTED_CLEARANCE_AND_MISFIT} plane"),
 }
 """Notes for users on the effects that the rigid-shoe laws neglect on a drum and on a plane."""
 
-PRESSURE_NODES = 257
+NUMBER_OF_PRESSURE_NODES_ON_DRUM_LINING = 257
 """Number of nodes of the pressure over a lining on a drum.
 
 A parabola through every three successive nodes interpolates the pressure (Simpson's rule).
@@ -85,7 +98,7 @@ def self_locking_friction_of_rigid_shoe(brake: Brake, shoe: Shoe) -> float:
     mu_lock. A shoe on anchors locks together with the shoes that a strut joins to it.
     """
     if shoe.anchors:
-        return locking_friction_of_shoes_on_anchors(brake, brake.shoes.index(shoe))
+        return locking_friction_of_shoe_on_anchors(brake, brake.shoes.index(shoe))
     face, arcs = friction_surface_of_shoe(brake, shoe), shoe.lining.arcs
     width = shoe.lining.width
     limits = [
@@ -106,11 +119,11 @@ def self_locking_by_rigid_shoe_law(brake: Brake) -> SelfLocking:
     for shoe in brake.shoes:
         limit = self_locking_friction_of_rigid_shoe(brake, shoe)
         scaled = brake.brake_friction_that_gives_shoe_friction(shoe, limit)
-        limits.append(LockedShoes((shoe.name,), scaled))
+        limits.append(LockedShoesAndLockingFriction((shoe.name,), scaled))
     return SelfLocking(
         brake.friction,
         first_shoes_to_lock(limits),
-        scaled=brake.first_key_that_gives_lining_its_own_friction() or "",
+        key_of_lining_with_own_friction=brake.first_key_that_gives_lining_its_own_friction() or "",
     )
 
 
@@ -151,7 +164,9 @@ def find_contact_of_rigid_shoe(
             -shoe.sum_of_forces_of_all_loads
             - _contact_resultant_of_rigid_shoe(brake, shoe, found).force
         )
-        if shoe.can_abutment_exert_reaction_on_shoe(reaction, sense, float(found.amounts[-1])):
+        if shoe.can_abutment_exert_reaction_on_shoe(
+            reaction, sense, float(found.rigid_body_mode_factors[-1])
+        ):
             return found
     raise failure or NoAnswer(f"shoe {shoe.name!r}: no equilibrium, its foot leaves the abutment")
 
@@ -164,7 +179,7 @@ def sign_of_pressure_that_balances_actuation(brake: Brake, shoe: Shoe) -> int:
     """
     face, ends = friction_surface_of_shoe(brake, shoe), (shoe.lining.start, shoe.lining.end)
     free = shoe.rigid_body_modes_of_support(shoe.senses_of_abutment_friction_to_try[-1])
-    shapes = face.gap_closing_factors_of_rigid_body_motions(free.tests)
+    shapes = face.gap_closing_factors_of_rigid_body_motions(free.test_modes)
     if len(shapes) == 1:
         # A shoe with one mode moves so that the loads do positive work. A pressure can balance them
         # if this motion closes the gap at some place of the lining.
@@ -179,13 +194,13 @@ def sign_of_pressure_that_balances_actuation(brake: Brake, shoe: Shoe) -> int:
         resultant = np.asarray(
             np.linalg.solve(shapes, free.work_of_all_loads_on_test_modes), dtype=float
         )
-        return face.sign_of_pressure_with_given_resultant(resultant, *ends)
+        return face.sign_of_normal_stress_with_given_resultant(resultant, *ends)
     except np.linalg.LinAlgError:
         return 0
 
 
 def _find_contact_for_friction_sense(
-    brake: Brake, shoe: Shoe, face: Face, sense: int, whole: bool
+    brake: Brake, shoe: Shoe, face: FrictionSurfaceOfRigidShoe, sense: int, whole: bool
 ) -> RigidShoeContact:
     """Find the contact of a rigid shoe for a given sense of the friction at its abutment.
 
@@ -209,7 +224,7 @@ def _find_contact_for_friction_sense(
     locking_friction_on = partial(
         self_locking_friction_on_arcs, face, free, shoe.lining.width, spin=brake.sign_of_motion
     )
-    arcs: Arcs = linings
+    arcs: ContactArcsOfRigidShoe = linings
     mu_lock = locking_friction_on(arcs)
     locked = f"self-locking, friction {mu:g} is not below mu_lock = {{:.6g}} of the rigid-shoe law"
     # A shoe with one rigid-body mode moves so that the loads do positive work. This motion tells
@@ -221,19 +236,21 @@ def _find_contact_for_friction_sense(
         mu_lock = locking_friction_on(arcs)
         if mu >= mu_lock:
             raise NoAnswer(f"shoe {shoe.name!r}: {locked.format(mu_lock)}")
-    for _ in range(MOST_CONTACT_STEPS):
+    for _ in range(MOST_ITERATIONS_FOR_CONTACT_ARCS):
         matrices = equilibrium_matrices_of_rigid_shoe(face, free, shoe.lining.width, arcs)
-        amounts = _pressure_mode_factors_in_equilibrium(matrices, free, mu * brake.sign_of_motion)
-        if amounts is None:
+        rigid_body_mode_factors = _pressure_mode_factors_in_equilibrium(
+            matrices, free, mu * brake.sign_of_motion
+        )
+        if rigid_body_mode_factors is None:
             break
         # The next arcs are those where the pressure that follows from the present arcs is positive.
-        c = shapes.T @ amounts
+        c = shapes.T @ rigid_body_mode_factors
         after = linings if whole else arcs_of_positive_pressure_on_linings(face, c, linings)
         if after and are_contact_arcs_equal(after, arcs):
             mu_lock = locking_friction_on(arcs)
             if mu >= mu_lock:
                 break
-            return RigidShoeContact(face, c, amounts, arcs, free, sense)
+            return RigidShoeContact(face, c, rigid_body_mode_factors, arcs, free, sense)
         if not after:
             break
         arcs = after
@@ -248,7 +265,7 @@ def _find_contact_for_friction_sense(
 
 
 def _pressure_mode_factors_in_equilibrium(
-    matrices: tuple[Floats, Floats], free: Freedoms, drag: float
+    matrices: tuple[Floats, Floats], free: SupportRigidBodyModes, drag: float
 ) -> Floats | None:
     """The factors (k,) of the rigid-body modes in the pressure of a shoe in equilibrium.
 
@@ -269,7 +286,7 @@ def _pressure_mode_factors_in_equilibrium(
 
 def _contact_resultant_of_rigid_shoe(
     brake: Brake, shoe: Shoe, found: RigidShoeContact
-) -> Resultant:
+) -> PressureAndFrictionResultant:
     """Resultant of pressure and friction on a rigid shoe in contact."""
     loads = shoe.lining.width * found.face.integrals_of_shape_products(found.arcs) @ found.c
     return found.face.force(loads, brake.signed_friction_stress_over_pressure(shoe))
@@ -281,9 +298,9 @@ def response_of_rigid_shoe(
     """The response of a rigid shoe with the contact `found`; None stands for no contact."""
     if found is None:
         return response_of_shoe_without_contact(shoe, -shoe.sum_of_forces_of_all_loads)
-    contact, flat = _contact_resultant_of_rigid_shoe(brake, shoe, found), shoe.flat
+    contact, flat = _contact_resultant_of_rigid_shoe(brake, shoe, found), shoe.is_on_plane
     # The pressure on a plane is linear in x, so that three nodes (two intervals) are enough.
-    steps, linings = 2 if flat else PRESSURE_NODES - 1, []
+    steps, linings = 2 if flat else NUMBER_OF_PRESSURE_NODES_ON_DRUM_LINING - 1, []
     for ends in shoe.lining.arcs:
         own = tuple(arc for arc in found.arcs if ends[0] <= arc[0] and arc[1] <= ends[1])
         linings.append(node_places_of_pressure_along_lining(ends, own, steps))
@@ -312,7 +329,7 @@ def response_of_rigid_shoe(
         contact_arcs=found.arcs,
         theta=place,
         pressure=pressures_of_rigid_shoe_at_places(found, place) * on_lining,
-        slots=slots_between_nodes(place, on_lining),
+        slots=slots_from_nodes_and_lining_mask(place, on_lining),
         pivot_reaction=None
         if shoe.pivot is None
         else -contact.force - shoe.resultant_of_loads_besides_actuation[:2],
@@ -321,16 +338,18 @@ def response_of_rigid_shoe(
 
 
 def _friction_work_minus_round_off_threshold(drag: float, found: RigidShoeContact) -> float:
-    """Work of the friction in the motion of a shoe, minus NEITHER times the work of the pressure.
+    """Work of the friction in the motion of a shoe, minus what counts as neutral.
+
+    Neutral is LARGEST_NEUTRAL_FRICTION_OVER_PRESSURE_WORK times the work of the pressure.
 
     The result is positive if friction is self-energising. The small second term keeps the result
     from being positive by round-off if friction does no work, as with a guide square to the
     surface. `drag` is the friction stress on the lining divided by the pressure.
     """
-    a = found.amounts
+    a = found.rigid_body_mode_factors
     systems = equilibrium_matrices_of_rigid_shoe(found.face, found.freedoms, 1.0, found.arcs)
     closed, dragged = (float(a @ work @ a) for work in systems)
-    return drag * dragged - NEITHER * closed
+    return drag * dragged - LARGEST_NEUTRAL_FRICTION_OVER_PRESSURE_WORK * closed
 
 
 def pressures_of_rigid_shoe_at_places(found: RigidShoeContact | None, place: Floats) -> Floats:
@@ -344,27 +363,29 @@ def pressures_of_rigid_shoe_at_places(found: RigidShoeContact | None, place: Flo
     return np.maximum(found.c @ found.face.shape_function_values(place)[:2], 0.0)
 
 
-class _PinMoments(NamedTuple):
+class _PressureAndFrictionMomentsAboutPin(NamedTuple):
     """The moments [N m] about a shoe's pin of the pressure and of the friction on its lining."""
 
     pressure: float
     friction: float
 
 
-def _pressure_and_friction_moments_about_pin(shoe: Shoe, contact: Resultant) -> _PinMoments:
+def _pressure_and_friction_moments_about_pin(
+    shoe: Shoe, contact: PressureAndFrictionResultant
+) -> _PressureAndFrictionMomentsAboutPin:
     """Moments about a shoe's pin of pressure and friction, from the resultant of both."""
     pin = shoe.pin.xy
     # The moment of the resultant is taken about the origin. About this point only the pressure has
     # a moment on a plane, and only the friction on a drum.
-    pressure, friction = (contact.moment, 0.0) if shoe.flat else (0.0, contact.moment)
-    return _PinMoments(
+    pressure, friction = (contact.moment, 0.0) if shoe.is_on_plane else (0.0, contact.moment)
+    return _PressureAndFrictionMomentsAboutPin(
         pressure - float(planar_cross_product(pin, contact.normal)),
         friction - float(planar_cross_product(pin, contact.friction)),
     )
 
 
 def node_places_of_pressure_along_lining(
-    ends: tuple[float, float], arcs: Arcs, steps: int
+    ends: tuple[float, float], arcs: ContactArcsOfRigidShoe, steps: int
 ) -> Floats:
     """Choose the places (n,), along a lining, of the nodes at which the pressure is given.
 
@@ -458,7 +479,7 @@ def _cam_force_on_first_shoe_with_further_loads(
     # The import of scipy takes time, and few brakes come here.
     from scipy.optimize import brentq  # noqa: PLC0415
 
-    def loaded_end_motion_over_lining_compliance(i: int, force: float) -> float:
+    def loaded_end_motion_in_pascal(i: int, force: float) -> float:
         """Displacement of a shoe's loaded end, divided by its lining's compression per pressure.
 
         The quotient is in Pa. `i` is the index of the shoe, and `force` [N] the force on it. The
@@ -475,9 +496,9 @@ def _cam_force_on_first_shoe_with_further_loads(
 
         `force` [N] is the force on the first shoe; the rest of `total` acts on the second.
         """
-        return loaded_end_motion_over_lining_compliance(
-            one, force
-        ) - loaded_end_motion_over_lining_compliance(other, total - force)
+        return loaded_end_motion_in_pascal(one, force) - loaded_end_motion_in_pascal(
+            other, total - force
+        )
 
     low, high = (
         difference_of_both_loaded_end_motions(0.0),
@@ -491,7 +512,7 @@ def _cam_force_on_first_shoe_with_further_loads(
         brentq(difference_of_both_loaded_end_motions, 0.0, total, xtol=1e-13 * total, rtol=1e-15)
     )
     for i, part in ((one, force), (other, total - force)):
-        if loaded_end_motion_over_lining_compliance(i, part) <= 0:
+        if loaded_end_motion_in_pascal(i, part) <= 0:
             raise NoAnswer(f"shoe {shoes[i].name!r}: the cam does not press it")
     return force
 
@@ -527,7 +548,7 @@ def solve_brake_by_rigid_shoe_law(
             replace(response, force=shoe.actuation.force)
             for response, shoe in zip(shoes, under.shoes, strict=True)
         ]
-    word = brake.surface.word
+    word = brake.surface.name
     apart = [
         note_on_shoe_without_contact(shoe.name, word) for shoe in shoes if not shoe.contact_arcs
     ]
@@ -573,7 +594,7 @@ def notes_on_cam_force_of_unlike_linings(brake: Brake) -> tuple[str, ...]:
     )
 
 
-UNUSED_KEYS = "keys that the law does not use: "
+UNUSED_KEYS_LINE_START = "keys that the law does not use: "
 """Beginning of the line of text that names the keys of a brake file that a law does not use."""
 
 
@@ -585,10 +606,10 @@ def response_with_note_on_ignored_keys(brake: Brake, response: Response) -> Resp
     The law also ignores `misfit.blocks`. The real lining does not press where blocks lie back, so
     that torque and pressure of the law are wrong; a warning says so.
     """
-    if response.left_out != NEGLECTED_BY_RIGID_LAWS[brake.surface.word]:
+    if response.left_out != NEGLECTED_BY_RIGID_LAWS[brake.surface.name]:
         return response
     keys = _given_keys_that_laws_do_not_use(brake)
-    line = (UNUSED_KEYS + ", ".join(keys),) if keys else ()
+    line = (UNUSED_KEYS_LINE_START + ", ".join(keys),) if keys else ()
     heat = warning_that_law_neglects_heat(brake)
     blocks = tuple(
         f"warning: shoe {shoe.name!r}: misfit.blocks are left out, the law takes the lining as "

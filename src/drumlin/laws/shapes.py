@@ -1,13 +1,15 @@
 """Pressure laws p = p_0 f(phi) of rigid shoes on a drum, as formulas on arrays.
 
 The angle phi is measured at the drum's centre O from the hinge, in the shoe's own frame. Forces and
-moments of a shoe follow from three integrals of f over the lining's arc, which are its `Load`. With
-these integrals the equations of every law have the form that the UWA notes give for the short shoe
-(eq. 6a). Here M is the actuation moment about the hinge, T the torque, b the lining's width, R the
-drum's radius, a the hinge's radius, and dD a sign (see `Layout`):
+moments of a shoe follow from three integrals of f over the lining's arc, which are its
+`PressureIntegrals`. With these integrals the equations of every law have the form that the UWA
+notes give for the short shoe (eq. 6a). Here M is the actuation moment about the hinge, T the
+torque, b the lining's width, R the drum's radius, a the hinge's radius, and dD a sign (see
+`ShoeAnglesAndRadii`):
 
-    M = b R p_0 (M_N - dD mu M_F),   M_N = a Load.sin,   M_F = R Load.total - a Load.cos
-    T = mu b R^2 p_0 Load.total,     mu_lock = M_N / (dD M_F)
+    M = b R p_0 (M_N - dD mu M_F),   M_N = a PressureIntegrals.sin,   M_F = R
+    PressureIntegrals.total - a PressureIntegrals.cos T = mu b R^2 p_0 PressureIntegrals.total,
+    mu_lock = M_N / (dD M_F)
 
 All formulas take arrays that broadcast, so that one call solves a million brakes.
 """
@@ -18,10 +20,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drumlin.base.arrays import Floats, Values
+from drumlin.base.arrays import Floats, NumberOrArray
 
 
-class Load(NamedTuple):
+class PressureIntegrals(NamedTuple):
     """Integrals over the angle phi of a pressure f(phi) of amplitude 1 on the lining's arc.
 
     Attributes
@@ -36,7 +38,7 @@ class Load(NamedTuple):
     sin: Floats
 
 
-class Layout(NamedTuple):
+class ShoeAnglesAndRadii(NamedTuple):
     """Angles, radii and the sign dD of a shoe on a drum, which the formulas of a law need.
 
     The attributes are numbers or arrays that broadcast, so that one call serves many shoes.
@@ -52,15 +54,15 @@ class Layout(NamedTuple):
     slots : angles from the hinge at which each slot between two linings begins and ends [rad]
     """
 
-    phi_1: Values
-    phi_2: Values
-    R: Values
-    a: Values
-    dD: Values
-    slots: tuple[tuple[Values, Values], ...] = ()
+    phi_1: NumberOrArray
+    phi_2: NumberOrArray
+    R: NumberOrArray
+    a: NumberOrArray
+    dD: NumberOrArray
+    slots: tuple[tuple[NumberOrArray, NumberOrArray], ...] = ()
 
     @property
-    def linings(self) -> "list[Layout]":
+    def linings(self) -> "list[ShoeAnglesAndRadii]":
         """A layout for each lining of the shoe alone, by growing angle from the hinge."""
         ends = [self.phi_1, *(end for slot in self.slots for end in slot), self.phi_2]
         pairs = zip(ends[::2], ends[1::2], strict=True)
@@ -78,7 +80,7 @@ class Layout(NamedTuple):
 
 
 def scaled_normal_and_friction_moments_about_point(
-    load: Load, R: Values, x: Values, y: Values = 0.0
+    load: PressureIntegrals, R: NumberOrArray, x: NumberOrArray, y: NumberOrArray = 0.0
 ) -> tuple[Floats, Floats]:
     """Moments M_N and M_F [m] about a point, of pressure and friction, divided by b R p_0.
 
@@ -97,16 +99,16 @@ def scaled_normal_and_friction_moments_about_point(
     return np.asarray(M_N), np.asarray(M_F)
 
 
-def integrals_of_sine_pressure(arc: Layout) -> Load:
+def integrals_of_sine_pressure(arc: ShoeAnglesAndRadii) -> PressureIntegrals:
     """Integrals of the pressure f = sin phi over the arc (UWA notes; NPTEL lesson 12.1)."""
     phi_1, phi_2 = arc.phi_1, arc.phi_2
     Is = np.cos(phi_1) - np.cos(phi_2)
     Iss = (phi_2 - phi_1) / 2 - (np.sin(2 * phi_2) - np.sin(2 * phi_1)) / 4
     Isc = (np.cos(2 * phi_1) - np.cos(2 * phi_2)) / 4
-    return Load(Is, Isc, Iss)
+    return PressureIntegrals(Is, Isc, Iss)
 
 
-def integrals_of_cos_phi_pressure(arc: Layout) -> Load:
+def integrals_of_cos_phi_pressure(arc: ShoeAnglesAndRadii) -> PressureIntegrals:
     """Integrals of the pressure f = cos phi over the arc.
 
     The pressure of a shoe with two rigid-body modes is a linear combination of cos phi and sin phi.
@@ -114,40 +116,42 @@ def integrals_of_cos_phi_pressure(arc: Layout) -> Load:
     phi_1, phi_2 = arc.phi_1, arc.phi_2
     Ic = np.sin(phi_2) - np.sin(phi_1)
     Icc = (phi_2 - phi_1) / 2 + (np.sin(2 * phi_2) - np.sin(2 * phi_1)) / 4
-    return Load(Ic, Icc, integrals_of_sine_pressure(arc).cos)
+    return PressureIntegrals(Ic, Icc, integrals_of_sine_pressure(arc).cos)
 
 
-def integrals_of_cosine_pressure(arc: Layout) -> Load:
+def integrals_of_cosine_pressure(arc: ShoeAnglesAndRadii) -> PressureIntegrals:
     """Integrals of f = cos(phi - middle), where each element presses along its own radius."""
     # The resultant of the pressure lies along the middle radius.
     along = arc.half_of_lining_arc + np.sin(2 * arc.half_of_lining_arc) / 2
-    return Load(
+    return PressureIntegrals(
         2 * np.sin(arc.half_of_lining_arc), along * np.cos(arc.middle), along * np.sin(arc.middle)
     )
 
 
-def integrals_of_uniform_pressure(arc: Layout) -> Load:
+def integrals_of_uniform_pressure(arc: ShoeAnglesAndRadii) -> PressureIntegrals:
     """Integrals of the uniform pressure f = 1, where each element presses along its own radius."""
     along = 2 * np.sin(arc.half_of_lining_arc)
-    return Load(2 * arc.half_of_lining_arc, along * np.cos(arc.middle), along * np.sin(arc.middle))
+    return PressureIntegrals(
+        2 * arc.half_of_lining_arc, along * np.cos(arc.middle), along * np.sin(arc.middle)
+    )
 
 
-def integrals_of_short_shoe_pressure(arc: Layout) -> Load:
+def integrals_of_short_shoe_pressure(arc: ShoeAnglesAndRadii) -> PressureIntegrals:
     """Integrals of f = 1, where all elements press along the middle radius (UWA notes, eq. v)."""
     along = 2 * arc.half_of_lining_arc
-    return Load(along, along * np.cos(arc.middle), along * np.sin(arc.middle))
+    return PressureIntegrals(along, along * np.cos(arc.middle), along * np.sin(arc.middle))
 
 
-def integrals_of_lumped_cosine_pressure(arc: Layout) -> Load:
+def integrals_of_lumped_cosine_pressure(arc: ShoeAnglesAndRadii) -> PressureIntegrals:
     """Integrals of f = cos(phi - middle), lumped in one force along the middle radius.
 
     The source is NPTEL lesson 12.1.
     """
     along = arc.half_of_lining_arc + np.sin(2 * arc.half_of_lining_arc) / 2
-    return Load(along, along * np.cos(arc.middle), along * np.sin(arc.middle))
+    return PressureIntegrals(along, along * np.cos(arc.middle), along * np.sin(arc.middle))
 
 
-def ratio_of_equivalent_friction(theta_0: Values) -> Floats:
+def ratio_of_equivalent_to_lining_friction(theta_0: NumberOrArray) -> Floats:
     """Ratio mu'/mu of a block's equivalent friction coefficient to its lining's coefficient.
 
     The equivalent coefficient is mu' = T/(R N), with the torque T and the resultant normal force N.
@@ -157,39 +161,45 @@ def ratio_of_equivalent_friction(theta_0: Values) -> Floats:
     return np.asarray(4 * np.sin(theta_0) / (2 * theta_0 + np.sin(2 * theta_0)))
 
 
-def pivot_radius_for_cosine_pressure(R: Values, theta_0: Values) -> Floats:
+def pivot_radius_for_cosine_pressure(R: NumberOrArray, theta_0: NumberOrArray) -> Floats:
     """Radius [m] at which a pivot makes the pressure p_0 cos(theta - middle).
 
     The pivot lies on the middle radius of a lining of the half-arc theta_0 [rad]. Its distance from
     the drum's centre is 4 R sin theta_0 / (2 theta_0 + sin 2 theta_0).
     """
-    return np.asarray(R * ratio_of_equivalent_friction(theta_0))
+    return np.asarray(R * ratio_of_equivalent_to_lining_friction(theta_0))
 
 
-def _integrals_of_sine_pressure_on_arc_part(whole: Layout, part: Layout) -> Load:
+def _integrals_of_sine_pressure_on_arc_part(
+    whole: ShoeAnglesAndRadii, part: ShoeAnglesAndRadii
+) -> PressureIntegrals:
     """Integrals of the pressure f = sin phi of a shoe over a part of its arc."""
     return integrals_of_sine_pressure(part)
 
 
-def _integrals_of_cosine_pressure_on_arc_part(whole: Layout, part: Layout) -> Load:
+def _integrals_of_cosine_pressure_on_arc_part(
+    whole: ShoeAnglesAndRadii, part: ShoeAnglesAndRadii
+) -> PressureIntegrals:
     """Integrals over a part of the arc of f = cos(phi - middle of the whole arc)."""
     cos, sin = np.cos(whole.middle), np.sin(whole.middle)
     of_cos, of_sin = integrals_of_cos_phi_pressure(part), integrals_of_sine_pressure(part)
-    return Load(*(cos * a + sin * b for a, b in zip(of_cos, of_sin, strict=True)))
+    return PressureIntegrals(*(cos * a + sin * b for a, b in zip(of_cos, of_sin, strict=True)))
 
 
-def _integrals_of_uniform_pressure_on_arc_part(whole: Layout, part: Layout) -> Load:
+def _integrals_of_uniform_pressure_on_arc_part(
+    whole: ShoeAnglesAndRadii, part: ShoeAnglesAndRadii
+) -> PressureIntegrals:
     """Integrals of the uniform pressure f = 1 of a shoe over a part of its arc."""
     return integrals_of_uniform_pressure(part)
 
 
-def _friction_factor_of_one_for_each_arc(arc: Layout) -> Floats:
+def _friction_factor_of_one_for_each_arc(arc: ShoeAnglesAndRadii) -> Floats:
     """The factor on mu of a law that does not change it: 1, in the shape of the arc's angles."""
     return np.ones(np.shape(arc.half_of_lining_arc))
 
 
 @dataclass(frozen=True)
-class Law:
+class PressureLawOfHingedShoe:
     """A law p = p_0 f(phi) for the pressure of a shoe that turns about its hinge on a drum.
 
     Attributes
@@ -198,50 +208,54 @@ class Law:
     assumes : assumptions of the law, in words
     load : function that returns the integrals of f over an arc
     pressure : function that returns f at angles phi
-    peak_at : function that returns the angle phi [rad] of the largest f
+    angle_of_largest_pressure : function that returns the angle phi [rad] of the largest f
     lumped : whether the law lets the whole contact force act at the lining's middle
     friction : function that returns the factor by which the law multiplies mu; 1 for most laws
     remark : note for the reader of the law's results
-    load_on_part : function that takes the whole arc and a part of it, and returns the integrals of
-        f over the part; None for a law that cannot have several linings on a shoe
+    pressure_integrals_on_arc_part : function that takes the whole arc and a part of it, and returns
+        the integrals of f over the part; None for a law that cannot have several linings on a shoe
     """
 
     name: str
     assumes: str
-    load: Callable[[Layout], Load]
-    pressure: Callable[[Floats, Layout], Floats]
-    peak_at: Callable[[Layout], Floats]
+    load: Callable[[ShoeAnglesAndRadii], PressureIntegrals]
+    pressure: Callable[[Floats, ShoeAnglesAndRadii], Floats]
+    angle_of_largest_pressure: Callable[[ShoeAnglesAndRadii], Floats]
     lumped: bool = False
-    friction: Callable[[Layout], Floats] = _friction_factor_of_one_for_each_arc
+    friction: Callable[[ShoeAnglesAndRadii], Floats] = _friction_factor_of_one_for_each_arc
     remark: str = ""
-    load_on_part: Callable[[Layout, Layout], Load] | None = None
+    pressure_integrals_on_arc_part: (
+        Callable[[ShoeAnglesAndRadii, ShoeAnglesAndRadii], PressureIntegrals] | None
+    ) = None
 
-    def pressure_integrals_over_all_linings(self, arc: Layout) -> Load:
+    def pressure_integrals_over_all_linings(self, arc: ShoeAnglesAndRadii) -> PressureIntegrals:
         """Integrals of f over the arc of a shoe, or over all linings of a shoe with slots."""
         if not arc.slots:
             return self.load(arc)
-        # A law that lumps the force at the lining's middle has no `load_on_part`. Shoes with slots
-        # are refused before they get here.
-        assert self.load_on_part is not None
-        first, *others = (self.load_on_part(arc, part) for part in arc.linings)
+        # A law that lumps the force at the lining's middle has no `pressure_integrals_on_arc_part`.
+        # Shoes with slots are refused before they get here.
+        assert self.pressure_integrals_on_arc_part is not None
+        first, *others = (self.pressure_integrals_on_arc_part(arc, part) for part in arc.linings)
         total, cos, sin = first
         for part in others:
             total, cos, sin = total + part.total, cos + part.cos, sin + part.sin
-        return Load(total, cos, sin)
+        return PressureIntegrals(total, cos, sin)
 
-    def angle_of_peak_pressure(self, arc: Layout) -> float:
+    def angle_of_peak_pressure(self, arc: ShoeAnglesAndRadii) -> float:
         """The angle phi [rad] of the largest pressure on a shoe with one or several linings.
 
         The pressure of every law has one peak. If this angle lies in a slot, the pressure is
         largest at an edge of the slot. The layout must hold numbers, not arrays.
         """
-        top = float(self.peak_at(arc))
+        top = float(self.angle_of_largest_pressure(arc))
         if not arc.slots:
             return top
         places = np.array([np.clip(top, part.phi_1, part.phi_2) for part in arc.linings])
         return float(places[np.argmax(self.pressure(places, arc))])
 
-    def scaled_normal_and_friction_moments_about_hinge(self, arc: Layout) -> tuple[Floats, Floats]:
+    def scaled_normal_and_friction_moments_about_hinge(
+        self, arc: ShoeAnglesAndRadii
+    ) -> tuple[Floats, Floats]:
         """Moments M_N of pressure and M_F of friction about the hinge, divided by b R p_0 [m].
 
         Here b is the lining's width, R the drum's radius and p_0 the pressure's amplitude. M_N
@@ -252,7 +266,9 @@ class Law:
         )
         return M_N, self.friction(arc) * M_F
 
-    def actuation_moment_over_pressure_amplitude(self, mu: Values, arc: Layout) -> Floats:
+    def actuation_moment_over_pressure_amplitude(
+        self, mu: NumberOrArray, arc: ShoeAnglesAndRadii
+    ) -> Floats:
         """Actuation moment divided by b R p_0: M_N - dD mu M_F [m].
 
         Here b is the lining's width, R the drum's radius and p_0 the pressure's amplitude. The
@@ -262,7 +278,13 @@ class Law:
         M_N, M_F = self.scaled_normal_and_friction_moments_about_hinge(arc)
         return M_N - arc.dD * mu * M_F
 
-    def pressure_amplitude(self, moment: Values, width: Values, mu: Values, arc: Layout) -> Floats:
+    def pressure_amplitude(
+        self,
+        moment: NumberOrArray,
+        width: NumberOrArray,
+        mu: NumberOrArray,
+        arc: ShoeAnglesAndRadii,
+    ) -> Floats:
         """Amplitude p_0 [Pa] of the pressure; nan if the shoe locks itself.
 
         Parameters
@@ -275,11 +297,11 @@ class Law:
         resistance = self.actuation_moment_over_pressure_amplitude(mu, arc)
         return moment / (width * arc.R * np.where(resistance > 0, resistance, np.nan))
 
-    def torque(self, moment: Values, mu: Values, arc: Layout) -> Floats:
+    def torque(self, moment: NumberOrArray, mu: NumberOrArray, arc: ShoeAnglesAndRadii) -> Floats:
         """Torque [N m] of a shoe under an actuation moment [N m]; nan if the shoe locks itself."""
         return moment * self.torque_over_actuation_moment(mu, arc)
 
-    def torque_over_actuation_moment(self, mu: Values, arc: Layout) -> Floats:
+    def torque_over_actuation_moment(self, mu: NumberOrArray, arc: ShoeAnglesAndRadii) -> Floats:
         """Ratio eta = T/M = 1/(m - dD n) of torque to actuation moment (UWA notes, eq. 8).
 
         For m and n see `short_shoe_pressure_and_friction_moments_over_torque`. The ratio is nan if
@@ -291,7 +313,9 @@ class Law:
         )
         return effect / np.where(resistance > 0, resistance, np.nan)
 
-    def sensitivity_of_braking_effect_to_friction(self, mu: Values, arc: Layout) -> Floats:
+    def sensitivity_of_braking_effect_to_friction(
+        self, mu: NumberOrArray, arc: ShoeAnglesAndRadii
+    ) -> Floats:
         """Sensitivity S = (mu/T) dT/dmu of the torque at fixed actuation (UWA notes, eq. 8).
 
         S is nan if the shoe locks itself.
@@ -300,7 +324,7 @@ class Law:
         resistance = self.actuation_moment_over_pressure_amplitude(mu, arc)
         return M_N / np.where(resistance > 0, resistance, np.nan)
 
-    def self_locking_friction(self, arc: Layout) -> Floats:
+    def self_locking_friction(self, arc: ShoeAnglesAndRadii) -> Floats:
         """Friction coefficient mu_lock = M_N / (dD M_F) at which the torque becomes infinite.
 
         It is inf if friction does not help the actuation.
@@ -314,7 +338,7 @@ class Law:
 
 
 def short_shoe_pressure_and_friction_moments_over_torque(
-    mu: Values, theta_m: Values, r: Values, a: Values
+    mu: NumberOrArray, theta_m: NumberOrArray, r: NumberOrArray, a: NumberOrArray
 ) -> tuple[Floats, Floats]:
     """Moments m of the pressure and n of the friction on a short shoe, divided by its torque.
 
@@ -333,31 +357,31 @@ def short_shoe_pressure_and_friction_moments_over_torque(
     return np.asarray(m), np.asarray(n)
 
 
-def _angle_of_lining_middle(arc: Layout) -> Floats:
+def _angle_of_lining_middle(arc: ShoeAnglesAndRadii) -> Floats:
     """Angle phi [rad] of the lining's middle, where some laws have their largest pressure."""
     return arc.middle
 
 
-def _cosine_pressure_about_middle(phi: Floats, arc: Layout) -> Floats:
+def _cosine_pressure_about_middle(phi: Floats, arc: ShoeAnglesAndRadii) -> Floats:
     """The pressure f = cos(phi - middle), same shape as phi."""
     return np.cos(phi - arc.middle)
 
 
-def _uniform_pressure_of_amplitude_one(phi: Floats, arc: Layout) -> Floats:
+def _uniform_pressure_of_amplitude_one(phi: Floats, arc: ShoeAnglesAndRadii) -> Floats:
     """The uniform pressure f = 1, same shape as phi."""
     return np.ones(np.broadcast_shapes(np.shape(phi), np.shape(arc.middle)))
 
 
-SINE = Law(
+SINE_PRESSURE_LAW = PressureLawOfHingedShoe(
     "sine",
     "rigid shoe turning about its hinge: p = p_a sin(phi)/sin(phi_a), phi from the hinge",
     integrals_of_sine_pressure,
     lambda phi, arc: np.sin(phi),
     lambda arc: np.clip(np.pi / 2, arc.phi_1, arc.phi_2),
-    load_on_part=_integrals_of_sine_pressure_on_arc_part,
+    pressure_integrals_on_arc_part=_integrals_of_sine_pressure_on_arc_part,
 )
 """The law of a rigid shoe that turns about its hinge."""
-COSINE = Law(
+COSINE_PRESSURE_LAW = PressureLawOfHingedShoe(
     "cosine",
     "rigid shoe moving along its middle radius: p = p_0 cos(theta - middle), each element "
     "along its radius",
@@ -366,10 +390,10 @@ COSINE = Law(
     _angle_of_lining_middle,
     remark="each part of the lining has its own friction force; the law 'block' has the friction "
     "as one force at the lining's middle",
-    load_on_part=_integrals_of_cosine_pressure_on_arc_part,
+    pressure_integrals_on_arc_part=_integrals_of_cosine_pressure_on_arc_part,
 )
 """The law of a rigid shoe that moves along its middle radius."""
-BLOCK = Law(
+LUMPED_COSINE_PRESSURE_LAW = PressureLawOfHingedShoe(
     "block",
     "p = p_0 cos(theta - middle) lumped at the drum's surface: N, and friction mu' N, at the "
     "lining's middle",
@@ -377,19 +401,19 @@ BLOCK = Law(
     _cosine_pressure_about_middle,
     _angle_of_lining_middle,
     lumped=True,
-    friction=lambda arc: ratio_of_equivalent_friction(arc.half_of_lining_arc),
+    friction=lambda arc: ratio_of_equivalent_to_lining_friction(arc.half_of_lining_arc),
 )
 """The cosine law with all forces at the lining's middle, as textbooks use it for blocks."""
-UNIFORM = Law(
+UNIFORM_PRESSURE_LAW = PressureLawOfHingedShoe(
     "uniform",
     "the same pressure everywhere on the lining, each element along its radius",
     integrals_of_uniform_pressure,
     _uniform_pressure_of_amplitude_one,
     _angle_of_lining_middle,
-    load_on_part=_integrals_of_uniform_pressure_on_arc_part,
+    pressure_integrals_on_arc_part=_integrals_of_uniform_pressure_on_arc_part,
 )
 """The law of a uniform pressure on the whole lining."""
-SHORT_LAW = Law(
+SHORT_SHOE_LAW_ON_DRUM = PressureLawOfHingedShoe(
     "short",
     "short shoe: N = p_m A and friction mu N at the lining's middle",
     integrals_of_short_shoe_pressure,
@@ -398,5 +422,14 @@ SHORT_LAW = Law(
     lumped=True,
 )
 """The law of a short shoe, whose forces act at the middle of the lining."""
-LAWS = {law.name: law for law in (SINE, COSINE, BLOCK, UNIFORM, SHORT_LAW)}
+LAWS_OF_HINGED_SHOES_BY_NAME = {
+    law.name: law
+    for law in (
+        SINE_PRESSURE_LAW,
+        COSINE_PRESSURE_LAW,
+        LUMPED_COSINE_PRESSURE_LAW,
+        UNIFORM_PRESSURE_LAW,
+        SHORT_SHOE_LAW_ON_DRUM,
+    )
+}
 """The laws p = p_0 f(phi) of hinged shoes on a drum, by their names."""

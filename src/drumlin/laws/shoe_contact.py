@@ -7,10 +7,10 @@ from typing import NamedTuple
 import numpy as np
 
 from drumlin.base.arrays import Floats
-from drumlin.brake.support import Freedoms
-from drumlin.laws.face import Arcs, Face
+from drumlin.brake.support import SupportRigidBodyModes
+from drumlin.laws.face import ContactArcsOfRigidShoe, FrictionSurfaceOfRigidShoe
 
-MOST_CONTACT_STEPS = 200
+MOST_ITERATIONS_FOR_CONTACT_ARCS = 200
 """Largest number of iterations in search of the arcs in contact.
 
 If the arcs still change after so many iterations, the shoe counts as without equilibrium.
@@ -24,17 +24,18 @@ class RigidShoeContact(NamedTuple):
     ----------
     face : surface on which the shoe presses
     c : (2,) [Pa] factors of the two shape functions of `face` in the pressure
-    amounts : (k,) [Pa per m of gap closing] factors of the rigid-body modes in the pressure
+    rigid_body_mode_factors : (k,) [Pa per m of gap closing] factors of the rigid-body modes in the
+        pressure
     arcs : begin and end of each arc of the lining in contact
     freedoms : rigid-body modes and test modes of the shoe
     sense : sense, +1 or -1, in which friction acts on the foot at an abutment
     """
 
-    face: Face
+    face: FrictionSurfaceOfRigidShoe
     c: Floats
-    amounts: Floats
-    arcs: Arcs
-    freedoms: Freedoms
+    rigid_body_mode_factors: Floats
+    arcs: ContactArcsOfRigidShoe
+    freedoms: SupportRigidBodyModes
     sense: int
 
     @property
@@ -43,11 +44,14 @@ class RigidShoeContact(NamedTuple):
 
         The quotient is in Pa, because the compliance is the lining's compression per pressure.
         """
-        return float(self.freedoms.tip @ self.amounts)
+        return float(self.freedoms.actuation_point_travel @ self.rigid_body_mode_factors)
 
 
 def equilibrium_matrices_of_rigid_shoe(
-    face: Face, free: Freedoms, width: float, arcs: Arcs
+    face: FrictionSurfaceOfRigidShoe,
+    free: SupportRigidBodyModes,
+    width: float,
+    arcs: ContactArcsOfRigidShoe,
 ) -> tuple[Floats, Floats]:
     """Matrices N and F (k, k) of the equilibria (N - mu s F) a = Q of a rigid shoe.
 
@@ -66,12 +70,16 @@ def equilibrium_matrices_of_rigid_shoe(
         width * face.integrals_of_shape_products(arcs),
         face.gap_closing_factors_of_rigid_body_motions(free.motions),
     )
-    N = face.gap_closing_factors_of_rigid_body_motions(free.tests) @ products[:2] @ shapes.T
-    return N, face.slide_factors_of_rigid_body_motions(free.tests) @ products @ shapes.T
+    N = face.gap_closing_factors_of_rigid_body_motions(free.test_modes) @ products[:2] @ shapes.T
+    return N, face.slide_factors_of_rigid_body_motions(free.test_modes) @ products @ shapes.T
 
 
 def self_locking_friction_on_arcs(
-    face: Face, free: Freedoms, width: float, arcs: Arcs, spin: int
+    face: FrictionSurfaceOfRigidShoe,
+    free: SupportRigidBodyModes,
+    width: float,
+    arcs: ContactArcsOfRigidShoe,
+    spin: int,
 ) -> float:
     """Friction coefficient mu_lock at which a rigid shoe locks itself; inf if it never does.
 
@@ -113,12 +121,14 @@ def smallest_friction_with_singular_equilibrium(N: Floats, F: Floats, spin: int)
     return min((1 / float(x) for x in real if x > 1e-14), default=math.inf)
 
 
-def arcs_of_positive_pressure_on_linings(face: Face, c: Floats, linings: Arcs) -> Arcs:
+def arcs_of_positive_pressure_on_linings(
+    face: FrictionSurfaceOfRigidShoe, c: Floats, linings: ContactArcsOfRigidShoe
+) -> ContactArcsOfRigidShoe:
     """The arcs of a shoe's linings on which the pressure with the factors c (2,) is positive."""
     return tuple(chain(*(face.arcs_of_positive_pressure(c, *ends) for ends in linings)))
 
 
-def are_contact_arcs_equal(a: Arcs, b: Arcs) -> bool:
+def are_contact_arcs_equal(a: ContactArcsOfRigidShoe, b: ContactArcsOfRigidShoe) -> bool:
     """Whether two sets of contact arcs are equal up to round-off."""
     if len(a) != len(b):
         return False

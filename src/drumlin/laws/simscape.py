@@ -21,15 +21,15 @@ from typing import Literal
 
 import numpy as np
 
-from drumlin.base.arrays import Floats, Values
+from drumlin.base.arrays import Floats, NumberOrArray
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake
 from drumlin.brake.fields import Material
 from drumlin.brake.file import make_drum_brake_from_data
-from drumlin.brake.units import text_in_degrees, text_in_mm
-from drumlin.laws.shapes import SINE, Layout
+from drumlin.brake.units import angle_as_text_in_degrees, length_as_text_in_mm
+from drumlin.laws.shapes import SINE_PRESSURE_LAW, ShoeAnglesAndRadii
 
-SIMSCAPE_LINING = Material(E=300e6, nu=0.25)
+DEFAULT_SIMSCAPE_LINING_MATERIAL = Material(E=300e6, nu=0.25)
 """Material of the lining in `DoubleShoe.brake` if the user gives none.
 
 The torque of the sine law does not depend on the material.
@@ -75,22 +75,23 @@ class DoubleShoe:
         # Each rule holds the parameter's name, the function that writes its value, whether the
         # value is allowed, and the text of the message.
         rules = (
-            ("r_D", text_in_mm, self.r_D > 0, "must be greater than 0"),
-            ("r_a", text_in_mm, self.r_a > 0, "must be greater than 0"),
-            ("r_p", text_in_mm, self.r_p > 0, "must be greater than 0"),
-            ("theta_p", text_in_degrees, self.theta_p >= 0, "must be at least 0"),
+            ("r_D", length_as_text_in_mm, self.r_D > 0, "must be greater than 0"),
+            ("r_a", length_as_text_in_mm, self.r_a > 0, "must be greater than 0"),
+            ("r_p", length_as_text_in_mm, self.r_p > 0, "must be greater than 0"),
+            ("theta_p", angle_as_text_in_degrees, self.theta_p >= 0, "must be at least 0"),
             (
                 "theta_sb",
-                text_in_degrees,
+                angle_as_text_in_degrees,
                 0 <= self.theta_sb <= widest,
-                f"must be from 0 to 180 deg - theta_p = {text_in_degrees(widest)}",
+                f"must be from 0 to 180 deg - theta_p = {angle_as_text_in_degrees(widest)}",
             ),
             (
                 "theta_s",
-                text_in_degrees,
+                angle_as_text_in_degrees,
                 least < self.theta_s <= widest - self.theta_sb,
-                f"must be above {text_in_degrees(least)} and at most "
-                f"180 deg - theta_p - theta_sb = {text_in_degrees(widest - self.theta_sb)}",
+                f"must be above {angle_as_text_in_degrees(least)} and at most "
+                f"180 deg - theta_p - theta_sb = "
+                f"{angle_as_text_in_degrees(widest - self.theta_sb)}",
             ),
             ("mu_Coulomb", "{:g}".format, self.mu_Coulomb > 0, "must be greater than 0"),
             ("mu_visc", "{:g} N m s/rad".format, self.mu_visc >= 0, "must be at least 0"),
@@ -122,7 +123,7 @@ class DoubleShoe:
         phi_1, phi_2 = self.arc
         if phi_2 - phi_1 >= math.radians(45) - 1e-9:
             return ()
-        said = f"contact angle {text_in_degrees(phi_2 - phi_1)}"
+        said = f"contact angle {angle_as_text_in_degrees(phi_2 - phi_1)}"
         return (f"{said}: below 45 deg the long-shoe approximation is less accurate",)
 
     @property
@@ -133,17 +134,19 @@ class DoubleShoe:
     @property
     def mu_lock(self) -> float:
         """Friction coefficient at which the leading shoe locks itself."""
-        return float(SINE.self_locking_friction(self._angles_and_radii_of_shoe(1)))
+        return float(SINE_PRESSURE_LAW.self_locking_friction(self._angles_and_radii_of_shoe(1)))
 
-    def _angles_and_radii_of_shoe(self, dD: int) -> Layout:
+    def _angles_and_radii_of_shoe(self, dD: int) -> ShoeAnglesAndRadii:
         """Angles and radii for the sine law of the leading (dD = 1) or trailing (dD = -1) shoe."""
-        return Layout(*self.arc, R=self.r_D, a=self.r_p, dD=dD)
+        return ShoeAnglesAndRadii(*self.arc, R=self.r_D, a=self.r_p, dD=dD)
 
-    def friction(self, omega: Values) -> Floats:
+    def friction(self, omega: NumberOrArray) -> Floats:
         """Friction coefficient at speeds omega [rad/s], with the shape and the sign of omega."""
         return np.asarray(self.mu_Coulomb * np.tanh(4 * np.asarray(omega) / self.omega_threshold))
 
-    def shoe_torques(self, force: Values, omega: Values) -> tuple[Floats, Floats]:
+    def torques_of_leading_and_trailing_shoe(
+        self, force: NumberOrArray, omega: NumberOrArray
+    ) -> tuple[Floats, Floats]:
         """Torques T_LS and T_TS [N m] of the shoes that are leading and trailing at omega > 0.
 
         The arrays `force` [N] and `omega` [rad/s] broadcast. Raises NoAnswer if the leading shoe
@@ -155,31 +158,35 @@ class DoubleShoe:
                 f"is not below mu_lock = {self.mu_lock:.6g}"
             )
         moment, mu = np.maximum(force, 0.0) * self.arm, self.friction(omega)
-        return SINE.torque(moment, mu, self._angles_and_radii_of_shoe(1)), SINE.torque(
-            moment, mu, self._angles_and_radii_of_shoe(-1)
-        )
+        return SINE_PRESSURE_LAW.torque(
+            moment, mu, self._angles_and_radii_of_shoe(1)
+        ), SINE_PRESSURE_LAW.torque(moment, mu, self._angles_and_radii_of_shoe(-1))
 
-    def line_pressures(self, force: Values, omega: Values) -> tuple[Floats, Floats]:
+    def peak_line_loads_of_leading_and_trailing_shoe(
+        self, force: NumberOrArray, omega: NumberOrArray
+    ) -> tuple[Floats, Floats]:
         """Largest line loads [N/m] of the leading and the trailing shoe: pressure times width.
 
         The arrays `force` [N] and `omega` [rad/s] broadcast.
         """
         moment, mu = np.maximum(force, 0.0) * self.arm, self.friction(omega)
         leading, trailing = (
-            SINE.pressure_amplitude(moment, 1.0, mu, layout)
-            * SINE.pressure(SINE.peak_at(layout), layout)
+            SINE_PRESSURE_LAW.pressure_amplitude(moment, 1.0, mu, layout)
+            * SINE_PRESSURE_LAW.pressure(
+                SINE_PRESSURE_LAW.angle_of_largest_pressure(layout), layout
+            )
             for layout in (self._angles_and_radii_of_shoe(1), self._angles_and_radii_of_shoe(-1))
         )
         return leading, trailing
 
-    def torque(self, force: Values, omega: Values) -> Floats:
+    def torque(self, force: NumberOrArray, omega: NumberOrArray) -> Floats:
         """Braking torque T [N m] of the block; it acts against the rotation and has omega's sign.
 
         The arrays `force` [N] and `omega` [rad/s] broadcast. Where the force is not positive the
         shoes do not touch, so that the viscous torque is zero as well. Raises NoAnswer if the
         leading shoe locks itself.
         """
-        leading, trailing = self.shoe_torques(force, omega)
+        leading, trailing = self.torques_of_leading_and_trailing_shoe(force, omega)
         total = leading + trailing + self.mu_visc * np.asarray(omega)
         return np.where(np.asarray(force) > 0, total, 0.0)
 
@@ -191,7 +198,7 @@ class DoubleShoe:
         *,
         width: float = 0.04,
         thickness: float = 0.008,
-        material: Material = SIMSCAPE_LINING,
+        material: Material = DEFAULT_SIMSCAPE_LINING_MATERIAL,
     ) -> Brake:
         """A Brake with the block's shoes and the friction mu_Coulomb of full speed.
 

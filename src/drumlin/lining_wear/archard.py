@@ -55,25 +55,25 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from drumlin.base.arrays import Bools, Floats, slices_of_consecutive_parts
+from drumlin.base.arrays import Bools, Floats, slices_from_lengths_of_consecutive_parts
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.base.lapack import block_diag
 from drumlin.contact import active_set
-from drumlin.contact.active_set import Contact
+from drumlin.contact.active_set import ContactSolution
 from drumlin.contact.equations import ContactProblem
 from drumlin.contact.pressure_friction import (
-    FRICTION_TOLERANCE,
-    FrictionAtPressures,
+    NEWTON_TOLERANCE_OF_CONTACT_PRESSURES,
+    FunctionOfNodalFrictionByPressures,
     contact_problem_with_friction_tangent,
 )
 from drumlin.contact.self_locking import FrictionDependentProblem
 
-GAMMA = 1 - 1 / math.sqrt(2)
+RUNGE_KUTTA_COEFFICIENT_OF_WEAR_STAGES = 1 - 1 / math.sqrt(2)
 """Coefficient gamma of the two implicit stages of a wear step, a Runge-Kutta method.
 
 This value makes the method L-stable (Alexander 1977)."""
 
-DEFAULT_WEAR_STEP_ERROR = 1e-3
+DEFAULT_PRESSURE_ERROR_OF_WEAR_STEP = 1e-3
 """Largest error of the pressure in a step of wear if the user gives no tolerance.
 
 It is the L2 norm of the error divided by the L2 norm of the pressure. A step with a larger error is
@@ -84,61 +84,61 @@ MAX_WEAR_STEPS = 20_000
 
 The example brakes take some 40 steps."""
 
-MAX_STEP_GROWTH = 4.0
+LARGEST_GROWTH_RATIO_OF_WEAR_STEP = 4.0
 """Largest ratio of the length of a wear step to the length of the step before.
 
 A larger ratio risks a step with too large an error, which has to be repeated."""
 
-ROUNDED_PRESSURE = 1e-3
+MEAN_PRESSURE_FRACTION_OF_SMOOTHED_WEAR_RATE = 1e-3
 """Pressure below which a wear rate p^m with m < 1 is smoothed, relative to the mean pressure.
 
 Without the smoothing the slope of the rate is infinite at p = 0, and Newton's method does not
 converge there. A judgement."""
 
-NEWTON_TOLERANCE = 1e-11
+NEWTON_PRESSURE_TOLERANCE_OF_WEAR_STAGE = 1e-11
 """Change of the pressure, relative to its maximum, below which Newton's method ends.
 
 Smaller changes are round-off."""
 
-MAX_NEWTON_STEPS = 60
+MOST_NEWTON_STEPS_OF_WEAR_STAGE = 60
 """Largest number of Newton steps in a stage of a wear step; beyond it the run is refused.
 
 A judgement."""
 
-SHORTEST_STEP = 1e-13
+SHORTEST_RELATIVE_WEAR_STEP = 1e-13
 """Smallest length of a wear step, relative to the sliding distance so far.
 
 A run that needs a shorter step is refused: such a step would change the distance by little more
 than round-off."""
 
-STEADY_MOTION_RATIO = 1e9
+STEADY_WEAR_MOTION_OVER_ELASTIC_MOTION = 1e9
 """Assumed ratio of a shoe's motion by steady wear to its elastic motion under load.
 
 The sum of the two motions tells in which direction the shoe's foot slides on an abutment, and so
 which way friction acts there. Wear that goes on for ever makes the ratio infinite. At 1e9 the
 elastic motion influences the direction as little as round-off does."""
 
-SOFTEST_COMPLIANCE = 1e3
+RELATIVE_COMPLIANCE_FIRST_ADDED_TO_LININGS = 1e3
 """Compliance added to the linings at the start of the search for the nodes in contact.
 
 It is relative to the largest nodal compliance of the brake. With soft linings the contact is easy
 to find. The search then follows the contact as the linings become stiffer. A larger value only
 costs time."""
 
-RATIO_OF_SOFT_LININGS = 4.0
+ADDED_COMPLIANCE_REDUCTION_FACTOR = 4.0
 """Factor by which the compliance added to soft linings falls from one problem to the next.
 
 The search for the nodes in contact solves a sequence of contact problems, from soft linings to the
 real linings. A smaller factor needs more problems for the same range, which only costs time."""
 
-NUMBER_OF_SOFT_LININGS = 20
+NUMBER_OF_SOFT_LINING_PROBLEMS = 20
 """Number of contact problems with soft linings that are solved before the real linings.
 
 The last problem adds 4e-9 of the brake's largest nodal compliance to the linings. When this rest is
 removed, hardly a node changes between contact and gap."""
 
 
-def accept_any_contact_solution(_: Contact) -> bool:
+def accept_any_contact_solution(_: ContactSolution) -> bool:
     """Always true: without friction at abutments no solution contradicts the assumed friction."""
     return True
 
@@ -149,18 +149,19 @@ class AbutmentFrictionCase(NamedTuple):
     Attributes
     ----------
     problem : contact problem of the unworn linings under this friction
-    stands : function that tells whether a solution of `problem` agrees with the case: the friction
-        must oppose the slide of each foot, or be large enough to hold the foot
+    is_consistent_with_solution : function that tells whether a solution of `problem` agrees with
+        the case: the friction must oppose the slide of each foot, or be large enough to hold the
+        foot
     over_friction : the same contact problem as a linear function of the friction coefficients, if
         friction depends on the pressure; otherwise None
     """
 
     problem: ContactProblem
-    stands: Callable[[Contact], bool] = accept_any_contact_solution
+    is_consistent_with_solution: Callable[[ContactSolution], bool] = accept_any_contact_solution
     over_friction: FrictionDependentProblem | None = None
 
 
-class WearInterface(NamedTuple):
+class WearContactProblem(NamedTuple):
     """The contact problem of the linings of a group of coupled shoes, prepared for wear.
 
     The problem has n contact unknowns x, which are nodal pressures or nodal forces.
@@ -174,8 +175,8 @@ class WearInterface(NamedTuple):
     area : (n,) [m^2], worn volume per worn depth at each unknown; also normal force per pressure
     torque : (n,) [m^3], torque per pressure at each unknown; per friction stress if friction
         depends on the pressure
-    stands : function that tells whether a solution of `problem` agrees with the friction that the
-        problem assumes at the abutments
+    is_consistent_with_solution : function that tells whether a solution of `problem` agrees with
+        the friction that the problem assumes at the abutments
     others : the other cases of the friction at the abutments, each with its contact problem
     settle : function settle(depth) that solves the contact of linings worn by a depth (n,) [m]
         without a first guess. It returns the position of the friction case in
@@ -192,11 +193,11 @@ class WearInterface(NamedTuple):
     pressure: Floats
     area: Floats
     torque: Floats
-    stands: Callable[[Contact], bool] = accept_any_contact_solution
+    is_consistent_with_solution: Callable[[ContactSolution], bool] = accept_any_contact_solution
     others: tuple[AbutmentFrictionCase, ...] = ()
     settle: Callable[[Floats], tuple[int, Bools]] | None = None
     over_friction: FrictionDependentProblem | None = None
-    friction: FrictionAtPressures | None = None
+    friction: FunctionOfNodalFrictionByPressures | None = None
 
     @property
     def abutment_friction_cases(self) -> tuple[AbutmentFrictionCase, ...]:
@@ -204,7 +205,12 @@ class WearInterface(NamedTuple):
 
         The first case has the contact problem `problem`, the further cases are `others`.
         """
-        return (AbutmentFrictionCase(self.problem, self.stands, self.over_friction), *self.others)
+        return (
+            AbutmentFrictionCase(
+                self.problem, self.is_consistent_with_solution, self.over_friction
+            ),
+            *self.others,
+        )
 
     def quantities_per_torque_arm(self, p: Floats) -> Floats:
         """The values (n,) [Pa] that `torque` multiplies, at pressures p (n,).
@@ -295,19 +301,19 @@ class WearState:
     pulls: tuple[float, ...] = ()
 
 
-WearInterfaces = Sequence[WearInterface]
+WearContactProblemsOfAllGroups = Sequence[WearContactProblem]
 """The groups of linings of a brake; the groups do not influence each other."""
 
 
 def wear_linings_over_sliding_distance(
-    forward: WearInterfaces,
+    forward: WearContactProblemsOfAllGroups,
     law: WearLaw,
     *,
-    backward: WearInterfaces = (),
+    backward: WearContactProblemsOfAllGroups = (),
     reverse: float = math.inf,
     torque: float | None = None,
     distance: float = math.inf,
-    tolerance: float = DEFAULT_WEAR_STEP_ERROR,
+    tolerance: float = DEFAULT_PRESSURE_ERROR_OF_WEAR_STEP,
     until: Callable[[WearState], bool] = lambda _: False,
 ) -> list[WearState]:
     """Wear linings over a sliding distance, or until a condition holds; returns all states.
@@ -426,7 +432,7 @@ class _WearRunInProgress:
         # The error is the difference from a first-order method, and so grows with the square of the
         # step's length. The factor for the next length is therefore a square root.
         growth = 0.9 * math.sqrt(self._tolerance / max(error, 1e-30))
-        factor = min(max(growth, 0.2), MAX_STEP_GROWTH)
+        factor = min(max(growth, 0.2), LARGEST_GROWTH_RATIO_OF_WEAR_STEP)
         if error > self._tolerance:
             self._set_length_of_next_wear_step(size * min(factor, 0.7))
             return
@@ -456,11 +462,12 @@ class _WearRunInProgress:
     def _set_length_of_next_wear_step(self, step: float) -> None:
         """Set the length of the next step to `step` [m].
 
-        Raises NoAnswer if the step is below SHORTEST_STEP, relative to the distance so far.
+        Raises NoAnswer if the step is below SHORTEST_RELATIVE_WEAR_STEP, relative to the distance
+        so far.
         """
         self._step = step
         s = self.last_wear_state.s
-        if step < SHORTEST_STEP * max(s, 1e-300) and s > 0:
+        if step < SHORTEST_RELATIVE_WEAR_STEP * max(s, 1e-300) and s > 0:
             raise NoAnswer("not converged: the step of the wear shrinks to nothing")
 
     def _reverse_drum_rotation_and_append_state(self) -> None:
@@ -475,7 +482,7 @@ class _WearRunInProgress:
 
 
 def wear_linings_in_given_steps(
-    interfaces: WearInterfaces, law: WearLaw, stations: Sequence[float]
+    interfaces: WearContactProblemsOfAllGroups, law: WearLaw, stations: Sequence[float]
 ) -> list[WearState]:
     """Wear linings in steps that end at the distances `stations` [m], without error control.
 
@@ -489,7 +496,9 @@ def wear_linings_in_given_steps(
     return states
 
 
-def join_contact_problems_of_lining_groups(interfaces: WearInterfaces) -> WearInterface:
+def join_contact_problems_of_lining_groups(
+    interfaces: WearContactProblemsOfAllGroups,
+) -> WearContactProblem:
     """Join several groups of linings into one group, with one common contact problem.
 
     The friction at the abutments of a group may have several cases (`AbutmentFrictionCase`): each
@@ -499,14 +508,14 @@ def join_contact_problems_of_lining_groups(interfaces: WearInterfaces) -> WearIn
     combinations = product(*(interface.abutment_friction_cases for interface in interfaces))
     first, *others = map(_join_abutment_friction_cases, combinations)
     all_settle = all(map(attrgetter("settle"), interfaces))
-    return WearInterface(
+    return WearContactProblem(
         problem=first.problem,
         weight=block_diag(*map(attrgetter("weight"), interfaces)),
         loaded=_concatenate_attribute_of_objects(interfaces, "loaded"),
         pressure=_concatenate_attribute_of_objects(interfaces, "pressure"),
         area=_concatenate_attribute_of_objects(interfaces, "area"),
         torque=_concatenate_attribute_of_objects(interfaces, "torque"),
-        stands=first.stands,
+        is_consistent_with_solution=first.is_consistent_with_solution,
         others=tuple(others),
         settle=partial(_find_friction_case_and_contact_of_all_worn_linings, interfaces)
         if all_settle
@@ -537,22 +546,28 @@ def _join_abutment_friction_cases(footings: Sequence[AbutmentFrictionCase]) -> A
 
 
 def _is_friction_consistent_at_all_abutments(
-    footings: Sequence[AbutmentFrictionCase], contact: Contact
+    footings: Sequence[AbutmentFrictionCase], contact: ContactSolution
 ) -> bool:
     """Whether the solution of a joint contact problem agrees with the friction at all abutments.
 
     `footings` holds the friction case that was assumed for each group of linings.
     """
-    unknowns = slices_of_consecutive_parts(len(footing.problem.q) for footing in footings)
-    motions = slices_of_consecutive_parts(len(footing.problem.h) for footing in footings)
+    unknowns = slices_from_lengths_of_consecutive_parts(
+        len(footing.problem.q) for footing in footings
+    )
+    motions = slices_from_lengths_of_consecutive_parts(
+        len(footing.problem.h) for footing in footings
+    )
     for footing, unknown, motion in zip(footings, unknowns, motions, strict=True):
-        if not footing.stands(replace(contact, p=contact.p[unknown], y=contact.y[motion])):
+        if not footing.is_consistent_with_solution(
+            replace(contact, p=contact.p[unknown], y=contact.y[motion])
+        ):
             return False
     return True
 
 
 def _find_friction_case_and_contact_of_all_worn_linings(
-    interfaces: WearInterfaces, depth: Floats
+    interfaces: WearContactProblemsOfAllGroups, depth: Floats
 ) -> tuple[int, Bools]:
     """Solve the contact of several groups of worn linings, each group without a first guess.
 
@@ -562,7 +577,9 @@ def _find_friction_case_and_contact_of_all_worn_linings(
     """
     number = 0
     active_sets: list[Bools] = []
-    parts = slices_of_consecutive_parts(len(interface.area) for interface in interfaces)
+    parts = slices_from_lengths_of_consecutive_parts(
+        len(interface.area) for interface in interfaces
+    )
     for interface, part in zip(interfaces, parts, strict=True):
         assert interface.settle is not None
         own_number, active = interface.settle(depth[part])
@@ -573,22 +590,22 @@ def _find_friction_case_and_contact_of_all_worn_linings(
     return number, np.concatenate(active_sets)
 
 
-class SteadyWear(NamedTuple):
+class SteadyWearContactSolution(NamedTuple):
     """Steady wear, the final state of a lining, in which the pressure no longer changes.
 
     Attributes
     ----------
-    footing : position of the friction case in `WearInterface.abutment_friction_cases`
+    footing : position of the friction case in `WearContactProblem.abutment_friction_cases`
     contact : solution of the contact problem of steady wear. Its field `p` holds the nodal
-        pressures or nodal forces, the unknowns x of `WearInterface`. Its gap w and its motions y
-        are changes per sliding distance, for a wear rate of pressure^exponent.
+        pressures or nodal forces, the unknowns x of `WearContactProblem`. Its gap w and its motions
+        y are changes per sliding distance, for a wear rate of pressure^exponent.
     """
 
     footing: int
-    contact: Contact
+    contact: ContactSolution
 
 
-def solve_steady_wear(interface: WearInterface, law: WearLaw) -> SteadyWear:
+def solve_steady_wear(interface: WearContactProblem, law: WearLaw) -> SteadyWearContactSolution:
     """Solve the steady wear of a group of linings, in which the pressure no longer changes.
 
     The pressure depends on the exponent of the wear law, and not on its coefficient. NoAnswer is
@@ -605,35 +622,40 @@ def solve_steady_wear(interface: WearInterface, law: WearLaw) -> SteadyWear:
             continue
         # After a long sliding distance the motion by wear is far larger than the elastic motion,
         # and alone decides in which direction a foot slides. It is therefore scaled to
-        # STEADY_MOTION_RATIO times the elastic motion before the friction is checked.
+        # STEADY_WEAR_MOTION_OVER_ELASTIC_MOTION times the elastic motion before the friction is
+        # checked.
         elastic = float(np.abs(np.diagonal(footing.problem.A)).max())
-        scale = STEADY_MOTION_RATIO * float(elastic / np.abs(compliance_of_wear).max())
-        if footing.stands(replace(contact, y=scale * contact.y)):
-            return SteadyWear(number, contact)
+        scale = STEADY_WEAR_MOTION_OVER_ELASTIC_MOTION * float(
+            elastic / np.abs(compliance_of_wear).max()
+        )
+        if footing.is_consistent_with_solution(replace(contact, y=scale * contact.y)):
+            return SteadyWearContactSolution(number, contact)
     raise failure or NoAnswer("worn in, a foot would leave its abutment")
 
 
 def _solve_steady_wear_for_abutment_friction(
-    interface: WearInterface, footing: AbutmentFrictionCase, law: WearLaw
-) -> Contact:
+    interface: WearContactProblem, footing: AbutmentFrictionCase, law: WearLaw
+) -> ContactSolution:
     """Solve the steady wear of linings under the friction case `footing` at the abutments.
 
     If friction depends on the pressure, Newton's method takes its tangent at the last pressures.
     Raises NoAnswer if there is no equilibrium.
     """
     p = np.zeros(len(interface.area))
-    for _ in range(MAX_NEWTON_STEPS):
+    for _ in range(MOST_NEWTON_STEPS_OF_WEAR_STAGE):
         problem = interface.contact_problem_at_pressures(footing, p)
         contact = _solve_steady_wear_of_contact_problem(interface, problem, law)
         change, p = float(np.abs(contact.p - p).max()), contact.p
-        if interface.friction is None or change <= FRICTION_TOLERANCE * float(p.max()):
+        if interface.friction is None or change <= NEWTON_TOLERANCE_OF_CONTACT_PRESSURES * float(
+            p.max()
+        ):
             return contact
     raise NoAnswer("no worn-in pressure found whose friction agrees with it")
 
 
 def _solve_steady_wear_of_contact_problem(
-    interface: WearInterface, problem: ContactProblem, law: WearLaw
-) -> Contact:
+    interface: WearContactProblem, problem: ContactProblem, law: WearLaw
+) -> ContactSolution:
     """Solve the steady wear of linings with a given contact problem.
 
     For the exponent 1 of the wear law, steady wear is the solution of one contact problem. In this
@@ -651,8 +673,8 @@ def _solve_steady_wear_of_contact_problem(
 
 
 def _solve_steady_power_law_wear(
-    interface: WearInterface, problem: ContactProblem, exponent: float, linear: Contact
-) -> Contact:
+    interface: WearContactProblem, problem: ContactProblem, exponent: float, linear: ContactSolution
+) -> ContactSolution:
     """Solve the steady wear of linings under a wear rate p^m with an exponent m other than 1.
 
     If the motions of the shoe are given, the wear rates p^m follow from a contact problem without
@@ -677,7 +699,7 @@ def _solve_steady_power_law_wear(
     top = float((interface.pressure * linear.p).max())
     motions = linear.y / top
 
-    def contact_with_wear_rates_as_pressures(y: Floats) -> Contact:
+    def contact_with_wear_rates_as_pressures(y: Floats) -> ContactSolution:
         """The contact solution if the shoe moves by y per sliding distance.
 
         Its field p holds wear rates: since the lining cannot penetrate the drum, it wears as fast
@@ -732,11 +754,11 @@ def find_contact_set_from_soft_linings(problem: ContactProblem, weight: Floats) 
     """
     A, q, B, C, h = problem
     compliance = float(np.abs(np.diagonal(A)).max() / np.abs(np.diagonal(weight)).max())
-    softest = SOFTEST_COMPLIANCE * compliance
+    softest = RELATIVE_COMPLIANCE_FIRST_ADDED_TO_LININGS * compliance
     active = np.ones(len(q), dtype=bool)
     try:
-        for k in range(NUMBER_OF_SOFT_LININGS):
-            softened = A + softest * RATIO_OF_SOFT_LININGS**-k * weight
+        for k in range(NUMBER_OF_SOFT_LINING_PROBLEMS):
+            softened = A + softest * ADDED_COMPLIANCE_REDUCTION_FACTOR**-k * weight
             active = active_set.solve_contact_by_block_pivoting(
                 ContactProblem(softened, q, B, C, h), active
             ).active
@@ -746,7 +768,7 @@ def find_contact_set_from_soft_linings(problem: ContactProblem, weight: Floats) 
 
 
 def contact_problem_at_given_torque(
-    interface: WearInterface, torque: float, problem: ContactProblem | None = None
+    interface: WearContactProblem, torque: float, problem: ContactProblem | None = None
 ) -> ContactProblem:
     """The contact problem of linings whose torque is given in place of their actuation.
 
@@ -773,13 +795,13 @@ def contact_problem_at_given_torque(
     )
 
 
-Tangent = Callable[[Floats], Floats]
+ContactChangePerGapChangeFunction = Callable[[Floats], Floats]
 """A linear function from a change (n,) of the weighted gap to the change (n,) of contact unknowns.
 
 It is valid as long as the same unknowns stay in contact."""
 
 
-class _WearIntegrals(NamedTuple):
+class _IntegralsOverSlidingDistance(NamedTuple):
     """The integrals over the sliding distance in a WearState.
 
     Attributes
@@ -794,7 +816,7 @@ class _WearIntegrals(NamedTuple):
     work: float
 
 
-class _WornContact(NamedTuple):
+class _ContactOfAllLinings(NamedTuple):
     """The contact of all linings of a brake with the drum, at one stage of a wear step.
 
     Attributes
@@ -807,10 +829,10 @@ class _WornContact(NamedTuple):
 
     p: Floats
     rate: Floats
-    tangents: list[Tangent]
+    tangents: list[ContactChangePerGapChangeFunction]
 
 
-class _InterfaceContact(NamedTuple):
+class _ContactOfLiningGroup(NamedTuple):
     """The contact of one group of linings with the drum, at one stage of a wear step.
 
     Attributes
@@ -822,7 +844,7 @@ class _InterfaceContact(NamedTuple):
 
     p: Floats
     rate: Floats
-    contact: Contact
+    contact: ContactSolution
 
 
 class _WearStepper:
@@ -840,7 +862,9 @@ class _WearStepper:
         actuation
     """
 
-    def __init__(self, interfaces: WearInterfaces, law: WearLaw, torque: float | None) -> None:
+    def __init__(
+        self, interfaces: WearContactProblemsOfAllGroups, law: WearLaw, torque: float | None
+    ) -> None:
         self.law, self.held = law, torque
         # A given torque is the sum of the torques of all linings, so that all linings then need one
         # common contact problem.
@@ -849,7 +873,7 @@ class _WearStepper:
             if torque is None
             else [join_contact_problems_of_lining_groups(interfaces)]
         )
-        self.parts = slices_of_consecutive_parts(
+        self.parts = slices_from_lengths_of_consecutive_parts(
             len(interface.area) for interface in self.interfaces
         )
         self.problems = list(map(self._contact_problems_of_linings, self.interfaces))
@@ -862,7 +886,7 @@ class _WearStepper:
         self.pressures = [np.zeros(len(interface.area)) for interface in self.interfaces]
         self.forward = True
 
-    def _contact_problems_of_linings(self, interface: WearInterface) -> list[ContactProblem]:
+    def _contact_problems_of_linings(self, interface: WearContactProblem) -> list[ContactProblem]:
         """The contact problems of a group of linings: one for each friction case at its abutments.
 
         If the wear run keeps a given torque, the problems prescribe this torque in place of the
@@ -879,7 +903,9 @@ class _WearStepper:
         """The state of the unworn linings under load. Raises NoAnswer if it has no equilibrium."""
         depth = np.zeros(len(self.area))
         pressure = self._solve_pressure_without_first_guess(depth)
-        return self._make_wear_state(0.0, depth, pressure, _WearIntegrals(0.0, 0.0, 0.0))
+        return self._make_wear_state(
+            0.0, depth, pressure, _IntegralsOverSlidingDistance(0.0, 0.0, 0.0)
+        )
 
     def wear_state_just_after_drum_reversal(self, state: WearState, forward: bool) -> WearState:
         """The state of linings directly after a reversal of the drum; `state` is the state before.
@@ -887,7 +913,7 @@ class _WearStepper:
         `forward` tells whether the drum now turns in the direction that the brake file states.
         """
         self.forward = forward
-        integrals = _WearIntegrals(state.removed, state.pressed, state.work)
+        integrals = _IntegralsOverSlidingDistance(state.removed, state.pressed, state.work)
         pressure = self._solve_pressure_without_first_guess(state.depth)
         return self._make_wear_state(state.s, state.depth, pressure, integrals)
 
@@ -935,16 +961,22 @@ class _WearStepper:
         footing = list(self.footing)
         # Each of the two stages of the Runge-Kutta method gives wear rates. Their weighted mean
         # times the length of the step is the depth that the step wears off.
-        first = self._solve_contact_of_all_linings(state.depth, GAMMA * ds)
-        second = self._solve_contact_of_all_linings(
-            state.depth + (1 - GAMMA) * ds * first.rate, GAMMA * ds
+        first = self._solve_contact_of_all_linings(
+            state.depth, RUNGE_KUTTA_COEFFICIENT_OF_WEAR_STAGES * ds
         )
-        depth = state.depth + ds * ((1 - GAMMA) * first.rate + GAMMA * second.rate)
+        second = self._solve_contact_of_all_linings(
+            state.depth + (1 - RUNGE_KUTTA_COEFFICIENT_OF_WEAR_STAGES) * ds * first.rate,
+            RUNGE_KUTTA_COEFFICIENT_OF_WEAR_STAGES * ds,
+        )
+        depth = state.depth + ds * (
+            (1 - RUNGE_KUTTA_COEFFICIENT_OF_WEAR_STAGES) * first.rate
+            + RUNGE_KUTTA_COEFFICIENT_OF_WEAR_STAGES * second.rate
+        )
         # r1 and r2 are the wear rates of the two stages. A first-order method with the same stages
-        # would wear by ds r1, and this depth is wrong by GAMMA ds (r2 - r1). The derivative of the
-        # pressure by the worn depth at the last stage turns this error of the depth into an error
-        # of the pressure.
-        depth_error = GAMMA * ds * (second.rate - first.rate)
+        # would wear by ds r1, and this depth is wrong by RUNGE_KUTTA_COEFFICIENT_OF_WEAR_STAGES ds
+        # (r2 - r1). The derivative of the pressure by the worn depth at the last stage turns this
+        # error of the depth into an error of the pressure.
+        depth_error = RUNGE_KUTTA_COEFFICIENT_OF_WEAR_STAGES * ds * (second.rate - first.rate)
         error = self._norm_of_pressure_over_all_linings(
             self._pressure_change_due_to_worn_depth(second.tangents, depth_error)
         )
@@ -960,9 +992,15 @@ class _WearStepper:
 
         def integral_over_wear_step(at_first: Floats, at_second: Floats, row: Floats) -> float:
             """The integral of row @ values over the step, from the values at its two stages."""
-            return ds * float(row @ ((1 - GAMMA) * at_first + GAMMA * at_second))
+            return ds * float(
+                row
+                @ (
+                    (1 - RUNGE_KUTTA_COEFFICIENT_OF_WEAR_STAGES) * at_first
+                    + RUNGE_KUTTA_COEFFICIENT_OF_WEAR_STAGES * at_second
+                )
+            )
 
-        integrals = _WearIntegrals(
+        integrals = _IntegralsOverSlidingDistance(
             removed=state.removed + integral_over_wear_step(first.rate, second.rate, self.area),
             pressed=state.pressed + integral_over_wear_step(first.p, second.p, self.area),
             work=state.work
@@ -975,7 +1013,7 @@ class _WearStepper:
         return self._make_wear_state(state.s + ds, depth, second.p, integrals), error
 
     def _pressure_change_due_to_worn_depth(
-        self, tangents: Sequence[Tangent], depth: Floats
+        self, tangents: Sequence[ContactChangePerGapChangeFunction], depth: Floats
     ) -> Floats:
         """The change of the pressure (n,) [Pa] by a small change of the worn depth.
 
@@ -1015,7 +1053,7 @@ class _WearStepper:
         return math.sqrt(float(np.abs(self.area) @ p**2))
 
     def _make_wear_state(
-        self, s: float, depth: Floats, p: Floats, integrals: _WearIntegrals
+        self, s: float, depth: Floats, p: Floats, integrals: _IntegralsOverSlidingDistance
     ) -> WearState:
         """Make the state at a sliding distance s [m] from worn depth (n,) [m] and pressure p (n,).
 
@@ -1032,7 +1070,7 @@ class _WearStepper:
         each = zip(self.interfaces, self.parts, strict=True)
         return np.concatenate([own.quantities_per_torque_arm(p[part]) for own, part in each])
 
-    def _solve_contact_of_all_linings(self, depth: Floats, ds: float) -> _WornContact:
+    def _solve_contact_of_all_linings(self, depth: Floats, ds: float) -> _ContactOfAllLinings:
         """Solve the contact of all linings at a stage of a wear step.
 
         Parameters
@@ -1045,7 +1083,7 @@ class _WearStepper:
             self._solve_contact_of_lining_group(i, depth[part], ds)
             for i, part in enumerate(self.parts)
         ]
-        return _WornContact(
+        return _ContactOfAllLinings(
             p=_concatenate_attribute_of_objects(bearings, "p"),
             rate=_concatenate_attribute_of_objects(bearings, "rate"),
             tangents=list(map(attrgetter("contact.pressure_change"), bearings)),
@@ -1063,7 +1101,9 @@ class _WearStepper:
         main = int(np.argmax(np.abs(problem.h)))
         return float(problem.C[main] @ (p / interface.pressure)) / float(problem.h[main])
 
-    def _solve_contact_of_lining_group(self, i: int, depth: Floats, ds: float) -> _InterfaceContact:
+    def _solve_contact_of_lining_group(
+        self, i: int, depth: Floats, ds: float
+    ) -> _ContactOfLiningGroup:
         """Solve the contact of lining group `i` at a stage of a wear step.
 
         The friction cases at the abutments (`AbutmentFrictionCase`) are tried until a solution
@@ -1083,19 +1123,20 @@ class _WearStepper:
                 failure = failure or error
                 continue
             force = self._actuation_factor_that_balances_pressures(i, bearing.p)
-            # `stands`, which checks the friction on the feet, expects a solution under the
-            # actuation of the brake file. The solution is scaled to this actuation.
+            # `is_consistent_with_solution`, which checks the friction on the feet, expects a
+            # solution under the actuation of the brake file. The solution is scaled to this
+            # actuation.
             contact = bearing.contact
             if force > 0:
                 contact = replace(contact, p=contact.p / force, y=contact.y / force)
-            if force > 0 and footings[number].stands(contact):
+            if force > 0 and footings[number].is_consistent_with_solution(contact):
                 return bearing
         self.footing[i], self.sets[i] = last_footing, last_set
         raise failure or NoAnswer("no equilibrium, a foot leaves its abutment")
 
     def _solve_contact_for_abutment_friction(
         self, i: int, depth: Floats, ds: float
-    ) -> _InterfaceContact:
+    ) -> _ContactOfLiningGroup:
         """Solve the contact of lining group `i` for the friction case `self.footing[i]`.
 
         In each iteration of Newton's method the wear rate is linear in the pressure: the tangent at
@@ -1108,8 +1149,12 @@ class _WearStepper:
         A, q, B, C, h = self._worn_contact_problem_at_pressures(i, self.pressures[i], worn)
         is_linear = (self.law.exponent == 1 or ds == 0) and interface.friction is None
         p = self._first_guess_of_pressure(i, ContactProblem(A, q, B, C, h))
-        rounded = ROUNDED_PRESSURE * float(interface.area @ p) / float(interface.area.sum())
-        for _ in range(1 if is_linear else MAX_NEWTON_STEPS):
+        rounded = (
+            MEAN_PRESSURE_FRACTION_OF_SMOOTHED_WEAR_RATE
+            * float(interface.area @ p)
+            / float(interface.area.sum())
+        )
+        for _ in range(1 if is_linear else MOST_NEWTON_STEPS_OF_WEAR_STAGE):
             if interface.friction is not None:
                 A, q, B, C, h = self._worn_contact_problem_at_pressures(i, p, worn)
             rate, slope = self.law.wear_rate_and_its_slope(p, rounded)
@@ -1120,7 +1165,9 @@ class _WearStepper:
             )
             new = interface.pressure * contact.p
             change, p = float(np.abs(new - p).max()), new
-            settled = is_linear or change <= NEWTON_TOLERANCE * float(np.abs(p).max())
+            settled = is_linear or change <= NEWTON_PRESSURE_TOLERANCE_OF_WEAR_STAGE * float(
+                np.abs(p).max()
+            )
             # The tangent of the friction stress at pressures that are not settled yet may be that
             # of a brake that locks itself.
             if not contact.stable and self.held is None and (settled or interface.friction is None):
@@ -1128,7 +1175,7 @@ class _WearStepper:
             self.sets[i] = contact.active
             if settled:
                 self.pressures[i] = p
-                return _InterfaceContact(
+                return _ContactOfLiningGroup(
                     p, self.law.wear_rate_and_its_slope(p, rounded)[0], contact
                 )
         raise NoAnswer(
@@ -1164,7 +1211,7 @@ class _WearStepper:
 
 
 def wear_linings_by_explicit_euler(
-    interfaces: WearInterfaces, law: WearLaw, ds: float, steps: int
+    interfaces: WearContactProblemsOfAllGroups, law: WearLaw, ds: float, steps: int
 ) -> list[WearState]:
     """Wear linings by explicit Euler steps; returns the states before and after each step.
 
@@ -1183,10 +1230,12 @@ def wear_linings_by_explicit_euler(
     for _ in range(steps):
         before = states[-1]
         mean = float(stepper.area @ before.pressure) / float(stepper.area.sum())
-        rate = law.wear_rate_and_its_slope(before.pressure, ROUNDED_PRESSURE * mean)[0]
+        rate = law.wear_rate_and_its_slope(
+            before.pressure, MEAN_PRESSURE_FRACTION_OF_SMOOTHED_WEAR_RATE * mean
+        )[0]
         depth = before.depth + ds * rate
         bearing = stepper._solve_contact_of_all_linings(depth, 0.0)
-        integrals = _WearIntegrals(
+        integrals = _IntegralsOverSlidingDistance(
             removed=before.removed + ds * float(stepper.area @ rate),
             pressed=before.pressed + ds * float(stepper.area @ before.pressure),
             work=before.work + ds * before.torque,

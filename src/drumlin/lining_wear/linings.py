@@ -18,13 +18,13 @@ from drumlin.base.arrays import Bools, Floats
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.base.lapack import block_diag
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.brake.fields import Rows, table_rows_from_coordinates_and_values
+from drumlin.brake.fields import InterpolationTable, table_rows_from_coordinates_and_values
 from drumlin.brake.file import vary
 from drumlin.brake.further_loads import brake_with_springs_of_constant_pull
 from drumlin.brake.one_sided import require_no_shoe_on_anchors
-from drumlin.contact.active_set import Contact
+from drumlin.contact.active_set import ContactSolution
 from drumlin.contact.equations import ContactProblem
-from drumlin.contact.pressure_friction import NodalFriction
+from drumlin.contact.pressure_friction import NodalFrictionAndSlope
 from drumlin.contact.self_locking import FrictionDependentProblem
 from drumlin.fem.equilibrium.group import ShoeGroup, divide_pressed_shoes_into_groups
 from drumlin.fem.equilibrium.pressure_friction import (
@@ -46,12 +46,12 @@ from drumlin.foundation.post import brake_angles_from_beam_angles
 from drumlin.laws.hinged import actuation_moment_towards_drum
 from drumlin.lining_wear.archard import (
     AbutmentFrictionCase,
-    WearInterface,
+    WearContactProblem,
     WearState,
     find_contact_set_from_soft_linings,
 )
 
-AnyBrake = TypeVar("AnyBrake", bound=Brake)
+BrakeTypeVariableInWear = TypeVar("BrakeTypeVariableInWear", bound=Brake)
 
 
 class WornLining(NamedTuple):
@@ -68,14 +68,15 @@ class WornLining(NamedTuple):
     name : name of the shoe
     interface : number of the lining's interface
     part : slice of the lining's unknowns in the unknowns of all interfaces
-    local : slice of the lining's unknowns in the unknowns of its interface
+    slice_in_interface : slice of the lining's unknowns in the unknowns of its interface
     theta : (n,) [rad], angles of the lining's contact unknowns; unknowns at the same angle across
         the width count once
     forward : slice that puts the angles `theta` in growing order
     order : degree of the interpolation of pressure and worn depth between the nodes
     across : (m,) [m], distances of the nodes across the width from the mid-plane; m = 1 in plane
         stress. The lining has n m unknowns, ordered by angle and then by distance.
-    shares : (m,) fraction of the width that each node across the width stands for; the sum is 1
+    shares : (m,) fraction of the width that each node across the width is_consistent_with_solution
+        for; the sum is 1
     """
 
     shoe: int
@@ -83,7 +84,7 @@ class WornLining(NamedTuple):
     name: str
     interface: int
     part: slice
-    local: slice
+    slice_in_interface: slice
     theta: Floats
     forward: slice
     order: int
@@ -127,7 +128,7 @@ class WearSetup(NamedTuple):
 
     brake: Brake
     model: str
-    interfaces: tuple[WearInterface, ...]
+    interfaces: tuple[WearContactProblem, ...]
     surfaces: tuple[WornLining, ...]
     springs: SpringNodes | None = None
     at_constant_pulls: "Callable[[Sequence[float]], WearSetup] | None" = None
@@ -159,7 +160,7 @@ class WearSetup(NamedTuple):
         return lining.material.E_through / lining.thickness
 
 
-class _PlacedLining(NamedTuple):
+class _LiningBeforeNumberingItsUnknowns(NamedTuple):
     """A lining of a group, before its unknowns have positions among all contact unknowns.
 
     `shoe` is the position of the shoe in the brake. The other attributes mean the same as in
@@ -194,23 +195,25 @@ def wear_setup_by_finite_elements(
     if any(spring.rate for spring in brake.springs):
         require_no_shoe_on_anchors(brake, "wear with a spring rate")
         springs = spring_nodes_of_brake(brake, _pulls_of_unworn_brake(scene, brake, penalty))
-    interfaces: list[WearInterface] = []
+    interfaces: list[WearContactProblem] = []
     surfaces: list[WornLining] = []
     for group in divide_pressed_shoes_into_groups(scene, brake, penalty, springs_join=True):
         placed = []
         for i, body, shoe in zip(
             group.members, group.substructures_of_shoes, group.shoes, strict=True
         ):
-            phi, _ = body.line.angles_and_mean_pressures(np.zeros(len(body.line.nodes)))
-            for own in body.line.split_nodal_values_by_lining(shoe.frame.theta(phi)):
+            line = body.line
+            phi, _ = line.angles_and_pressures_averaged_over_width(np.zeros(len(line.nodes)))
+            theta = shoe.frame.surface_coordinates_of_phi(phi)
+            for own in line.split_nodal_values_by_lining(theta):
                 placed.append(
-                    _PlacedLining(
+                    _LiningBeforeNumberingItsUnknowns(
                         i,
                         _position_of_lining_at_angles(shoe, own),
                         own,
-                        body.line.interpolation_degree_along_contact_line,
-                        body.line.node_distances_from_mid_plane,
-                        body.line.width_fraction_of_each_node_across_width,
+                        line.interpolation_degree_along_contact_line,
+                        line.node_distances_from_mid_plane,
+                        line.width_fraction_of_each_node_across_width,
                     )
                 )
         surfaces += _place_linings_among_contact_unknowns(brake, surfaces, len(interfaces), placed)
@@ -249,7 +252,7 @@ def _position_of_lining_at_angles(shoe: Shoe, theta: Floats) -> int:
 
 def _wear_contact_problem_of_shoe_group(
     group: ShoeGroup, springs: SpringNodes | None
-) -> WearInterface:
+) -> WearContactProblem:
     """The contact problem of a group of coupled shoes, for steps of wear.
 
     Friction at an abutment may act in several ways: the shoe's foot slides one way or the other,
@@ -271,14 +274,14 @@ def _wear_contact_problem_of_shoe_group(
     area = np.concatenate(list(map(attrgetter("areas_of_contact_nodes"), couplings)))
     nothing = np.zeros(further)
     mass = group.mass_matrix_of_contact_nodes
-    return WearInterface(
+    return WearContactProblem(
         problem=case.problem,
         loaded=case.problem.q - np.append(mass @ gap, nothing),
         weight=block_diag(mass, np.zeros((further, further))) if further else mass,
         pressure=np.ones(len(gap) + further),
         area=np.append(area, nothing),
         torque=np.append(torque, nothing),
-        stands=case.stands,
+        is_consistent_with_solution=case.is_consistent_with_solution,
         others=tuple(_abutment_friction_case_of_group(way, springs) for way in others),
         settle=partial(_find_friction_case_and_contact_of_worn_lining_group, ways, further),
         over_friction=case.over_friction,
@@ -294,29 +297,33 @@ def _depends_friction_of_group_on_pressure(group: ShoeGroup) -> bool:
 
 def _friction_of_linings_and_spring_nodes(
     group: ShoeGroup, further: int, p: Floats
-) -> NodalFriction:
+) -> NodalFrictionAndSlope:
     """The friction at pressures p (n + further,) [Pa]; 0 at the `further` unknowns of springs."""
     found = friction_and_its_slopes_at_nodes_of_group(group, p[: len(p) - further])
     nothing = np.zeros(further)
-    return NodalFriction(np.append(found.coefficient, nothing), np.append(found.slope, nothing))
+    return NodalFrictionAndSlope(
+        np.append(found.coefficient, nothing), np.append(found.slope, nothing)
+    )
 
 
 def _abutment_friction_case_of_group(
     group: ShoeGroup, springs: SpringNodes | None
 ) -> AbutmentFrictionCase:
     """The case of friction at the abutments of a group, with its contact problem in newtons."""
-    stands = partial(_are_abutment_friction_and_supports_as_assumed, group, springs)
+    is_consistent_with_solution = partial(
+        _are_abutment_friction_and_supports_as_assumed, group, springs
+    )
     problem = _contact_problem_in_newtons(group, group.brake.friction, springs)
     if not _depends_friction_of_group_on_pressure(group):
-        return AbutmentFrictionCase(problem, stands)
+        return AbutmentFrictionCase(problem, is_consistent_with_solution)
     # At the friction coefficient 1 of every node the terms with friction can be scaled by the
     # coefficient of each node.
-    unit = replace(group, friction_at_nodes=np.ones(len(group.contact_node_areas)))
+    unit = replace(group, node_frictions_over_brake_friction=np.ones(len(group.contact_node_areas)))
     over_friction = FrictionDependentProblem.linear_function_of_friction_from_two_problems(
         _contact_problem_in_newtons(unit, 0.0, springs),
         _contact_problem_in_newtons(unit, 1.0, springs),
     )
-    return AbutmentFrictionCase(problem, stands, over_friction)
+    return AbutmentFrictionCase(problem, is_consistent_with_solution, over_friction)
 
 
 def _find_friction_case_and_contact_of_worn_lining_group(
@@ -340,7 +347,7 @@ def _find_friction_case_and_contact_of_worn_lining_group(
     NoAnswer
         if the worn linings have no equilibrium
     """
-    worn = replace(ways[0], worn_depth=depth[: len(depth) - further])
+    worn = replace(ways[0], worn_depths_at_contact_nodes=depth[: len(depth) - further])
     try:
         settled, contact = solve_shoe_group_with_lining_friction(worn)
     except NoAnswer:
@@ -367,7 +374,7 @@ def brake_with_added_worn_depths(
     The keys of `depths` are the pairs (`WornLining.shoe`, `WornLining.lining`) of the worn linings.
     The values are growing angles (n,) [rad] and the worn depth (n,) [m] at these angles.
     """
-    clearances: dict[tuple[int, int], Rows] = {}
+    clearances: dict[tuple[int, int], InterpolationTable] = {}
     for place, (theta, depth) in depths.items():
         lining = brake.shoes[place[0]].lining
         clearances[place] = table_rows_from_coordinates_and_values(
@@ -377,8 +384,8 @@ def brake_with_added_worn_depths(
 
 
 def brake_with_given_lining_clearances(
-    brake: AnyBrake, clearances: Mapping[tuple[int, int], Rows]
-) -> AnyBrake:
+    brake: BrakeTypeVariableInWear, clearances: Mapping[tuple[int, int], InterpolationTable]
+) -> BrakeTypeVariableInWear:
     """A copy of the brake in which some shoes have new clearances.
 
     The keys of `clearances` are the pairs (`WornLining.shoe`, `WornLining.lining`). If a lining of
@@ -418,7 +425,7 @@ def _contact_problem_in_newtons(
 
 
 def _are_abutment_friction_and_supports_as_assumed(
-    group: ShoeGroup, springs: SpringNodes | None, contact: Contact
+    group: ShoeGroup, springs: SpringNodes | None, contact: ContactSolution
 ) -> bool:
     """Whether a solution agrees with what was assumed at the supports of a group of shoes.
 
@@ -442,7 +449,10 @@ def _are_abutment_friction_and_supports_as_assumed(
 
 
 def wear_setup_by_foundation_model(
-    brake: Brake, *, sections: int = foundation.RING_SECTIONS, lift: Iterable[str] = ()
+    brake: Brake,
+    *,
+    sections: int = foundation.DEFAULT_DIVISIONS_OF_SHOE_BEAM,
+    lift: Iterable[str] = (),
 ) -> WearSetup:
     """The contact problems for the wear of a post brake's linings, from the foundation model.
 
@@ -450,7 +460,7 @@ def wear_setup_by_foundation_model(
     ----------
     brake : the brake
     sections : number of divisions of each shoe's beam
-    lift : names in `foundation.LIFTS` of the effects that the model includes
+    lift : names in `foundation.INCLUDABLE_EFFECTS` of the effects that the model includes
 
     Raises
     ------
@@ -468,7 +478,7 @@ def wear_setup_by_foundation_model(
     # pressure of each shoe bends this ring.
     meet = brake.ring is not None and "own-pressure" in names
     groups = [touching] if meet and touching else [[i] for i in touching]
-    interfaces: list[WearInterface] = []
+    interfaces: list[WearContactProblem] = []
     surfaces: list[WornLining] = []
     for group in groups:
         system = foundation.contact_problem_of_shoe_group(brake, group, sections, names)
@@ -481,12 +491,14 @@ def wear_setup_by_foundation_model(
             theta = brake_angles_from_beam_angles(post.axis, shoe, post.theta)
             for own in np.split(theta, post.further_linings):
                 k = _position_of_lining_at_angles(shoe, own)
-                placed.append(_PlacedLining(i, k, own, 1, np.zeros(1), np.ones(1)))
+                placed.append(
+                    _LiningBeforeNumberingItsUnknowns(i, k, own, 1, np.zeros(1), np.ones(1))
+                )
         surfaces += _place_linings_among_contact_unknowns(brake, surfaces, len(interfaces), placed)
         area = np.concatenate(areas)
         # The contact unknowns are the normal forces [N] on the sectors of the linings.
         interfaces.append(
-            WearInterface(
+            WearContactProblem(
                 problem=system.problem,
                 loaded=system.problem.q - np.concatenate(gaps),
                 weight=np.eye(len(area)),
@@ -498,7 +510,7 @@ def wear_setup_by_foundation_model(
     return _make_wear_setup(brake, "foundation", interfaces, surfaces)
 
 
-def brake_with_shoes_on_guides(brake: AnyBrake) -> AnyBrake:
+def brake_with_shoes_on_guides(brake: BrakeTypeVariableInWear) -> BrakeTypeVariableInWear:
     """The brake with each shoe on a straight guide in place of its hinge, pivot or abutment.
 
     On a drum the guide has the direction of the radius at the lining's middle. On a plane it has
@@ -515,7 +527,10 @@ def brake_with_shoes_on_guides(brake: AnyBrake) -> AnyBrake:
 
 
 def _place_linings_among_contact_unknowns(
-    brake: Brake, before: Sequence[WornLining], interface: int, placed: Sequence[_PlacedLining]
+    brake: Brake,
+    before: Sequence[WornLining],
+    interface: int,
+    placed: Sequence[_LiningBeforeNumberingItsUnknowns],
 ) -> list[WornLining]:
     """The linings of one group with the positions of their contact unknowns in the wear setup.
 
@@ -538,7 +553,7 @@ def _place_linings_among_contact_unknowns(
                 name=brake.shoes[i].name,
                 interface=interface,
                 part=slice(offset + first, offset + first + n),
-                local=slice(first, first + n),
+                slice_in_interface=slice(first, first + n),
                 theta=theta,
                 forward=slice(None, None, 1 if theta[-1] > theta[0] else -1),
                 order=order,
@@ -551,7 +566,7 @@ def _place_linings_among_contact_unknowns(
 
 
 def _make_wear_setup(
-    brake: Brake, model: str, interfaces: list[WearInterface], surfaces: list[WornLining]
+    brake: Brake, model: str, interfaces: list[WearContactProblem], surfaces: list[WornLining]
 ) -> WearSetup:
     """The wear setup from groups of linings. Raises NoAnswer if no shoe touches the drum.
 

@@ -23,7 +23,7 @@ from drumlin.base.texts import error_text_in_percent, number_as_text
 from drumlin.brake.brake import Brake
 from drumlin.brake.friction import first_key_of_pressure_dependent_friction
 from drumlin.brake.further_loads import first_key_of_loads_besides_actuation
-from drumlin.brake.units import text_in_mm
+from drumlin.brake.units import length_as_text_in_mm
 from drumlin.laws import rigid
 from drumlin.laws.shoe_contact import RigidShoeContact
 from drumlin.lining_wear import archard
@@ -41,18 +41,18 @@ DEFAULT_WEAR_COEFFICIENT = 1e-14
 Sliding distances in units of 1/(k E/t), with the lining's stiffness E/t, do not depend on k, nor do
 fractions of a lining's life."""
 
-WORN_OUT_FRACTION = 0.8
+WORN_OUT_FRACTION_OF_LINING_THICKNESS = 0.8
 """Fraction of a lining's thickness that is worn off when the lining counts as worn out.
 
 A judgement."""
 
-WEAR_SETTLED = 1e-3
+END_OF_WEAR_TOLERANCE = 1e-3
 """Relative difference of pressure and torque from their final values below which a run ends.
 
-It equals the largest error of a wear step, `archard.DEFAULT_WEAR_STEP_ERROR`."""
+It equals the largest error of a wear step, `archard.DEFAULT_PRESSURE_ERROR_OF_WEAR_STEP`."""
 
 
-class WearTarget(NamedTuple):
+class FinalWearPressureAndTorque(NamedTuple):
     """The final pressure and torque, to which wear tends.
 
     Attributes
@@ -67,7 +67,7 @@ class WearTarget(NamedTuple):
 
 def final_wear_pressure_and_torque_by_rigid_shoe_law(
     setup: WearSetup, law: WearLaw | None = None, torque: float | None = None
-) -> WearTarget:
+) -> FinalWearPressureAndTorque:
     """The pressure and the torque to which wear tends as the mesh is refined.
 
     For finite elements and the exponent 1 of the wear law, the rigid-shoe law gives the pressure,
@@ -104,7 +104,7 @@ def final_wear_pressure_and_torque_by_rigid_shoe_law(
 
 def final_pressure_and_torque_of_wear_on_mesh(
     setup: WearSetup, law: WearLaw | None = None, torque: float | None = None
-) -> WearTarget:
+) -> FinalWearPressureAndTorque:
     """The final pressure and torque of wear on the finite elements, or the sectors, of a setup.
 
     If by the rigid-shoe law only a part of a lining is in contact, this part usually ends inside an
@@ -133,7 +133,7 @@ def final_pressure_and_torque_of_wear_on_mesh(
 
 def _final_pressure_scaled_to_held_torque(
     p: Floats, total: float, torque: float | None
-) -> WearTarget:
+) -> FinalWearPressureAndTorque:
     """The final pressure and torque of wear, scaled to a torque that the actuation must keep.
 
     Parameters
@@ -142,7 +142,11 @@ def _final_pressure_scaled_to_held_torque(
     total : torque [N m] of the pressures p
     torque : torque [N m] that the actuation is adjusted to keep; None for a constant actuation
     """
-    return WearTarget(p, total) if torque is None else WearTarget(p * torque / total, torque)
+    return (
+        FinalWearPressureAndTorque(p, total)
+        if torque is None
+        else FinalWearPressureAndTorque(p * torque / total, torque)
+    )
 
 
 def _lining_torque_by_rigid_shoe_law(
@@ -160,16 +164,18 @@ def _lining_torque_by_rigid_shoe_law(
     lining, mu = shoe.lining, brake.friction_coefficient_of_shoe_at_zero_pressure(shoe)
     start, end = lining.arcs[surface.lining]
     own = tuple(arc for arc in pressed.arcs if start <= arc[0] and arc[1] <= end)
-    theta = rigid.node_places_of_pressure_along_lining((start, end), own, rigid.PRESSURE_NODES - 1)
+    theta = rigid.node_places_of_pressure_along_lining(
+        (start, end), own, rigid.NUMBER_OF_PRESSURE_NODES_ON_DRUM_LINING - 1
+    )
     # The law's pressure is interpolated by parabolas between nodes. The Gauss rule integrates these
     # parabolas exactly.
     _, p, weight = polynomial_values_at_gauss_points(
         theta, rigid.pressures_of_rigid_shoe_at_places(pressed, theta), 2
     )
-    return float(mu * lining.width * brake.scale_factor**2 * (p * weight).sum())
+    return float(mu * lining.width * brake.length_per_surface_coordinate**2 * (p * weight).sum())
 
 
-class TargetDistance(NamedTuple):
+class DifferenceFromEndOfWear(NamedTuple):
     """The relative difference between a state of worn linings and the end of wear.
 
     Attributes
@@ -184,10 +190,10 @@ class TargetDistance(NamedTuple):
 
 
 def relative_differences_from_end_of_wear(
-    setup: WearSetup, state: WearState, goal: WearTarget
-) -> TargetDistance:
+    setup: WearSetup, state: WearState, goal: FinalWearPressureAndTorque
+) -> DifferenceFromEndOfWear:
     """The relative differences in pressure and torque of a state from their final values `goal`."""
-    return TargetDistance(
+    return DifferenceFromEndOfWear(
         pressure=largest_relative_pressure_difference_of_linings(
             setup, state.pressure, goal.pressure
         ),
@@ -233,7 +239,7 @@ def norm_along_lining_without_end_elements(surface: WornLining, values: Floats) 
 
 
 def make_function_that_tests_for_end_of_wear(
-    setup: WearSetup, goal: WearTarget, within: float = WEAR_SETTLED
+    setup: WearSetup, goal: FinalWearPressureAndTorque, within: float = END_OF_WEAR_TOLERANCE
 ) -> Callable[[WearState], bool]:
     """Make a function that tells whether a state of worn linings has reached the end of wear.
 
@@ -266,7 +272,7 @@ def wear_brake_linings_until_worn_in(
     backward : setup of the same brake with the drum turning the other way, for the option `reverse`
     until : function of a WearState that returns whether the run ends with this state. By default
         the run ends after `distance` or, without a distance, when pressure and torque differ by at
-        most WEAR_SETTLED from their final values.
+        most END_OF_WEAR_TOLERANCE from their final values.
     options : `distance`, `reverse`, `torque` and `tolerance` of
         `archard.wear_linings_over_sliding_distance`
 
@@ -392,7 +398,7 @@ def require_linings_not_worn_through(setup: WearSetup, states: Sequence[WearStat
         if deepest[-1] > thickness:
             after = float(np.interp(thickness, deepest, s))
             worn_through.append(
-                (after, f"shoe {surface.name!r}: its lining of {text_in_mm(thickness)}")
+                (after, f"shoe {surface.name!r}: its lining of {length_as_text_in_mm(thickness)}")
             )
     if worn_through:
         after, lining = min(worn_through)
@@ -423,10 +429,10 @@ class LiningLife(NamedTuple):
 def compute_life_of_linings(
     setup: WearSetup,
     states: Sequence[WearState],
-    goal: WearTarget,
+    goal: FinalWearPressureAndTorque,
     law: WearLaw,
     within: float = 0.01,
-    part: float = WORN_OUT_FRACTION,
+    part: float = WORN_OUT_FRACTION_OF_LINING_THICKNESS,
 ) -> LiningLife:
     """The life of the linings in a wear run, and the fraction of this life until they are worn in.
 
@@ -464,7 +470,7 @@ def compute_life_of_linings(
     return LiningLife(end, pressure_near / end, torque_near / end)
 
 
-class RunChecks(NamedTuple):
+class WearRunChecks(NamedTuple):
     """Checks of a wear run: two balances of the worn volume, and the ripple of the pressure.
 
     The two differences are relative to the worn volume and vanish in an exact solution.
@@ -488,7 +494,7 @@ class RunChecks(NamedTuple):
 
 def compute_checks_of_wear_run(
     setup: WearSetup, states: Sequence[WearState], law: WearLaw
-) -> RunChecks:
+) -> WearRunChecks:
     """Compute the checks of a wear run: balances of the worn volume, and ripple of the pressure."""
     end = states[-1]
     area = np.concatenate(list(map(attrgetter("area"), setup.interfaces)))
@@ -501,7 +507,7 @@ def compute_checks_of_wear_run(
             own = map(archard.relative_amplitude_of_node_to_node_pressure_ripple, rows)
             # The ripple of a lining with too few nodes is nan.
             ripples += [ripple for ripple in own if not math.isnan(ripple)]
-    return RunChecks(
+    return WearRunChecks(
         volume=abs(float(area @ end.depth) - end.removed) / scale,
         energy=_imbalance_of_wear_and_friction_energy(setup, end, law, scale),
         ripple=max(ripples, default=None),
@@ -536,8 +542,8 @@ def _imbalance_of_wear_and_friction_energy(
     for surface in setup.surfaces:
         width = brake.shoes[surface.shoe].lining.width
         depth = _integral_over_lining(surface, surface.lining_values_by_growing_angle(end.depth))
-        volumes.append(width * brake.scale_factor * depth)
-    by_energy = law.coefficient * end.work / (brake.friction * brake.scale_factor)
+        volumes.append(width * brake.length_per_surface_coordinate * depth)
+    by_energy = law.coefficient * end.work / (brake.friction * brake.length_per_surface_coordinate)
     return abs(sum(volumes) - by_energy) / scale
 
 
@@ -557,7 +563,7 @@ def peak_nodal_pressure_of_wear_state(setup: WearSetup, state: WearState) -> flo
     peaks = []
     for surface in setup.surfaces:
         zone = length_of_edge_zone_left_out_of_peak_search(
-            setup.brake.shoes[surface.shoe], setup.brake.scale_factor
+            setup.brake.shoes[surface.shoe], setup.brake.length_per_surface_coordinate
         )
         peaks.append(
             largest_nodal_pressure_outside_end_zones(
@@ -570,7 +576,7 @@ def peak_nodal_pressure_of_wear_state(setup: WearSetup, state: WearState) -> flo
 
 
 def wear_run_as_json_data(
-    setup: WearSetup, states: Sequence[WearState], goal: WearTarget, law: WearLaw
+    setup: WearSetup, states: Sequence[WearState], goal: FinalWearPressureAndTorque, law: WearLaw
 ) -> dict[str, Any]:
     """A wear run as plain data for JSON in SI units, with each lining's values by growing theta.
 
@@ -647,7 +653,7 @@ def wear_run_as_json_data(
 def report_lines_of_wear_run(
     setup: WearSetup,
     states: Sequence[WearState],
-    goal: WearTarget,
+    goal: FinalWearPressureAndTorque,
     law: WearLaw,
     lines: int = 24,
 ) -> list[str]:
@@ -666,13 +672,16 @@ def report_lines_of_wear_run(
     for i in np.unique(np.rint(np.linspace(0, len(states) - 1, lines)).astype(int)):
         text.append(_table_line_of_wear_state(setup, states[i], goal, law))
     text += _lines_on_spring_pulls_of_wear_run(setup.brake, states)
-    text.append(f"worn in (law): {surface.effect} {goal.torque:.6g} {surface.effect_unit}")
+    text.append(
+        f"worn in (law): {surface.word_for_torque_or_brake_force} {goal.torque:.6g} "
+        f"{surface.unit_of_torque_or_brake_force}"
+    )
     text += _notes_on_difference_of_wear_end_from_law(setup, goal, law)
     if law.coefficient > 0:
         spent = compute_life_of_linings(setup, states, goal, law)
         text.append(
             f"life: {spent.distance * 1e-3:.5g} km "
-            f"to {number_as_text(WORN_OUT_FRACTION, '.0%')} of the thickness; "
+            f"to {number_as_text(WORN_OUT_FRACTION_OF_LINING_THICKNESS, '.0%')} of the thickness; "
             "of it p is more than 1 % off the law for "
             f"{_fraction_of_lining_life_as_text(spent.pressure)}, "
             f"the torque for {_fraction_of_lining_life_as_text(spent.torque)}"
@@ -712,19 +721,20 @@ def _heading_lines_of_wear_report(setup: WearSetup, law: WearLaw) -> list[str]:
         wears = (
             f", 1/(k K) = {sliding_distance_of_e_fold_pressure_change(setup, law) * 1e-3:.5g} km"
         )
-    effect_unit = f"[{surface.effect_unit}]"
+    unit_of_torque_or_brake_force = f"[{surface.unit_of_torque_or_brake_force}]"
     return [
-        f"{brake.title}: {setup.model}, {brake.motion}, {brake.friction_coefficients_as_text}, "
-        f"k = {law.coefficient:g} 1/Pa, exponent {law.exponent:.9g}{wears}",
-        f"{'s':>9}{'s k K':>10}{surface.short:>11}{'force':>10}{'peak p':>10}{'p off law':>10}"
-        f"{'T off law':>10}{'deepest':>10}",
-        f"{'[km]':>9}{'':10}{effect_unit:>11}{'[N]':>10}{'[MPa]':>10}{'[%]':>10}"
+        f"{brake.title}: {setup.model}, {brake.motion_as_text}, "
+        f"{brake.friction_coefficients_as_text}, k = {law.coefficient:g} 1/Pa, "
+        f"exponent {law.exponent:.9g}{wears}",
+        f"{'s':>9}{'s k K':>10}{surface.short_word_for_torque_or_brake_force:>11}{'force':>10}"
+        f"{'peak p':>10}{'p off law':>10}{'T off law':>10}{'deepest':>10}",
+        f"{'[km]':>9}{'':10}{unit_of_torque_or_brake_force:>11}{'[N]':>10}{'[MPa]':>10}{'[%]':>10}"
         f"{'[%]':>10}{'wear [mm]':>10}",
     ]
 
 
 def _table_line_of_wear_state(
-    setup: WearSetup, state: WearState, goal: WearTarget, law: WearLaw
+    setup: WearSetup, state: WearState, goal: FinalWearPressureAndTorque, law: WearLaw
 ) -> str:
     """The line for one state in the printed table of a wear run; `goal` has the final values."""
     off = relative_differences_from_end_of_wear(setup, state, goal)
@@ -741,19 +751,19 @@ def _table_line_of_wear_state(
 
 
 def _notes_on_difference_of_wear_end_from_law(
-    setup: WearSetup, goal: WearTarget, law: WearLaw
+    setup: WearSetup, goal: FinalWearPressureAndTorque, law: WearLaw
 ) -> list[str]:
     """A line of text on how far the end of wear on this mesh is from the rigid-shoe law.
 
-    The list is empty if the relative difference of the pressures is at most WEAR_SETTLED. See
-    `report_lines_of_wear_run` for the parameters.
+    The list is empty if the relative difference of the pressures is at most END_OF_WEAR_TOLERANCE.
+    See `report_lines_of_wear_run` for the parameters.
     """
     end = final_pressure_and_torque_of_wear_on_mesh(setup, law)
     factor = goal.torque / end.torque if end.torque else 1.0
     off = largest_relative_pressure_difference_of_linings(
         setup, end.pressure * factor, goal.pressure
     )
-    if off <= WEAR_SETTLED:
+    if off <= END_OF_WEAR_TOLERANCE:
         return []
     return [
         f"p at the end of wear is {number_as_text(off, '.2%')} off the law on this mesh, "

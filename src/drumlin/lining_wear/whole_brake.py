@@ -13,7 +13,7 @@ from drumlin.base.errors import BadInput
 from drumlin.base.texts import error_text_in_percent
 from drumlin.brake.brake import Brake
 from drumlin.brake.units import number_in_si_from_command_option_text
-from drumlin.lining_wear.archard import DEFAULT_WEAR_STEP_ERROR, WearLaw, WearState
+from drumlin.lining_wear.archard import DEFAULT_PRESSURE_ERROR_OF_WEAR_STEP, WearLaw, WearState
 from drumlin.lining_wear.linings import (
     WearSetup,
     wear_setup_by_finite_elements,
@@ -21,7 +21,7 @@ from drumlin.lining_wear.linings import (
 )
 from drumlin.lining_wear.run_in import (
     DEFAULT_WEAR_COEFFICIENT,
-    WearTarget,
+    FinalWearPressureAndTorque,
     final_wear_pressure_and_torque_by_rigid_shoe_law,
     report_lines_of_wear_run,
     require_linings_not_worn_through,
@@ -30,7 +30,7 @@ from drumlin.lining_wear.run_in import (
     wear_run_as_json_data,
 )
 
-WEARING_MODELS = ("fem", "solid", "foundation")
+NAMES_OF_MODELS_WITH_WEAR = ("fem", "solid", "foundation")
 """The names of the models whose linings can wear."""
 
 
@@ -52,8 +52,8 @@ class WearRun:
     setup: WearSetup
     law: WearLaw
     states: tuple[WearState, ...]
-    target: WearTarget
-    step_tolerance: float = DEFAULT_WEAR_STEP_ERROR
+    target: FinalWearPressureAndTorque
+    step_tolerance: float = DEFAULT_PRESSURE_ERROR_OF_WEAR_STEP
     start_error: Mapping[str, float] | None = None
 
     def as_dict(self) -> dict[str, Any]:
@@ -73,12 +73,12 @@ class WearRun:
         return [
             *lines,
             f"estimated error of the unworn state: p {error_text_in_percent(start['pressure'])} "
-            "(L2), "
-            f"{self.setup.brake.surface.effect} {error_text_in_percent(start['torque'])}; {step}",
+            f"(L2), {self.setup.brake.surface.word_for_torque_or_brake_force} "
+            f"{error_text_in_percent(start['torque'])}; {step}",
         ]
 
 
-class WearSetups(NamedTuple):
+class WearSetupsOfBothRotations(NamedTuple):
     """The contact problems for wear of a brake's linings, for both directions of rotation.
 
     Attributes
@@ -105,8 +105,8 @@ def require_options_of_wear_model(
     on_mesh : options of the user, by name, that only finite elements have
     on_springs : options of the user, by name, that only the foundation model has
     """
-    if model not in WEARING_MODELS:
-        allowed = ", ".join(WEARING_MODELS)
+    if model not in NAMES_OF_MODELS_WITH_WEAR:
+        allowed = ", ".join(NAMES_OF_MODELS_WITH_WEAR)
         raise BadInput(f"--model = {model!r}: does not wear; allowed: {allowed}")
     foreign = on_mesh if model == "foundation" else on_springs
     if foreign:
@@ -132,7 +132,7 @@ def make_wear_law(coefficient: float | str | None, exponent: float) -> WearLaw:
 
 def make_wear_setups_of_brake(
     brake: Brake, model: str, *, both_ways: bool, **options: Any
-) -> WearSetups:
+) -> WearSetupsOfBothRotations:
     """Set up the wear of a brake's linings, on the same mesh for both directions of rotation.
 
     Parameters
@@ -140,8 +140,8 @@ def make_wear_setups_of_brake(
     brake : the brake
     model : name of the model, "fem", "solid" or "foundation"
     both_ways : whether a setup is also made for the drum turning the other way
-    options : options of `prepared_model_for_analysis` for "fem" and "solid", and options of
-        `wear_setup_by_foundation_model` for "foundation"
+    options : options of `prepared_model_for_hold_wear_or_sensitivity` for "fem" and "solid", and
+        options of `wear_setup_by_foundation_model` for "foundation"
 
     Raises
     ------
@@ -156,19 +156,19 @@ def make_wear_setups_of_brake(
         backward = (
             None if turned_back is None else wear_setup_by_foundation_model(turned_back, **options)
         )
-        return WearSetups(forward, backward)
+        return WearSetupsOfBothRotations(forward, backward)
     # The imports take long, and only finite elements need them.
-    from drumlin.fem.analysis.prepared import prepared_model_for_analysis  # noqa: PLC0415
-    from drumlin.fem.solve import finest_model_with_stated_errors  # noqa: PLC0415
+    from drumlin.fem.analysis.prepared import prepared_model_for_hold_wear_or_sensitivity  # noqa: PLC0415
+    from drumlin.fem.solve import finest_prepared_model_with_stated_errors  # noqa: PLC0415
 
     error = None
     if model == "fem":
-        scene, error = finest_model_with_stated_errors(brake, **options)
+        scene, error = finest_prepared_model_with_stated_errors(brake, **options)
     else:
-        scene = prepared_model_for_analysis(brake, model, **options)
+        scene = prepared_model_for_hold_wear_or_sensitivity(brake, model, **options)
     forward = wear_setup_by_finite_elements(scene, brake)
     backward = None if turned_back is None else wear_setup_by_finite_elements(scene, turned_back)
-    return WearSetups(forward, backward, error)
+    return WearSetupsOfBothRotations(forward, backward, error)
 
 
 def sliding_distance_from_option(option: str, given: float | str, unit: float) -> float:
@@ -195,7 +195,7 @@ def sliding_distance_from_option(option: str, given: float | str, unit: float) -
 
 
 def wear_linings_of_whole_brake(
-    setups: WearSetups,
+    setups: WearSetupsOfBothRotations,
     law: WearLaw,
     *,
     distance: float | str | None = None,
@@ -242,5 +242,5 @@ def wear_linings_of_whole_brake(
     goal = final_wear_pressure_and_torque_by_rigid_shoe_law(setup, law, torque)
     # A held torque changes the actuation of the unworn state, and with it the contact.
     error = start_error if torque is None else None
-    step_error = tolerance or DEFAULT_WEAR_STEP_ERROR
+    step_error = tolerance or DEFAULT_PRESSURE_ERROR_OF_WEAR_STEP
     return WearRun(setup, law, tuple(states), goal, step_error, error)

@@ -24,7 +24,8 @@ This w is 0 where the lining is in contact, and not negative elsewhere, so that 
 The factor a and the motions y0 are free. The module chooses them by these rules:
 
 - a > 0 is the depth of even wear per pressure. A negative a would push the part of the lining that
-  is not in contact into the drum. A small depth is enough, see EVEN_WEAR.
+  is not in contact into the drum. A small depth is enough, see
+  LARGEST_ADDED_STEADY_WEAR_OVER_ELASTIC_GAP.
 - y0 is the position in which the unloaded shoe rests. It does not move a foot on a rough abutment.
   The foot then slides by a y' alone, and friction acts on it as in steady wear. y0 is the sum of
   two motions. The first opens the gap nearest to c. The second closes the gap most evenly, and it
@@ -45,20 +46,20 @@ import scipy.linalg
 from drumlin.base.arrays import Floats
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.brake.fields import Rows, table_rows_from_coordinates_and_values
+from drumlin.brake.fields import InterpolationTable, table_rows_from_coordinates_and_values
 from drumlin.brake.friction import require_friction_independent_of_pressure
 from drumlin.brake.further_loads import require_springs_with_constant_pull
-from drumlin.fem.model import PENALTY, solve_prepared_model
+from drumlin.fem.model import DEFAULT_PENALTY_FACTOR, solve_prepared_model
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.fem.solve import prepared_model_with_finest_elements
 from drumlin.foundation.model import (
-    RING_SECTIONS,
+    DEFAULT_DIVISIONS_OF_SHOE_BEAM,
     contact_problem_of_shoe_group,
     validated_names_of_effects_to_include,
 )
 from drumlin.foundation.post import brake_angles_from_beam_angles
 from drumlin.laws import solve_brake_by_sine_law
-from drumlin.lining_wear.archard import WearInterface, WearLaw, solve_steady_wear
+from drumlin.lining_wear.archard import WearContactProblem, WearLaw, solve_steady_wear
 from drumlin.lining_wear.linings import (
     WornLining,
     brake_with_given_lining_clearances,
@@ -67,7 +68,7 @@ from drumlin.lining_wear.linings import (
 from drumlin.response import Response
 from drumlin.response.merit import response_with_figures_of_merit
 
-LEAST_CLOSING = 0.01
+LEAST_RELATIVE_GAP_CHANGE_OF_CONSIDERED_NODE = 0.01
 """Gap change by a motion of the shoe below which a node is ignored.
 
 It is relative to the lining's largest gap change by this motion. An unloaded worn-in lining must
@@ -75,7 +76,7 @@ not penetrate the drum. The shoe is moved away from the drum until no node penet
 the ignored nodes. These lie near the line through the hinge and the drum's centre, where even a
 large motion hardly changes the gap. A judgement; the pressure does not depend on it."""
 
-EVEN_WEAR = 1e-3
+LARGEST_ADDED_STEADY_WEAR_OVER_ELASTIC_GAP = 1e-3
 """Largest depth of the steady wear that is added to a worn-in lining, relative to the elastic gap.
 
 The elastic gap is the largest opening of the gap under load that no motion of the shoe closes. The
@@ -85,7 +86,9 @@ would make soft shoes turn further than they need to. A judgement; the pressure 
 it."""
 
 
-def solve_worn_in_brake(brake: Brake, *, penalty: float = PENALTY, **options: Any) -> Response:
+def solve_worn_in_brake(
+    brake: Brake, *, penalty: float = DEFAULT_PENALTY_FACTOR, **options: Any
+) -> Response:
     """Solve a brake by finite elements as if its linings were worn in.
 
     Parameters
@@ -112,7 +115,7 @@ def brake_with_worn_in_clearances(scene: PreparedModel, brake: Brake) -> Brake:
     setup = wear_setup_by_finite_elements(
         scene, brake_without_misfit_and_clearance(brake, drum=True)
     )
-    gaps: dict[tuple[int, int], Rows] = {}
+    gaps: dict[tuple[int, int], InterpolationTable] = {}
     for number, interface in enumerate(setup.interfaces):
         surfaces = [surface for surface in setup.surfaces if surface.interface == number]
         # Shoes under a cam or behind a strut move together, so that their linings count as one.
@@ -121,7 +124,7 @@ def brake_with_worn_in_clearances(scene: PreparedModel, brake: Brake) -> Brake:
             linings = _contact_unknowns_of_each_shoe(surfaces)
         gap = _gap_of_unloaded_worn_in_linings(interface, linings)
         for surface in surfaces:
-            along = gap[surface.local][surface.forward]
+            along = gap[surface.slice_in_interface][surface.forward]
             gaps[surface.shoe, surface.lining] = table_rows_from_coordinates_and_values(
                 surface.contact_angles_in_growing_order, along
             )
@@ -137,11 +140,13 @@ def _contact_unknowns_of_each_shoe(surfaces: Sequence[WornLining]) -> list[slice
     slices = []
     for _, own in groupby(surfaces, attrgetter("shoe")):
         first, *others = own
-        slices.append(slice(first.local.start, (others or [first])[-1].local.stop))
+        slices.append(
+            slice(first.slice_in_interface.start, (others or [first])[-1].slice_in_interface.stop)
+        )
     return slices
 
 
-def _gap_of_unloaded_worn_in_linings(interface: WearInterface, linings: list[slice]) -> Floats:
+def _gap_of_unloaded_worn_in_linings(interface: WearContactProblem, linings: list[slice]) -> Floats:
     """The gap (n,) [m] between the drum and the unloaded, worn-in linings of one contact problem.
 
     The docstring of the module explains the symbols M, p, A, q, B and y.
@@ -179,22 +184,23 @@ def _gap_of_unloaded_worn_in_linings(interface: WearInterface, linings: list[sli
     closing = approach @ motions.evenly
     for part in linings:
         # The motion `evenly` is added, just large enough to keep the lining out of the drum. Nodes
-        # where this motion hardly changes the gap (LEAST_CLOSING) do not count.
-        moves = closing[part] >= LEAST_CLOSING * closing[part].max()
+        # where this motion hardly changes the gap (LEAST_RELATIVE_GAP_CHANGE_OF_CONSIDERED_NODE) do
+        # not count.
+        moves = closing[part] >= LEAST_RELATIVE_GAP_CHANGE_OF_CONSIDERED_NODE * closing[part].max()
         amount = float((bent[part][moves] / closing[part][moves]).max())
         own_motions = np.any(resting[part] != 0, axis=0)
         rest[own_motions] += amount * motions.evenly[own_motions]
-    depth_per_pressure = EVEN_WEAR * np.abs(bent).max() / p.max()
-    # The friction at the abutments in steady wear must also agree with the motions y = y0 + a y' of
-    # the loaded shoe.
+    depth_per_pressure = LARGEST_ADDED_STEADY_WEAR_OVER_ELASTIC_GAP * np.abs(bent).max() / p.max()
+    # In steady wear the shoes move by `rest_among_all` plus `depth_per_pressure` times the steady
+    # motion. The directions of friction at the abutments must fit this motion, too.
     rest_among_all = np.linalg.lstsq(B, resting @ rest, rcond=None)[0]
     y = rest_among_all + depth_per_pressure * end.contact.y
-    if not footing.stands(replace(end.contact, y=y)):
+    if not footing.is_consistent_with_solution(replace(end.contact, y=y)):
         raise NoAnswer("worn in, a foot hardly slides: friction may act on it in more than one way")
     return depth_per_pressure * p - opened + approach @ rest
 
 
-class _RestingMotions(NamedTuple):
+class _GapClosingMotions(NamedTuple):
     """Two motions of the shoes, each as m factors of the rigid-body modes.
 
     Attributes
@@ -208,8 +214,8 @@ class _RestingMotions(NamedTuple):
 
 
 def _motions_that_close_gap_best_and_most_evenly(
-    interface: WearInterface, opened: Floats, approach: Floats
-) -> _RestingMotions:
+    interface: WearContactProblem, opened: Floats, approach: Floats
+) -> _GapClosingMotions:
     """Two motions of the shoes: one closes the gap `opened` best, one closes the gap most evenly.
 
     Both are least-squares fits, in which each node is weighted by its area.
@@ -223,7 +229,7 @@ def _motions_that_close_gap_best_and_most_evenly(
     weight = np.sqrt(np.abs(interface.area))[:, None]
     wanted = np.column_stack([opened, np.ones(len(opened))])
     nearest, evenly = np.linalg.lstsq(approach * weight, wanted * weight, rcond=None)[0].T
-    return _RestingMotions(nearest, evenly)
+    return _GapClosingMotions(nearest, evenly)
 
 
 def brake_without_misfit_and_clearance(brake: Brake, *, drum: bool = False) -> Brake:
@@ -247,7 +253,7 @@ def brake_without_misfit_and_clearance(brake: Brake, *, drum: bool = False) -> B
 
 
 def post_brake_with_worn_in_clearances(
-    brake: Brake, *, sections: int = RING_SECTIONS, lift: Iterable[str] = ()
+    brake: Brake, *, sections: int = DEFAULT_DIVISIONS_OF_SHOE_BEAM, lift: Iterable[str] = ()
 ) -> Brake:
     """The brake with clearances for which the foundation model gives the pressure of the sine law.
 
@@ -258,7 +264,7 @@ def post_brake_with_worn_in_clearances(
     ----------
     brake : the brake, a post brake
     sections : number of divisions of each shoe's beam
-    lift : names in `foundation.LIFTS` of the effects that the model includes
+    lift : names in `foundation.INCLUDABLE_EFFECTS` of the effects that the model includes
 
     Raises
     ------
@@ -268,7 +274,7 @@ def post_brake_with_worn_in_clearances(
     names, law = validated_names_of_effects_to_include(brake, lift), solve_brake_by_sine_law(brake)
     fitting = brake_without_misfit_and_clearance(brake, drum=True)
     shoes = list(range(len(brake.shoes)))
-    gaps: dict[tuple[int, int], Rows] = {}
+    gaps: dict[tuple[int, int], InterpolationTable] = {}
     # Shoes influence each other only if the model includes how each shoe's own pressure bends the
     # drum's ring.
     groups = [shoes] if "own-pressure" in names else [[i] for i in shoes]

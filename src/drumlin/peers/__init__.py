@@ -8,22 +8,22 @@ from typing import TYPE_CHECKING, Any
 from drumlin.base.errors import BadInput
 from drumlin.base.moved import make_getattr_function_for_renamed_functions
 from drumlin.brake.brake import Brake
-from drumlin.peers.peer import Peer, PeerMissing
+from drumlin.peers.peer import PeerMissing, PeerResult
 from drumlin.response.merit import response_with_figures_of_merit
 
-PEERS = {"calculix": "CalculiX", "getfem": "GetFEM"}
+NAMES_OF_PEER_PROGRAMS = {"calculix": "CalculiX", "getfem": "GetFEM"}
 """The finite-element programs that solve a brake: their names in options, and their own names."""
 
 __all__ = [
-    "PEERS",
-    "Peer",
+    "NAMES_OF_PEER_PROGRAMS",
     "PeerMissing",
+    "PeerResult",
     "install_hint_if_missing",
     "solve_brake_by_calculix_or_getfem",
 ]
 
 
-def solve_brake_by_calculix_or_getfem(name: str, brake: Brake, **options: Any) -> Peer:
+def solve_brake_by_calculix_or_getfem(name: str, brake: Brake, **options: Any) -> PeerResult:
     """Solve a brake by a peer, another finite-element program.
 
     Parameters
@@ -44,14 +44,14 @@ def solve_brake_by_calculix_or_getfem(name: str, brake: Brake, **options: Any) -
     # Importing the peers also imports the finite elements, which takes long.
     from drumlin.peers import calculix, getfem  # noqa: PLC0415
 
-    if name not in PEERS:
-        raise BadInput(f"peer = {name!r}: unknown; allowed: {', '.join(PEERS)}")
+    if name not in NAMES_OF_PEER_PROGRAMS:
+        raise BadInput(f"peer = {name!r}: unknown; allowed: {', '.join(NAMES_OF_PEER_PROGRAMS)}")
     solve = (
         calculix.solve_brake_by_calculix
         if name == "calculix"
         else getfem.solve_brake_in_getfem_process
     )
-    peer: Peer = solve(brake, **options)
+    peer: PeerResult = solve(brake, **options)
     return peer._replace(response=response_with_figures_of_merit(brake, peer.response))
 
 

@@ -29,39 +29,39 @@ from drumlin.base.errors import NoAnswer
 from drumlin.base.files import write_text
 from drumlin.base.texts import number_as_text
 from drumlin.brake.brake import Brake
-from drumlin.fem.mesh.arc import DEFAULT_KIND
-from drumlin.fem.preparation.meshes import ELEMENTS, Mesher
+from drumlin.fem.mesh.arc import DEFAULT_MESH_KIND
+from drumlin.fem.preparation.meshes import DEFAULT_ELEMENTS_ALONG_LINING, Mesher
 from drumlin.fem.substructure.interface import (
     ContactLine,
+    coupling_matrices_of_contact_line,
     function_that_returns_drum_normals_and_tangents,
-    weak_coupling_of_contact_line,
 )
 from drumlin.peers.deck import (
-    BEARING_STIFFNESS,
-    BEYOND_ELEMENTS,
-    DeckSetting,
+    DRUM_ELEMENTS_BEYOND_LINING,
+    PIN_SPRING_STIFFNESS_IN_N_PER_MM,
+    CalculixDeckParameters,
     angles_of_drum_nodes,
     plane_stress_deck_text,
 )
 from drumlin.peers.peer import (
-    LoadedShoe,
-    Peer,
-    PeerForces,
+    ForcesOnShoeByPeer,
+    MeshedShoeUnderActuation,
     PeerMissing,
+    PeerResult,
     brake_response_from_shoe_responses,
     mesh_hinged_shoes_under_actuation,
     run_command_of_peer_program,
     shoe_response_and_imbalance_from_peer_forces,
     zero_response_and_imbalance_of_shoe_turned_from_drum,
 )
-from drumlin.response.response import Balance, ShoeResponse
+from drumlin.response.response import ForceAndMomentImbalance, ShoeResponse
 
-INSTALL_CALCULIX = (
+CALCULIX_MISSING_MESSAGE = (
     "CalculiX is not installed (no ccx on the PATH); on Debian and Ubuntu: apt install calculix-ccx"
 )
 """The error message if CalculiX is not installed."""
 
-LARGEST_STATE_IMBALANCE = 1e-3
+LARGEST_ACCEPTED_CALCULIX_IMBALANCE = 1e-3
 """Largest relative imbalance of forces or moments of a CalculiX state that is accepted.
 
 The balance counts the contact forces at the undisplaced nodes of the drum. In CalculiX these forces
@@ -69,25 +69,25 @@ act on the lining at the displaced nodes, after a rotation of 1e-3 rad. The diff
 an imbalance of about 1e-3.
 """
 
-LEAST_TOUCHING = 0.1
+LEAST_TOUCHING_ELEMENT_FRACTION = 0.1
 """Smallest fraction of the lining's elements that must touch the drum in an accepted state.
 
 CalculiX ended some runs with fewer elements in contact, and their states were no equilibria."""
 
-STICKING_SHEAR_RATIO = 0.99
+LARGEST_SHEAR_RATIO_OF_STICKING_POINT = 0.99
 """Shear stress divided by mu p below which a contact point counts as sticking."""
 
-MOST_STICKING = 0.02
+LARGEST_STICKING_FRACTION_IN_FULL_SLIP = 0.02
 """Largest fraction of the contact points that may stick in a state that counts as full slip."""
 
-MOST_DOUBLINGS = 4
+MOST_DRUM_ROTATION_DOUBLINGS = 4
 """Largest number of times that the drum's rotation is doubled to make the whole lining slip."""
 
-LONGEST_CALCULIX = 3600
+LONGEST_CALCULIX_SECONDS = 3600
 """Time [s] after which a run of CalculiX is stopped."""
 
 
-class DeckFormat(NamedTuple):
+class DeckWriterAndContactForceReader(NamedTuple):
     """How a shoe is written as a CalculiX deck, and how the contact forces are read back.
 
     Shoes in plane stress and three-dimensional shoes need different decks.
@@ -99,7 +99,7 @@ class DeckFormat(NamedTuple):
         on the drum's nodes along the friction surface
     """
 
-    text: Callable[[DeckSetting, str], str]
+    text: Callable[[CalculixDeckParameters, str], str]
     along: Callable[[Floats], Floats]
 
 
@@ -135,14 +135,19 @@ def calculix_version() -> str:
     """The version of CalculiX, the `ccx` on the PATH. Raises PeerMissing if ccx is missing."""
     path = shutil.which("ccx")
     if path is None:
-        raise PeerMissing(INSTALL_CALCULIX)
+        raise PeerMissing(CALCULIX_MISSING_MESSAGE)
     output = subprocess.run([path, "-v"], capture_output=True, text=True, check=False).stdout
     found = re.search(r"Version\s+(\S+)", output)
     return found[1] if found else "unknown"
 
 
 def export_calculix_deck_of_each_shoe(
-    brake: Brake, folder: Path, stem: str, *, elements: int = ELEMENTS, kind: str = DEFAULT_KIND
+    brake: Brake,
+    folder: Path,
+    stem: str,
+    *,
+    elements: int = DEFAULT_ELEMENTS_ALONG_LINING,
+    kind: str = DEFAULT_MESH_KIND,
 ) -> tuple[list[Path], list[str]]:
     """Write the CalculiX decks with which `solve_brake_by_calculix` begins: one for each shoe.
 
@@ -161,21 +166,23 @@ def export_calculix_deck_of_each_shoe(
     the paths of the decks, and the names of the shoes without a deck; the actuation turns these
     shoes away from the drum
     """
-    setting, decks = DeckSetting(), []
+    setting, decks = CalculixDeckParameters(), []
     for loaded in mesh_hinged_shoes_under_actuation(brake, elements, kind):
-        decks.append(ShoeDeck(loaded, partial(plane_stress_deck_text, brake, loaded, setting)))
+        decks.append(
+            ShoeWithDeckText(loaded, partial(plane_stress_deck_text, brake, loaded, setting))
+        )
     return write_decks_of_shoes_pressed_on_drum(decks, folder, stem)
 
 
-class ShoeDeck(NamedTuple):
+class ShoeWithDeckText(NamedTuple):
     """A shoe under its actuation, and a function from the name of its deck to the deck's text."""
 
-    loaded: LoadedShoe
+    loaded: MeshedShoeUnderActuation
     text: Callable[[str], str]
 
 
 def write_decks_of_shoes_pressed_on_drum(
-    decks: Sequence[ShoeDeck], folder: Path, stem: str, ending: str = ""
+    decks: Sequence[ShoeWithDeckText], folder: Path, stem: str, ending: str = ""
 ) -> tuple[list[Path], list[str]]:
     """Write a CalculiX deck for each shoe that its actuation presses on the drum.
 
@@ -192,7 +199,7 @@ def write_decks_of_shoes_pressed_on_drum(
     """
     paths, apart = [], []
     for loaded, text in decks:
-        if not loaded.approaches:
+        if not loaded.is_pressed_on_drum:
             apart.append(loaded.shoe.name)
             continue
         path = folder / f"{stem}_{loaded.shoe.name}{ending}.inp".replace(" ", "_")
@@ -204,11 +211,11 @@ def write_decks_of_shoes_pressed_on_drum(
 def solve_brake_by_calculix(
     brake: Brake,
     *,
-    elements: int = ELEMENTS,
-    kind: str = DEFAULT_KIND,
+    elements: int = DEFAULT_ELEMENTS_ALONG_LINING,
+    kind: str = DEFAULT_MESH_KIND,
     mesher: Mesher | None = None,
-    setting: DeckSetting | None = None,
-) -> Peer:
+    setting: CalculixDeckParameters | None = None,
+) -> PeerResult:
     """Solve a brake by CalculiX on drumlin's mesh.
 
     If a lining sticks somewhere, its run is repeated with twice the rotation of the drum.
@@ -230,14 +237,14 @@ def solve_brake_by_calculix(
         if CalculiX fails, or ends on a state that is no equilibrium
     """
     installed = calculix_version()
-    tally = RunTally()
+    tally = CollectedCalculixResults()
     points = []
     for loaded in mesh_hinged_shoes_under_actuation(brake, elements, kind, mesher):
-        if not loaded.approaches:
+        if not loaded.is_pressed_on_drum:
             tally.answers.append(zero_response_and_imbalance_of_shoe_turned_from_drum(loaded))
             continue
         state, rotation = run_calculix_to_state_and_rotation_of_full_slip(
-            brake, loaded, setting or DeckSetting()
+            brake, loaded, setting or CalculixDeckParameters()
         )
         tally.add_results_and_costs_of_shoe(loaded, state)
         points.append(
@@ -253,24 +260,28 @@ def solve_brake_by_calculix(
     return tally.result_of_brake_from_added_shoes(installed, notes)
 
 
-class RunTally:
+class CollectedCalculixResults:
     """Collects the results and the costs of CalculiX's runs for the shoes of a brake."""
 
     def __init__(self) -> None:
-        self.answers: list[tuple[ShoeResponse, Balance]] = []
+        self.answers: list[tuple[ShoeResponse, ForceAndMomentImbalance]] = []
         self._iterations, self._unknowns, self._seconds = 0, 0, 0.0
 
-    def add_results_and_costs_of_shoe(self, loaded: LoadedShoe, state: CalculixState) -> None:
+    def add_results_and_costs_of_shoe(
+        self, loaded: MeshedShoeUnderActuation, state: CalculixState
+    ) -> None:
         """Add the results of a shoe, and the iterations, unknowns and time of its run."""
         self.answers.append(shoe_response_and_imbalance_of_calculix_state(loaded, state))
         self._iterations = max(self._iterations, state.iterations)
         self._unknowns += state.unknowns
         self._seconds += state.seconds
 
-    def result_of_brake_from_added_shoes(self, installed: str, notes: tuple[str, ...]) -> Peer:
+    def result_of_brake_from_added_shoes(
+        self, installed: str, notes: tuple[str, ...]
+    ) -> PeerResult:
         """The collected result for the whole brake; `installed` is the version of CalculiX."""
         seconds = self._seconds
-        return Peer(
+        return PeerResult(
             name="calculix",
             version=installed,
             response=brake_response_from_shoe_responses(
@@ -284,20 +295,25 @@ class RunTally:
         )
 
 
-def plane_stress_deck_format(brake: Brake, loaded: LoadedShoe) -> DeckFormat:
+def plane_stress_deck_writer_and_force_reader(
+    brake: Brake, loaded: MeshedShoeUnderActuation
+) -> DeckWriterAndContactForceReader:
     """How a shoe in plane stress is written as a deck, and how forces on the drum are read back."""
     count = len(angles_of_drum_nodes(loaded))
     # The deck lists the drum's nodes from the inner to the outer arc. The friction surface is the
     # inner arc for an internal shoe, the outer arc for an external shoe.
-    arc = slice(count) if loaded.shoe.sign > 0 else slice(-count, None)
-    return DeckFormat(
+    arc = slice(count) if loaded.shoe.sign_internal_plus_external_minus > 0 else slice(-count, None)
+    return DeckWriterAndContactForceReader(
         text=lambda setting, name: plane_stress_deck_text(brake, loaded, setting, name),
         along=lambda forces: forces[arc],
     )
 
 
 def run_calculix_to_state_and_rotation_of_full_slip(
-    brake: Brake, loaded: LoadedShoe, setting: DeckSetting, posed: DeckFormat | None = None
+    brake: Brake,
+    loaded: MeshedShoeUnderActuation,
+    setting: CalculixDeckParameters,
+    posed: DeckWriterAndContactForceReader | None = None,
 ) -> tuple[CalculixState, float]:
     """Run CalculiX with larger and larger rotations of the drum, until the whole lining slips.
 
@@ -316,10 +332,10 @@ def run_calculix_to_state_and_rotation_of_full_slip(
     NoAnswer
         if CalculiX fails, or the lining sticks at the largest rotation
     """
-    for _ in range(MOST_DOUBLINGS + 1):
+    for _ in range(MOST_DRUM_ROTATION_DOUBLINGS + 1):
         state = write_deck_of_shoe_and_run_calculix(brake, loaded, setting, posed)
         require_equilibrium_and_contact(loaded, state)
-        if state.sticking <= MOST_STICKING:
+        if state.sticking <= LARGEST_STICKING_FRACTION_IN_FULL_SLIP:
             return state, setting.rotation
         setting = setting._replace(rotation=2 * setting.rotation)
     raise NoAnswer(
@@ -330,7 +346,10 @@ def run_calculix_to_state_and_rotation_of_full_slip(
 
 
 def write_deck_of_shoe_and_run_calculix(
-    brake: Brake, loaded: LoadedShoe, setting: DeckSetting, posed: DeckFormat | None = None
+    brake: Brake,
+    loaded: MeshedShoeUnderActuation,
+    setting: CalculixDeckParameters,
+    posed: DeckWriterAndContactForceReader | None = None,
 ) -> CalculixState:
     """Write the deck of a shoe into a temporary folder, run `ccx` on one thread, read its results.
 
@@ -347,12 +366,12 @@ def write_deck_of_shoe_and_run_calculix(
         if CalculiX does not end normally
     """
     calculix_version()
-    posed = posed or plane_stress_deck_format(brake, loaded)
+    posed = posed or plane_stress_deck_writer_and_force_reader(brake, loaded)
     text = posed.text(setting, "shoe")
     with tempfile.TemporaryDirectory(prefix="drumlin-calculix-") as name:
         folder = Path(name)
         (folder / "shoe.inp").write_text(text, encoding="utf-8")
-        ended = run_command_of_peer_program(["ccx", "shoe"], folder, LONGEST_CALCULIX)
+        ended = run_command_of_peer_program(["ccx", "shoe"], folder, LONGEST_CALCULIX_SECONDS)
         if ended.status or "Job finished" not in ended.output:
             reason = (
                 _last_error_line(ended.output) or f"its process ended with status {ended.status}"
@@ -372,7 +391,7 @@ def _last_error_line(output: str) -> str:
     return faults
 
 
-class _Results(NamedTuple):
+class _CalculixResultNumbers(NamedTuple):
     """The numbers in CalculiX's file of results (.dat).
 
     Attributes
@@ -392,13 +411,13 @@ class _Results(NamedTuple):
     time: float
 
 
-def _read_numbers_of_results_file(dat: str) -> _Results:
+def _read_numbers_of_results_file(dat: str) -> _CalculixResultNumbers:
     """Read the numbers in CalculiX's file of results.
 
     Raises LookupError or ValueError if numbers are missing.
     """
-    blocks = _rows_of_numbers_below_each_heading(dat)
-    return _Results(
+    blocks = _number_lines_below_each_heading(dat)
+    return _CalculixResultNumbers(
         drum=_numbers_below_heading(blocks, "forces (fx,fy,fz) for set NDRUM"),
         pin=_numbers_below_heading(blocks, "displacements (vx,vy,vz) for set PIN")[0, 1:3],
         turn=float(_numbers_below_heading(blocks, "displacements (vx,vy,vz) for set TURN")[0, 1]),
@@ -412,9 +431,9 @@ def read_calculix_state(
     sta: str,
     output: str,
     brake: Brake,
-    loaded: LoadedShoe,
-    setting: DeckSetting,
-    posed: DeckFormat | None = None,
+    loaded: MeshedShoeUnderActuation,
+    setting: CalculixDeckParameters,
+    posed: DeckWriterAndContactForceReader | None = None,
 ) -> CalculixState:
     """Read the state of a shoe from the files that CalculiX has written.
 
@@ -443,14 +462,14 @@ def read_calculix_state(
     # The deck models only a fraction of the lining's width, so that its forces are divided by this
     # fraction.
     size = setting.thickness
-    along = (posed or plane_stress_deck_format(brake, loaded)).along
+    along = (posed or plane_stress_deck_writer_and_force_reader(brake, loaded)).along
     stress = results.stress
     pressure, shear = stress[:, 2], np.hypot(stress[:, 3], stress[:, 4])
     # Contact points with hardly any pressure do not count in the fraction of sticking points.
     pressed = pressure > 1e-3 * pressure.max()
     sticks = (
         shear[pressed]
-        < STICKING_SHEAR_RATIO
+        < LARGEST_SHEAR_RATIO_OF_STICKING_POINT
         * brake.friction_coefficient_of_shoe_at_zero_pressure(shoe)
         * pressure[pressed]
     )
@@ -459,7 +478,10 @@ def read_calculix_state(
     equations = re.search(r"number of equations\s+(\d+)", output)
     return CalculixState(
         contact=shoe.frame.convert_vectors_to_shoe_frame(along(results.drum[:, 1:3])) / size,
-        pin=shoe.frame.convert_vectors_to_shoe_frame(-BEARING_STIFFNESS * results.pin) / size,
+        pin=shoe.frame.convert_vectors_to_shoe_frame(
+            -PIN_SPRING_STIFFNESS_IN_N_PER_MM * results.pin
+        )
+        / size,
         turn=results.turn,
         touching=len(np.unique(stress[:, 0])),
         points=len(stress),
@@ -469,7 +491,7 @@ def read_calculix_state(
     )
 
 
-def _rows_of_numbers_below_each_heading(dat: str) -> dict[str, str]:
+def _number_lines_below_each_heading(dat: str) -> dict[str, str]:
     """The lines with numbers in CalculiX's file of results, by the heading above them.
 
     If a heading occurs several times, the lines below its last occurrence are returned.
@@ -500,16 +522,16 @@ def _numbers_below_heading(blocks: dict[str, str], start: str) -> Floats:
     raise LookupError(f"nothing under {start!r}")
 
 
-def require_equilibrium_and_contact(loaded: LoadedShoe, state: CalculixState) -> None:
+def require_equilibrium_and_contact(loaded: MeshedShoeUnderActuation, state: CalculixState) -> None:
     """Raise NoAnswer if a shoe's state is no equilibrium or has too few elements in contact."""
     name, lining = loaded.shoe.name, len(loaded.parts.line.pieces[0])
     _, balance = shoe_response_and_imbalance_of_calculix_state(loaded, state)
-    if not max(balance.force, balance.moment) < LARGEST_STATE_IMBALANCE:
+    if not max(balance.force, balance.moment) < LARGEST_ACCEPTED_CALCULIX_IMBALANCE:
         raise NoAnswer(
             f"shoe {name!r}: CalculiX ended normally where forces balance only to "
             f"{balance.force:.1e} and moments to {balance.moment:.1e}"
         )
-    if state.touching < LEAST_TOUCHING * lining:
+    if state.touching < LEAST_TOUCHING_ELEMENT_FRACTION * lining:
         raise NoAnswer(
             f"shoe {name!r}: CalculiX ended normally with {state.points} contact points on "
             f"{state.touching} of {lining} elements"
@@ -517,8 +539,8 @@ def require_equilibrium_and_contact(loaded: LoadedShoe, state: CalculixState) ->
 
 
 def shoe_response_and_imbalance_of_calculix_state(
-    loaded: LoadedShoe, state: CalculixState
-) -> tuple[ShoeResponse, Balance]:
+    loaded: MeshedShoeUnderActuation, state: CalculixState
+) -> tuple[ShoeResponse, ForceAndMomentImbalance]:
     """The response of a shoe from CalculiX's results, and the relative imbalance of its forces.
 
     CalculiX gives nodal forces on the drum. Pressure and shear stress at the nodes follow from
@@ -527,14 +549,16 @@ def shoe_response_and_imbalance_of_calculix_state(
     shoe, frame = loaded.shoe, loaded.shoe.frame
     # The nodes of the drum's arc in the order of growing phi, the angle in the shoe's frame.
     forces = state.contact[:: frame.sense]
-    phi = frame.phi(angles_of_drum_nodes(loaded))[:: frame.sense]
+    phi = frame.phi_of_surface_coordinates(angles_of_drum_nodes(loaded))[:: frame.sense]
     radius = float(np.hypot(*loaded.parts.line.xy).mean())
     xy = radius * np.array([np.cos(phi), np.sin(phi)])
     # Each quadratic edge of an element has three successive nodes; two edges share an end node.
     pieces = np.arange(3)[:, None] + np.arange(0, len(phi) - 2, 2)
     line = ContactLine(np.arange(len(phi)), xy, phi, pieces)
-    coupling = weak_coupling_of_contact_line(
-        line, shoe.lining.width, function_that_returns_drum_normals_and_tangents(shoe.sign)
+    coupling = coupling_matrices_of_contact_line(
+        line,
+        shoe.lining.width,
+        function_that_returns_drum_normals_and_tangents(shoe.sign_internal_plus_external_minus),
     )
     # Column j of each matrix has the nodal forces of a unit pressure, or unit shear, at node j.
     pressing, dragging = -coupling.N.T, coupling.T.T
@@ -548,8 +572,8 @@ def shoe_response_and_imbalance_of_calculix_state(
     # force, so that `held` is the force of the hinge on the shoe's body.
     if not loaded.does_actuation_act_on_body_end:
         held += [*loaded.force, loaded.couple]
-    found = PeerForces(normal, friction, math.copysign(torque, loaded.drag), held, torque)
-    lining = slice(2 * BEYOND_ELEMENTS, len(phi) - 2 * BEYOND_ELEMENTS)
+    found = ForcesOnShoeByPeer(normal, friction, math.copysign(torque, loaded.drag), held, torque)
+    lining = slice(2 * DRUM_ELEMENTS_BEYOND_LINING, len(phi) - 2 * DRUM_ELEMENTS_BEYOND_LINING)
     turn = np.array([state.turn])
     return shoe_response_and_imbalance_from_peer_forces(
         loaded, phi[lining], pressure[lining], 2, found, turn

@@ -18,15 +18,15 @@ import numpy as np
 from drumlin.base.arrays import Floats, Ints
 from drumlin.base.errors import BadInput
 from drumlin.brake.brake import Brake
-from drumlin.brake.fields import Material, Orthotropic
+from drumlin.brake.fields import Material, OrthotropicMaterial
 from drumlin.fem.equilibrium.state import unloaded_lining_gaps_at_points
-from drumlin.fem.mesh.abaqus import TYPE_OF_CELL
-from drumlin.fem.mesh.arc import element_kind_of_mesh
+from drumlin.fem.mesh.abaqus import ABAQUS_TYPE_OF_MESHIO_CELL
+from drumlin.fem.mesh.arc import mesh_kind_of_scikit_fem_mesh
 from drumlin.fem.mesh.edges import nodes_along_element_edges
 from drumlin.fem.preparation.meshes import materials_and_widths_of_shoe_parts
 from drumlin.fem.substructure.elasticity import elastic_layers_of_shoe
 from drumlin.fem.substructure.interface import nodal_forces_of_unit_end_loads_and_end_centre
-from drumlin.peers.peer import LoadedShoe
+from drumlin.peers.peer import MeshedShoeUnderActuation
 
 MM_PER_METRE = 1e3
 """Millimetres in a metre: the lengths of a deck are in mm."""
@@ -34,35 +34,35 @@ MM_PER_METRE = 1e3
 MPA_PER_PASCAL = 1e-6
 """Megapascals in a pascal: the stresses of a deck are in MPa."""
 
-DECK_CELLS = {"quad9": ("quad8", 4), "triangle6": ("triangle6", 3)}
+DECK_CELL_AND_CORNERS_OF_MESH_CELL = {"quad9": ("quad8", 4), "triangle6": ("triangle6", 3)}
 """For each kind of cell in drumlin's mesh: the kind of cell in a deck, and its corner count."""
 
-DRUM_LAYER = 1 / 30
+DRUM_LAYER_THICKNESS_OVER_RADIUS = 1 / 30
 """Thickness of the drum's arc of elements, relative to the radius of the drum.
 
 The value has no effect on results, since the displacements of all nodes of the drum are
 prescribed."""
 
-BEYOND_ANGLE = math.radians(3)
+DRUM_ANGLE_BEYOND_LINING = math.radians(3)
 """Angle [rad] by which the drum's arc reaches past each end of the lining."""
 
-BEYOND_ELEMENTS = 2
+DRUM_ELEMENTS_BEYOND_LINING = 2
 """Number of the drum's elements past each end of the lining."""
 
-BEARING_STIFFNESS = 1e10
+PIN_SPRING_STIFFNESS_IN_N_PER_MM = 1e10
 """Stiffness of the springs that support the pin [N/mm].
 
 The hinge reaction is computed from the displacement of the pin. Under 1 kN the pin moves by 1e-7
 mm. This is too little to change a result, and CalculiX still prints it with all digits."""
 
-DRUM_MODULUS = 1e-6
+DRUM_MODULUS_OVER_LINING_MODULUS = 1e-6
 """Young's modulus of the drum, relative to Young's modulus of the lining.
 
 The displacements of all nodes of the drum are prescribed. A soft drum adds nearly nothing to the
 forces on these nodes, so that they equal the contact forces."""
 
 
-class DeckSetting(NamedTuple):
+class CalculixDeckParameters(NamedTuple):
     """The parameters of a CalculiX deck.
 
     Attributes
@@ -71,7 +71,7 @@ class DeckSetting(NamedTuple):
     thickness : thickness of all elements, relative to the lining's width
     penalty : normal contact stiffness, relative to the lining's Young's modulus divided by its
         thickness
-    stick : tangential stiffness of a sticking contact, relative to the same quotient
+    tangential_penalty : tangential stiffness of a sticking contact, relative to the same quotient
     steps : smallest number of increments of the load step
     accuracy : CalculiX's relative tolerance of the residual forces
     """
@@ -79,12 +79,12 @@ class DeckSetting(NamedTuple):
     rotation: float = 1e-3
     thickness: float = 0.01
     penalty: float = 1e3
-    stick: float = 1e3
+    tangential_penalty: float = 1e3
     steps: int = 1
     accuracy: float = 1e-5
 
 
-class DeckGrid(NamedTuple):
+class ShoeMeshOfDeck(NamedTuple):
     """A shoe's mesh in the form of a CalculiX deck, in the brake's frame.
 
     Labels are CalculiX's numbers of nodes and elements, from 1 on. The nodes of the mesh come
@@ -113,14 +113,14 @@ class DeckGrid(NamedTuple):
     bearing: int
 
 
-class FirstLabels(NamedTuple):
+class FirstDrumLabels(NamedTuple):
     """The labels of the drum's first node and first element in a CalculiX deck."""
 
     node: int
     element: int
 
 
-class DrumMesh(NamedTuple):
+class DrumMeshAsDeckLines(NamedTuple):
     """The drum's mesh: deck lines of its nodes and elements, and the nodes' places (n, 2) [mm]."""
 
     lines: list[str]
@@ -128,7 +128,10 @@ class DrumMesh(NamedTuple):
 
 
 def plane_stress_deck_text(
-    brake: Brake, loaded: LoadedShoe, setting: DeckSetting, name: str = "shoe"
+    brake: Brake,
+    loaded: MeshedShoeUnderActuation,
+    setting: CalculixDeckParameters,
+    name: str = "shoe",
 ) -> str:
     """The text of the CalculiX deck of one shoe, in the brake's frame.
 
@@ -146,9 +149,9 @@ def plane_stress_deck_text(
     """
     require_lining_without_gap(brake, loaded)
     grid = _shoe_mesh_in_form_of_calculix_deck(loaded)
-    drum_mesh = mesh_drum_arc(brake, loaded, FirstLabels(grid.turn + 1, len(grid.cells) + 1))
+    drum_mesh = mesh_drum_arc(brake, loaded, FirstDrumLabels(grid.turn + 1, len(grid.cells) + 1))
     lining_faces = deck_lines_of_element_faces(grid.cells, grid.edges["contact"], grid.corners)
-    drum_face = "S1" if loaded.shoe.sign > 0 else "S3"
+    drum_face = "S1" if loaded.shoe.sign_internal_plus_external_minus > 0 else "S3"
     lines = [
         *deck_header_lines(brake, loaded, setting, name),
         *_deck_lines_of_shoe_mesh(loaded, grid),
@@ -163,7 +166,7 @@ def plane_stress_deck_text(
     return "\n".join(lines) + "\n"
 
 
-def require_lining_without_gap(brake: Brake, loaded: LoadedShoe) -> None:
+def require_lining_without_gap(brake: Brake, loaded: MeshedShoeUnderActuation) -> None:
     """Raise BadInput if there is a gap between the undeformed lining and the drum."""
     shoe, line = loaded.shoe, loaded.parts.line
     if np.any(unloaded_lining_gaps_at_points(line.xy, line.phi, brake, shoe)):
@@ -173,13 +176,13 @@ def require_lining_without_gap(brake: Brake, loaded: LoadedShoe) -> None:
         )
 
 
-def _shoe_mesh_in_form_of_calculix_deck(loaded: LoadedShoe) -> DeckGrid:
+def _shoe_mesh_in_form_of_calculix_deck(loaded: MeshedShoeUnderActuation) -> ShoeMeshOfDeck:
     """The mesh of a shoe in the form of a CalculiX deck. Raises BadInput for linear elements."""
     shoe, parts = loaded.shoe, loaded.parts
-    cell = element_kind_of_mesh(parts.mesh).cell
-    if cell not in DECK_CELLS:
+    cell = mesh_kind_of_scikit_fem_mesh(parts.mesh).cell
+    if cell not in DECK_CELL_AND_CORNERS_OF_MESH_CELL:
         raise BadInput("--kind: CalculiX gets quadratic elements only; allowed: quad2, tri2")
-    kind, corners = DECK_CELLS[cell]
+    kind, corners = DECK_CELL_AND_CORNERS_OF_MESH_CELL[cell]
     xy = shoe.frame.convert_vectors_from_shoe_to_brake_frame(parts.basis.doflocs.T) * MM_PER_METRE
     cells = cells_with_nodes_counter_clockwise(
         xy, parts.basis.element_dofs.T[:, : 2 * corners], corners
@@ -187,11 +190,11 @@ def _shoe_mesh_in_form_of_calculix_deck(loaded: LoadedShoe) -> DeckGrid:
     edges = {}
     for name, facets in parts.mesh.boundaries.items():
         edges[name] = nodes_along_element_edges(parts.basis, facets)
-    return DeckGrid(
+    return ShoeMeshOfDeck(
         xy=xy,
         cells=cells,
         corners=corners,
-        kind=TYPE_OF_CELL[kind],
+        kind=ABAQUS_TYPE_OF_MESHIO_CELL[kind],
         edges=edges,
         pin=len(xy) + 1,
         turn=len(xy) + 2,
@@ -199,7 +202,7 @@ def _shoe_mesh_in_form_of_calculix_deck(loaded: LoadedShoe) -> DeckGrid:
     )
 
 
-def _deck_lines_of_shoe_mesh(loaded: LoadedShoe, grid: DeckGrid) -> list[str]:
+def _deck_lines_of_shoe_mesh(loaded: MeshedShoeUnderActuation, grid: ShoeMeshOfDeck) -> list[str]:
     """The lines of a deck for the nodes and elements of a shoe."""
     hinge = loaded.shoe.pin.xy * MM_PER_METRE
     lines = ["*NODE, NSET=NSHOE"]
@@ -222,7 +225,9 @@ def _deck_line_of_node(label: int, xy: Floats) -> str:
     return f"{label}, {xy[0]:.12e}, {xy[1]:.12e}, 0."
 
 
-def _deck_lines_of_materials(loaded: LoadedShoe, setting: DeckSetting) -> list[str]:
+def _deck_lines_of_materials(
+    loaded: MeshedShoeUnderActuation, setting: CalculixDeckParameters
+) -> list[str]:
     """The lines of a deck for the materials and the thickness of the parts of a shoe.
 
     All parts have the same thickness. A part that is wider than the lining gets a larger modulus in
@@ -230,7 +235,7 @@ def _deck_lines_of_materials(loaded: LoadedShoe, setting: DeckSetting) -> list[s
     """
     lining = loaded.shoe.lining
     thickness = setting.thickness * lining.width * MM_PER_METRE
-    drum_material = Material(E=DRUM_MODULUS * lining.material.E_through, nu=0.0)
+    drum_material = Material(E=DRUM_MODULUS_OVER_LINING_MODULUS * lining.material.E_through, nu=0.0)
     parts = materials_and_widths_of_shoe_parts(loaded.shoe) | {
         "drum": (drum_material, lining.width)
     }
@@ -255,7 +260,7 @@ def _deck_lines_of_materials(loaded: LoadedShoe, setting: DeckSetting) -> list[s
     return lines
 
 
-def _deck_lines_of_orthotropic_material(material: Orthotropic, times: float) -> list[str]:
+def _deck_lines_of_orthotropic_material(material: OrthotropicMaterial, times: float) -> list[str]:
     """The lines of a deck for an orthotropic material, with its moduli multiplied by `times`.
 
     CalculiX's directions 1, 2, 3 are through, along and across the layer, as in its cylindrical
@@ -294,7 +299,11 @@ def _deck_lines_of_orientation(name: str, along: Floats | None) -> list[str]:
 
 
 def deck_lines_of_contact(
-    brake: Brake, loaded: LoadedShoe, setting: DeckSetting, slave: list[str], master: str
+    brake: Brake,
+    loaded: MeshedShoeUnderActuation,
+    setting: CalculixDeckParameters,
+    slave: list[str],
+    master: str,
 ) -> list[str]:
     """The lines of a deck for the contact between lining and drum.
 
@@ -319,13 +328,13 @@ def deck_lines_of_contact(
         f"{setting.penalty * unit:.12e}",
         "*FRICTION",
         f"{brake.friction_coefficient_of_shoe_at_zero_pressure(loaded.shoe):.12e}, "
-        f"{setting.stick * unit:.12e}",
+        f"{setting.tangential_penalty * unit:.12e}",
         "*CONTACT PAIR, INTERACTION=SLIDING, TYPE=SURFACE TO SURFACE",
         "SLINING, SDRUM",
     ]
 
 
-def deck_lines_of_hinge(loaded: LoadedShoe, grid: DeckGrid) -> list[str]:
+def deck_lines_of_hinge(loaded: MeshedShoeUnderActuation, grid: ShoeMeshOfDeck) -> list[str]:
     """The lines of a deck for the hinge and its pin.
 
     The nodes at the hinge move as a rigid line with the pin and turn about it. Stiff springs
@@ -345,12 +354,20 @@ def deck_lines_of_hinge(loaded: LoadedShoe, grid: DeckGrid) -> list[str]:
             f"{grid.bearing + c}, {grid.pin}",
         ]
     for c, axis in enumerate("XY", start=1):
-        lines += [f"*SPRING, ELSET=BEARING{axis}", f"{c}", f"{BEARING_STIFFNESS:.12e}"]
+        lines += [
+            f"*SPRING, ELSET=BEARING{axis}",
+            f"{c}",
+            f"{PIN_SPRING_STIFFNESS_IN_N_PER_MM:.12e}",
+        ]
     return [*lines, "*BOUNDARY", f"{grid.pin}, 3, 3"]
 
 
 def deck_lines_of_load_step(
-    brake: Brake, setting: DeckSetting, grid: DeckGrid, drum_xy: Floats, load: list[str]
+    brake: Brake,
+    setting: CalculixDeckParameters,
+    grid: ShoeMeshOfDeck,
+    drum_xy: Floats,
+    load: list[str],
 ) -> list[str]:
     """The lines of a deck for the load step, which loads the shoe and rotates the drum together.
 
@@ -379,7 +396,9 @@ def deck_lines_of_load_step(
     return [*lines, "*CONTACT FILE, FREQUENCY=1000", "CDIS, CSTR", "*END STEP"]
 
 
-def _deck_lines_of_actuation(loaded: LoadedShoe, setting: DeckSetting, grid: DeckGrid) -> list[str]:
+def _deck_lines_of_actuation(
+    loaded: MeshedShoeUnderActuation, setting: CalculixDeckParameters, grid: ShoeMeshOfDeck
+) -> list[str]:
     """The lines of a deck for the actuation of a shoe.
 
     On an elastic body the lines give the same nodal forces as in drumlin's own solve, also for
@@ -408,7 +427,7 @@ def deck_lines_of_nodal_forces(forces: Floats, nodes: Ints) -> list[str]:
 
 
 def deck_lines_of_load_on_pin(
-    loaded: LoadedShoe, setting: DeckSetting, grid: DeckGrid
+    loaded: MeshedShoeUnderActuation, setting: CalculixDeckParameters, grid: ShoeMeshOfDeck
 ) -> list[str]:
     """The lines of a deck for the actuation as a force and a couple on the pin of a rigid shoe."""
     frame, size = loaded.shoe.frame, setting.thickness
@@ -419,7 +438,7 @@ def deck_lines_of_load_on_pin(
 
 
 def deck_header_lines(
-    brake: Brake, loaded: LoadedShoe, setting: DeckSetting, name: str
+    brake: Brake, loaded: MeshedShoeUnderActuation, setting: CalculixDeckParameters, name: str
 ) -> list[str]:
     """The comment lines at the head of a deck: its brake, its units, how to run and read it.
 
@@ -482,20 +501,22 @@ def deck_lines_of_element_faces(cells: Ints, along: Ints, corners: int) -> list[
     return lines
 
 
-def angles_of_drum_nodes(loaded: LoadedShoe) -> Floats:
+def angles_of_drum_nodes(loaded: MeshedShoeUnderActuation) -> Floats:
     """The angles theta [rad] of the nodes of the drum's arc in a CalculiX deck.
 
     The drum has nodes at the same angles as the lining, so that no gap is left between the curved
     edges of drum and lining. It has a few more nodes beyond the lining's ends.
     """
-    theta = np.sort(loaded.shoe.frame.theta(loaded.parts.line.phi))
+    theta = np.sort(loaded.shoe.frame.surface_coordinates_of_phi(loaded.parts.line.phi))
     # The drum's arc must not close to a full circle.
-    beyond = min(BEYOND_ANGLE, 0.49 * (2 * math.pi - np.ptp(theta)))
-    more = np.linspace(0.0, beyond, 2 * BEYOND_ELEMENTS + 1)[1:]
+    beyond = min(DRUM_ANGLE_BEYOND_LINING, 0.49 * (2 * math.pi - np.ptp(theta)))
+    more = np.linspace(0.0, beyond, 2 * DRUM_ELEMENTS_BEYOND_LINING + 1)[1:]
     return np.concatenate([theta[0] - more[::-1], theta, theta[-1] + more])
 
 
-def mesh_drum_arc(brake: Brake, loaded: LoadedShoe, first: FirstLabels) -> DrumMesh:
+def mesh_drum_arc(
+    brake: Brake, loaded: MeshedShoeUnderActuation, first: FirstDrumLabels
+) -> DrumMeshAsDeckLines:
     """The mesh of the drum in a CalculiX deck: one layer of elements CPS8 along the arc.
 
     The face of the elements on the friction surface is S1 for an internal shoe, and S3 for an
@@ -504,7 +525,11 @@ def mesh_drum_arc(brake: Brake, loaded: LoadedShoe, first: FirstLabels) -> DrumM
     shoe, R = loaded.shoe, brake.size
     theta = angles_of_drum_nodes(loaded)
     count = len(theta) // 2
-    inner, outer = (R, R * (1 + DRUM_LAYER)) if shoe.sign > 0 else (R * (1 - DRUM_LAYER), R)
+    inner, outer = (
+        (R, R * (1 + DRUM_LAYER_THICKNESS_OVER_RADIUS))
+        if shoe.sign_internal_plus_external_minus > 0
+        else (R * (1 - DRUM_LAYER_THICKNESS_OVER_RADIUS), R)
+    )
     # Rows of nodes along the arc: the inner arc, the middle of the layer (at every other angle),
     # the outer arc.
     rows = [(inner, theta), ((inner + outer) / 2, theta[::2]), (outer, theta)]
@@ -522,4 +547,4 @@ def mesh_drum_arc(brake: Brake, loaded: LoadedShoe, first: FirstLabels) -> DrumM
         # The nodes run counter-clockwise: first the four corners, then the four middle nodes.
         nodes = [a + i + 2, a + i, c + i, c + i + 2, a + i + 1, b + k, c + i + 1, b + k + 1]
         lines.append(", ".join(map(str, [first.element + k, *nodes])))
-    return DrumMesh(lines, xy)
+    return DrumMeshAsDeckLines(lines, xy)

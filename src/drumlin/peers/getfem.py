@@ -26,20 +26,20 @@ from drumlin.brake import clearance
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.further_loads import reason_if_loads_besides_actuation_act
 from drumlin.fem.equilibrium.state import unloaded_lining_gaps_at_points
-from drumlin.fem.mesh.arc import DEFAULT_KIND
+from drumlin.fem.mesh.arc import DEFAULT_MESH_KIND
 from drumlin.fem.mesh.edges import nodes_along_element_edges
-from drumlin.fem.model import LARGEST_ANSWER_IMBALANCE
-from drumlin.fem.preparation.meshes import ELEMENTS, Mesher
+from drumlin.fem.model import LARGEST_ACCEPTED_FORCE_IMBALANCE_OF_SHOE
+from drumlin.fem.preparation.meshes import DEFAULT_ELEMENTS_ALONG_LINING, Mesher
 from drumlin.fem.substructure.elasticity import (
     elastic_layers_of_shoe,
     isotropic_and_orthotropic_elastic_constants,
 )
 from drumlin.peers.peer import (
-    LoadedShoe,
+    ForcesOnShoeByPeer,
     MeshedShoe,
-    Peer,
-    PeerForces,
+    MeshedShoeUnderActuation,
     PeerMissing,
+    PeerResult,
     brake_response_from_shoe_responses,
     mesh_shoes_for_peer_program,
     meshed_shoe_with_actuation_and_support,
@@ -47,35 +47,37 @@ from drumlin.peers.peer import (
     shoe_response_and_imbalance_from_peer_forces,
     zero_response_and_imbalance_of_shoe_turned_from_drum,
 )
-from drumlin.response.response import Balance, ShoeResponse
+from drumlin.response.response import ForceAndMomentImbalance, ShoeResponse
 
-GETFEM_SCRIPT = Path(__file__).with_name("getfem_brake.py")
+PATH_OF_GETFEM_SCRIPT = Path(__file__).with_name("getfem_brake.py")
 """Path of the script that solves a brake by GetFEM in another Python."""
 
-INSTALL_GETFEM = "GetFEM is not installed; on Debian and Ubuntu: apt install python3-getfem++"
+GETFEM_MISSING_MESSAGE = (
+    "GetFEM is not installed; on Debian and Ubuntu: apt install python3-getfem++"
+)
 """The error message if GetFEM is not installed."""
 
-FORMULATIONS = ("full slip", "coulomb")
+NAMES_OF_GETFEM_CONTACT_FORMULATIONS = ("full slip", "coulomb")
 """The two formulations of contact with friction, which getfem_brake.py describes."""
 
-FURTHER_LOAD_FRICTION = 0.9
+FRICTION_RATIO_OF_TIMED_LOAD_CASE = 0.9
 """Friction of the further load case whose time is measured, relative to the brake's friction."""
 
-LEAST_SLIPPING_RATIO = 0.99
+LEAST_SLIPPING_SHEAR_RATIO = 0.99
 """Ratio of the shear force on a lining to its full friction, below which the lining sticks.
 
 The ratio is the torque of the shear stress divided by the torque of mu p. A state with sticking is
 refused."""
 
-LONGEST_GETFEM = 1800
+LONGEST_GETFEM_SECONDS = 1800
 """Time [s] after which a run of GetFEM is stopped."""
 
-EQUAL_TIP_DISPLACEMENTS = 1e-10
+LOADED_END_DISPLACEMENT_TOLERANCE = 1e-10
 """Relative difference below which the displacements of two shoes' loaded ends count as equal.
 
 A cam moves the loaded ends of both shoes by the same displacement."""
 
-MOST_FORCE_PARTS = 12
+MOST_CAM_FORCE_TRIALS = 12
 """Largest number of trials to divide a cam's total force between its two shoes.
 
 Shoes whose linings fit the drum need two trials, because their displacements are proportional to
@@ -95,18 +97,18 @@ def path_of_python_with_getfem() -> str:
         command = [path, "-c", "import getfem"]
         if not subprocess.run(command, capture_output=True, check=False).returncode:
             return path
-    raise PeerMissing(INSTALL_GETFEM)
+    raise PeerMissing(GETFEM_MISSING_MESSAGE)
 
 
 def solve_brake_in_getfem_process(
     brake: Brake,
     *,
-    elements: int = ELEMENTS,
-    kind: str = DEFAULT_KIND,
+    elements: int = DEFAULT_ELEMENTS_ALONG_LINING,
+    kind: str = DEFAULT_MESH_KIND,
     mesher: Mesher | None = None,
     formulation: str = "full slip",
     repeats: int = 1,
-) -> Peer:
+) -> PeerResult:
     """Solve a brake by GetFEM on drumlin's mesh.
 
     Parameters
@@ -126,65 +128,67 @@ def solve_brake_in_getfem_process(
     NoAnswer
         if GetFEM does not converge
     """
-    if formulation not in FORMULATIONS:
+    if formulation not in NAMES_OF_GETFEM_CONTACT_FORMULATIONS:
         raise BadInput(
-            f"formulation = {formulation!r}: unknown; allowed: {', '.join(FORMULATIONS)}"
+            f"formulation = {formulation!r}: unknown; allowed: "
+            f"{', '.join(NAMES_OF_GETFEM_CONTACT_FORMULATIONS)}"
         )
     interpreter = path_of_python_with_getfem()
     meshed = mesh_shoes_for_peer_program(brake, elements, kind, mesher)
-    solver = _Solver(interpreter, brake, meshed, formulation, repeats)
+    solver = _GetfemScriptRunner(interpreter, brake, meshed, formulation, repeats)
     answers = _solve_shoes_and_return_results_by_name(brake, solver)
     each = [answers[shoe.name][:2] for shoe in brake.shoes]
     costs = solver.steps_times_and_unknowns_of_all_runs()
     response = brake_response_from_shoe_responses(
-        "getfem", each, costs.steps, {"getfem": costs.cold}
+        "getfem", each, costs.steps, {"getfem": costs.seconds_of_first_solve}
     )
-    if not max(response.balance.force, response.balance.moment) < LARGEST_ANSWER_IMBALANCE:
+    balance = response.balance
+    if not max(balance.force, balance.moment) < LARGEST_ACCEPTED_FORCE_IMBALANCE_OF_SHOE:
         raise NoAnswer(
-            f"GetFEM: forces balance only to {response.balance.force:.1e}, "
-            f"moments to {response.balance.moment:.1e}"
+            f"GetFEM: forces balance only to {balance.force:.1e}, moments to {balance.moment:.1e}"
         )
-    return Peer(
+    return PeerResult(
         name="getfem",
         version=costs.version,
         response=response,
-        seconds=costs.cold,
+        seconds=costs.seconds_of_first_solve,
         process_seconds=costs.process,
-        further_seconds=costs.warm,
+        further_seconds=costs.seconds_of_further_load_case,
         unknowns=costs.unknowns,
         notes=(f"GetFEM {costs.version}, {formulation}, {costs.steps} Newton steps, MUMPS",),
     )
 
 
-class _Run(NamedTuple):
+class _GetfemScriptRun(NamedTuple):
     """The result of a run of the GetFEM script, and the processor time [s] of its process."""
 
     result: dict[str, Any]
     seconds: float
 
 
-class _Costs(NamedTuple):
+class _GetfemCosts(NamedTuple):
     """The costs of all runs of the GetFEM script for a brake.
 
     Attributes
     ----------
     steps : largest number of Newton steps of a shoe
-    cold : processor time [s] of a solve from the beginning
-    warm : processor time [s] of a further load case, which reuses mesh and stiffness
+    seconds_of_first_solve : processor time [s] of a solve from the beginning
+    seconds_of_further_load_case : processor time [s] of a further load case, which reuses mesh and
+        stiffness
     process : processor time [s] of one solve with the start of its processes
     unknowns : largest number of unknowns of a run
     version : version of GetFEM; "" if no shoe is pressed on the drum
     """
 
     steps: int
-    cold: float
-    warm: float
+    seconds_of_first_solve: float
+    seconds_of_further_load_case: float
     process: float
     unknowns: int
     version: str
 
 
-class _Solver:
+class _GetfemScriptRunner:
     """Runs the GetFEM script for shoes of one brake, and keeps the results and times of all runs.
 
     Parameters
@@ -206,15 +210,17 @@ class _Solver:
         self._interpreter = interpreter
         self.brake, self.meshed = brake, meshed
         self._formulation, self._repeats = formulation, repeats
-        self._runs: list[_Run] = []
+        self._runs: list[_GetfemScriptRun] = []
 
-    def run_getfem_script_for_shoes(self, shoes: list[LoadedShoe]) -> list[dict[str, Any]]:
+    def run_getfem_script_for_shoes(
+        self, shoes: list[MeshedShoeUnderActuation]
+    ) -> list[dict[str, Any]]:
         """Run the script for some shoes; returns its results, a dictionary for each shoe."""
         problem = _brake_data_for_getfem_script(self.brake, shoes, self._formulation, self._repeats)
         self._runs.append(_run_getfem_script(self._interpreter, problem))
         return list(self._runs[-1].result["answers"][0])
 
-    def steps_times_and_unknowns_of_all_runs(self) -> _Costs:
+    def steps_times_and_unknowns_of_all_runs(self) -> _GetfemCosts:
         """The number of Newton steps, the times and the number of unknowns of all runs so far."""
         steps, unknowns, rests = [0], [0], []
         for ran in self._runs:
@@ -223,12 +229,12 @@ class _Solver:
             # A process repeats its solves. Its time without all solves is the time of its start,
             # which counts once.
             rests.append(ran.seconds - sum(map(sum, ran.result["seconds"])))
-        cold = self._median_seconds_summed_over_all_runs(0)
-        return _Costs(
+        seconds_of_first_solve = self._median_seconds_summed_over_all_runs(0)
+        return _GetfemCosts(
             steps=max(steps),
-            cold=cold,
-            warm=self._median_seconds_summed_over_all_runs(1),
-            process=math.fsum(rests) + cold,
+            seconds_of_first_solve=seconds_of_first_solve,
+            seconds_of_further_load_case=self._median_seconds_summed_over_all_runs(1),
+            process=math.fsum(rests) + seconds_of_first_solve,
             unknowns=max(unknowns),
             version=self._runs[-1].result["version"] if self._runs else "",
         )
@@ -244,7 +250,7 @@ class _Solver:
         return math.fsum(medians)
 
 
-class ShoeAnswer(NamedTuple):
+class GetfemShoeResult(NamedTuple):
     """GetFEM's result for one shoe.
 
     Attributes
@@ -255,17 +261,19 @@ class ShoeAnswer(NamedTuple):
     """
 
     response: ShoeResponse
-    balance: Balance
+    balance: ForceAndMomentImbalance
     tip: float
 
 
-def _solve_shoes_and_return_results_by_name(brake: Brake, solver: _Solver) -> dict[str, ShoeAnswer]:
+def _solve_shoes_and_return_results_by_name(
+    brake: Brake, solver: _GetfemScriptRunner
+) -> dict[str, GetfemShoeResult]:
     """Solve all shoes of a brake; returns their results by name.
 
     A shoe that pushes another shoe by a strut is solved before the other shoe.
     """
     pushed_by = {link.to: link.source for link in brake.links}
-    answers: dict[str, ShoeAnswer] = {}
+    answers: dict[str, GetfemShoeResult] = {}
     if brake.actuation is not None and brake.actuation.is_cam_or_wedge:
         refusal = reason_if_loads_besides_actuation_act(brake, "a cam in GetFEM")
         if refusal is not None:
@@ -292,8 +300,8 @@ def _solve_shoes_and_return_results_by_name(brake: Brake, solver: _Solver) -> di
 
 
 def _find_cam_forces_and_return_shoe_results(
-    total: float, shoes: Mapping[int, Shoe], solver: _Solver
-) -> dict[str, ShoeAnswer]:
+    total: float, shoes: Mapping[int, Shoe], solver: _GetfemScriptRunner
+) -> dict[str, GetfemShoeResult]:
     """Find the forces of a cam that moves the loaded ends of two shoes by the same displacement.
 
     Returns the results of the two shoes by name. If both linings fit the drum, the displacements
@@ -315,7 +323,7 @@ def _find_cam_forces_and_return_shoe_results(
     # difference of the displacements of both loaded ends.
     tried: list[tuple[float, float]] = []
     part = 0.5
-    for _ in range(MOST_FORCE_PARTS):
+    for _ in range(MOST_CAM_FORCE_TRIALS):
         pushed = {
             one: shoes[one].shoe_with_changed_actuation_force(part * total),
             other: shoes[other].shoe_with_changed_actuation_force((1 - part) * total),
@@ -324,7 +332,7 @@ def _find_cam_forces_and_return_shoe_results(
         a, b = (answers[shoe.name].tip for shoe in shoes.values())
         if not min(a, b) > 0:
             raise NoAnswer("GetFEM: a shoe is not pressed by the cam")
-        if abs(a - b) <= EQUAL_TIP_DISPLACEMENTS * max(a, b):
+        if abs(a - b) <= LOADED_END_DISPLACEMENT_TOLERANCE * max(a, b):
             return {
                 shoe.name: _result_with_actuation_force(answers[shoe.name], shoe)
                 for shoe in pushed.values()
@@ -338,24 +346,24 @@ def _find_cam_forces_and_return_shoe_results(
         # that both shoes stay pressed.
         (x, f), (y, g) = tried[-2:]
         part = min(max(y - g * (y - x) / (g - f), 0.5 * y), 0.5 * (1 + y))
-    raise NoAnswer(f"GetFEM: the cam's forces did not settle in {MOST_FORCE_PARTS} steps")
+    raise NoAnswer(f"GetFEM: the cam's forces did not settle in {MOST_CAM_FORCE_TRIALS} steps")
 
 
-def _result_with_actuation_force(answer: ShoeAnswer, shoe: Shoe) -> ShoeAnswer:
+def _result_with_actuation_force(answer: GetfemShoeResult, shoe: Shoe) -> GetfemShoeResult:
     """A copy of the result of a shoe that also holds the actuation force on this shoe."""
     return answer._replace(response=replace(answer.response, force=shoe.actuation.force))
 
 
 def _solve_shoes_trying_abutment_friction_senses(
-    shoes: Mapping[int, Shoe], solver: _Solver
-) -> dict[str, ShoeAnswer]:
+    shoes: Mapping[int, Shoe], solver: _GetfemScriptRunner
+) -> dict[str, GetfemShoeResult]:
     """Solve some shoes; returns their results by name.
 
     The friction at an abutment may act in several senses. They are tried in turn until the abutment
     pushes the foot of the shoe and the friction on the foot opposes its slide, or holds it. `shoes`
     are given by their number in the brake. Raises NoAnswer if no sense fulfils this.
     """
-    answers: dict[str, ShoeAnswer] = {}
+    answers: dict[str, GetfemShoeResult] = {}
     left = dict(shoes)
     # `left` has the shoes without a result. They are tried again with another sense of the friction
     # at the abutment.
@@ -369,15 +377,15 @@ def _solve_shoes_trying_abutment_friction_senses(
                 solver.brake, shoe, solver.meshed[i], sense
             )
         # One process solves all shoes that are pressed on the drum.
-        touching = [loaded for loaded in tried.values() if loaded.approaches]
+        touching = [loaded for loaded in tried.values() if loaded.is_pressed_on_drum]
         found = iter(solver.run_getfem_script_for_shoes(touching) if touching else ())
         for i, loaded in tried.items():
-            if loaded.approaches:
+            if loaded.is_pressed_on_drum:
                 answer = _shoe_result_if_abutment_friction_sense_fits(
                     solver.brake, loaded, attempt, next(found)
                 )
             else:
-                answer = ShoeAnswer(
+                answer = GetfemShoeResult(
                     *zero_response_and_imbalance_of_shoe_turned_from_drum(loaded), 0.0
                 )
             if answer is not None:
@@ -387,8 +395,8 @@ def _solve_shoes_trying_abutment_friction_senses(
 
 
 def _shoe_result_if_abutment_friction_sense_fits(
-    brake: Brake, loaded: LoadedShoe, attempt: int, found: dict[str, Any]
-) -> ShoeAnswer | None:
+    brake: Brake, loaded: MeshedShoeUnderActuation, attempt: int, found: dict[str, Any]
+) -> GetfemShoeResult | None:
     """A shoe's result, or None if another sense of the friction at its abutment must be tried.
 
     The result is right if the abutment pushes the foot and the friction on the foot opposes its
@@ -425,7 +433,7 @@ def _shoe_result_if_abutment_friction_sense_fits(
 
 
 def _brake_data_for_getfem_script(
-    brake: Brake, shoes: Sequence[LoadedShoe], formulation: str, repeats: int
+    brake: Brake, shoes: Sequence[MeshedShoeUnderActuation], formulation: str, repeats: int
 ) -> dict[str, Any]:
     """The input of the GetFEM script: arrays by name, and under "data" all other data as JSON text.
 
@@ -444,12 +452,12 @@ def _brake_data_for_getfem_script(
         "shoes": [_shoe_data_for_getfem_script(brake, loaded) for loaded in shoes],
         "formulation": formulation,
         "repeats": repeats,
-        "friction": [brake.friction, FURTHER_LOAD_FRICTION * brake.friction],
+        "friction": [brake.friction, FRICTION_RATIO_OF_TIMED_LOAD_CASE * brake.friction],
     }
     return arrays | {"data": json.dumps(data)}
 
 
-def _mesh_and_material_arrays(brake: Brake, loaded: LoadedShoe) -> dict[str, Any]:
+def _mesh_and_material_arrays(brake: Brake, loaded: MeshedShoeUnderActuation) -> dict[str, Any]:
     """The arrays of a shoe's mesh and elastic constants, by name.
 
     The names end in the number of the shoe's shape, since shoes of equal shape share the arrays.
@@ -463,7 +471,9 @@ def _mesh_and_material_arrays(brake: Brake, loaded: LoadedShoe) -> dict[str, Any
     for name, elements in mesh.subdomains.items():
         layer = elastic_layers_of_shoe(shoe)[name]
         constants[:, elements] = (
-            isotropic_and_orthotropic_elastic_constants(layer.stiffness)[:, None] / width / E
+            isotropic_and_orthotropic_elastic_constants(layer.elasticity_times_width)[:, None]
+            / width
+            / E
         )
         if layer.along is not None:
             straight[:, elements] = layer.along[:, None]
@@ -481,22 +491,24 @@ def _mesh_and_material_arrays(brake: Brake, loaded: LoadedShoe) -> dict[str, Any
     return arrays
 
 
-def _shoe_data_for_getfem_script(brake: Brake, loaded: LoadedShoe) -> dict[str, Any]:
+def _shoe_data_for_getfem_script(brake: Brake, loaded: MeshedShoeUnderActuation) -> dict[str, Any]:
     """The support, the load and the gap of a shoe, as plain numbers for the GetFEM script."""
     shoe, parts, R = loaded.shoe, loaded.parts, brake.size
     E, width = shoe.lining.material.E_through, shoe.lining.width
     line = parts.line
     modes = _rigid_body_modes_scaled_by_drum_radius(loaded, R)
-    work = loaded.work_of_loads_on_rigid_shoe_holder / modes.test_sizes / (E * R**2 * width)
+    work = loaded.virtual_work_of_loads_on_rigid_holder / modes.test_sizes / (E * R**2 * width)
     gap = unloaded_lining_gaps_at_points(line.xy, line.phi, brake, shoe) / R
     open_by = (
-        clearance.gaps_between_unloaded_lining_and_surface(brake, shoe, shoe.frame.theta(line.phi))
+        clearance.gaps_between_unloaded_lining_and_surface(
+            brake, shoe, shoe.frame.surface_coordinates_of_phi(line.phi)
+        )
         / R
     )
     return {
         "body": loaded.body,
-        "side": shoe.sign,
-        "flat": shoe.flat,
+        "side": shoe.sign_internal_plus_external_minus,
+        "flat": shoe.is_on_plane,
         "pin": (shoe.pin_position_in_shoe_frame / R).tolist(),
         "motions": modes.motions.tolist(),
         "tests": modes.tests.tolist(),
@@ -504,7 +516,7 @@ def _shoe_data_for_getfem_script(brake: Brake, loaded: LoadedShoe) -> dict[str, 
         "on_body": loaded.does_actuation_act_on_body_end,
         "force": (loaded.force / (E * R * width)).tolist(),
         "couple": loaded.couple / (E * R**2 * width),
-        "centre": (parts.load_centre / R).tolist(),
+        "centre": (parts.application_point_of_actuation_loads / R).tolist(),
         "at_places": (loaded.at_places / (E * R * width)).tolist(),
         "drag_sense": math.copysign(brake.shoe_friction_over_brake_friction(shoe), loaded.drag),
         "middle": sum(shoe.arc) / 2,
@@ -515,7 +527,7 @@ def _shoe_data_for_getfem_script(brake: Brake, loaded: LoadedShoe) -> dict[str, 
     }
 
 
-class _Modes(NamedTuple):
+class _ScaledRigidBodyAndTestModes(NamedTuple):
     """The rigid-body modes and test modes of a shoe, scaled to the norm 1.
 
     Displacements are divided by the drum's radius. On a test mode the support reactions do no work.
@@ -532,19 +544,21 @@ class _Modes(NamedTuple):
     test_sizes: Floats
 
 
-def _rigid_body_modes_scaled_by_drum_radius(loaded: LoadedShoe, R: float) -> _Modes:
+def _rigid_body_modes_scaled_by_drum_radius(
+    loaded: MeshedShoeUnderActuation, R: float
+) -> _ScaledRigidBodyAndTestModes:
     """Scale a shoe's modes to norm 1, with displacements divided by the drum's radius R [m]."""
     unit = np.array([R, R, 1.0])
     motion_sizes = np.linalg.norm(loaded.motions / unit, axis=1)
     test_sizes = np.linalg.norm(loaded.tests / unit, axis=1)
-    return _Modes(
+    return _ScaledRigidBodyAndTestModes(
         motions=loaded.motions / unit / motion_sizes[:, None],
         tests=loaded.tests / unit / test_sizes[:, None],
         test_sizes=test_sizes,
     )
 
 
-def _run_getfem_script(interpreter: str, problem: dict[str, Any]) -> _Run:
+def _run_getfem_script(interpreter: str, problem: dict[str, Any]) -> _GetfemScriptRun:
     """Run the GetFEM script on a problem. Raises NoAnswer if its process fails."""
     with tempfile.TemporaryDirectory(prefix="drumlin-getfem-") as name:
         folder = Path(name)
@@ -552,16 +566,18 @@ def _run_getfem_script(interpreter: str, problem: dict[str, Any]) -> _Run:
         np.savez(source, **problem)
         # Python first looks for modules beside the script. There `import getfem` would find this
         # module getfem.py in place of GetFEM, so that the script is copied into another folder.
-        script = shutil.copy(GETFEM_SCRIPT, folder)
+        script = shutil.copy(PATH_OF_GETFEM_SCRIPT, folder)
         command = [interpreter, str(script), str(source), str(target)]
-        ended = run_command_of_peer_program(command, folder, LONGEST_GETFEM)
+        ended = run_command_of_peer_program(command, folder, LONGEST_GETFEM_SECONDS)
         if ended.status or not target.is_file():
             reason = (ended.output.strip() or "nothing").splitlines()[-1]
             raise NoAnswer(f"GetFEM: its process ended with status {ended.status}: {reason[:200]}")
-        return _Run(json.loads(target.read_text()), ended.seconds)
+        return _GetfemScriptRun(json.loads(target.read_text()), ended.seconds)
 
 
-def _shoe_result_in_si_units(brake: Brake, loaded: LoadedShoe, found: dict[str, Any]) -> ShoeAnswer:
+def _shoe_result_in_si_units(
+    brake: Brake, loaded: MeshedShoeUnderActuation, found: dict[str, Any]
+) -> GetfemShoeResult:
     """The result of a shoe in SI units, from the numbers of the GetFEM script.
 
     Raises NoAnswer if the script did not converge, or if the lining sticks.
@@ -569,7 +585,7 @@ def _shoe_result_in_si_units(brake: Brake, loaded: LoadedShoe, found: dict[str, 
     shoe, R = loaded.shoe, brake.size
     if not found["converged"]:
         raise NoAnswer(f"shoe {shoe.name!r}: GetFEM did not converge in {found['steps']} steps")
-    if not abs(found["slipping"] - 1) < 1 - LEAST_SLIPPING_RATIO:
+    if not abs(found["slipping"] - 1) < 1 - LEAST_SLIPPING_SHEAR_RATIO:
         raise NoAnswer(
             f"shoe {shoe.name!r}: GetFEM: it sticks, "
             f"its shear is {found['slipping']:.3g} times mu p"
@@ -579,12 +595,12 @@ def _shoe_result_in_si_units(brake: Brake, loaded: LoadedShoe, found: dict[str, 
     order = np.argsort(phi)
     # The script's unit of force, in newtons.
     size = E * R * shoe.lining.width
-    forces = PeerForces(
+    forces = ForcesOnShoeByPeer(
         normal=size * np.array(found["normal"]),
         friction=size * np.array(found["tangential"]),
         moment=size * R * found["moment"],
         held=size * np.array(found["hold"]) * [1, 1, R],
-        torque=abs(found["torque"]) * size * brake.scale_factor,
+        torque=abs(found["torque"]) * size * brake.length_per_surface_coordinate,
     )
     # The script scales each rigid-body mode to the norm 1, with displacements divided by the drum's
     # radius. Its coordinates are therefore divided by the norms of the modes before scaling.
@@ -598,4 +614,4 @@ def _shoe_result_in_si_units(brake: Brake, loaded: LoadedShoe, found: dict[str, 
     tip = float(loaded.tip @ amounts)
     if loaded.does_actuation_act_on_body_end:
         tip = size * R * found["load_work"] / (abs(shoe.actuation.force) or 1.0)
-    return ShoeAnswer(*answer, tip)
+    return GetfemShoeResult(*answer, tip)

@@ -33,27 +33,31 @@ CONTACT_REGION, HINGE_REGION, ACTUATION_REGION = 1, 2, 3
 """Numbers of three boundaries in GetFEM's mesh of a shoe: the friction surface, the edge at the
 hinge (on which the support acts), and the end on which the actuation acts."""
 
-REGIONS = {CONTACT_REGION: "contact", HINGE_REGION: "hinge", ACTUATION_REGION: "actuation"}
+BOUNDARY_NAME_OF_REGION = {
+    CONTACT_REGION: "contact",
+    HINGE_REGION: "hinge",
+    ACTUATION_REGION: "actuation",
+}
 """Names of the three boundaries in the problem file, by their numbers in GetFEM's mesh."""
 
-OBSTACLE_DISPLACEMENT = 1e-2
+SLIDING_DRUM_DISPLACEMENT_OVER_RADIUS = 1e-2
 """Displacement of the sliding drum in the "coulomb" formulation, in drum radii.
 
 The drum must move much farther than the lining, so that the lining slips everywhere."""
 
-MODEL_UNKNOWNS = ("u", "hold", "p")
+NAMES_OF_GETFEM_UNKNOWNS = ("u", "hold", "p")
 """Unknowns of a GetFEM model: the displacement, the traction of the support on the shoe, and the
 pressure or traction of the contact. The coordinates of the rigid-body modes are further unknowns.
 """
 
-MOST_NEWTON_STEPS = 60
+MOST_NEWTON_STEPS_OF_GETFEM = 60
 """Number of Newton steps after which a solve counts as not converged, chosen by judgement."""
 
-NEWTON_RESIDUAL = 1e-11
+NEWTON_RESIDUAL_TOLERANCE_OF_GETFEM = 1e-11
 """Residual at which Newton's method ends; smaller residuals are round-off."""
 
 
-class CellKind(NamedTuple):
+class GetfemCellKind(NamedTuple):
     """GetFEM's names of the elements and integration methods for one kind of cell.
 
     Attributes
@@ -76,8 +80,8 @@ class CellKind(NamedTuple):
     order: list[int]
 
 
-CELL_KINDS = {
-    9: CellKind(
+GETFEM_CELL_KINDS = {
+    9: GetfemCellKind(
         geometry="GT_QK(2,2)",
         element="FEM_QK(2,2)",
         constant="FEM_QK(2,0)",
@@ -86,7 +90,7 @@ CELL_KINDS = {
         surface="IM_GAUSS_PARALLELEPIPED(2,9)",
         order=[0, 4, 1, 7, 8, 5, 3, 6, 2],
     ),
-    4: CellKind(
+    4: GetfemCellKind(
         geometry="GT_QK(2,1)",
         element="FEM_QK(2,1)",
         constant="FEM_QK(2,0)",
@@ -95,7 +99,7 @@ CELL_KINDS = {
         surface="IM_GAUSS_PARALLELEPIPED(2,9)",
         order=[0, 1, 3, 2],
     ),
-    6: CellKind(
+    6: GetfemCellKind(
         geometry="GT_PK(2,2)",
         element="FEM_PK(2,2)",
         constant="FEM_PK(2,0)",
@@ -104,7 +108,7 @@ CELL_KINDS = {
         surface="IM_TRIANGLE(9)",
         order=[0, 3, 1, 5, 4, 2],
     ),
-    3: CellKind(
+    3: GetfemCellKind(
         geometry="GT_PK(2,1)",
         element="FEM_PK(2,1)",
         constant="FEM_PK(2,0)",
@@ -117,7 +121,7 @@ CELL_KINDS = {
 """GetFEM's names for each kind of cell, by the number of nodes of a cell."""
 
 
-class PeerBody:
+class GetfemBody:
     """GetFEM's mesh and model of a body, which is used for all shoes of this shape.
 
     Load, gap and friction of a shoe are set before each solve.
@@ -134,13 +138,13 @@ class PeerBody:
         self, problem: dict[str, Any], number: int, shoe: dict[str, Any], formulation: str
     ) -> None:
         points, cells = problem[f"points{number}"], problem[f"cells{number}"]
-        self.formulation, self.kind = formulation, CELL_KINDS[cells.shape[1]]
+        self.formulation, self.kind = formulation, GETFEM_CELL_KINDS[cells.shape[1]]
         self.mesh = gf.Mesh("empty", 2)
         corners = points[cells[:, self.kind.order]].transpose(2, 1, 0)
         numbers = self.mesh.add_convex(gf.GeoTrans(self.kind.geometry), corners)
         self.loaded = shoe["on_body"]
         self.amounts = [f"amount{k}" for k in range(len(shoe["motions"]))]
-        for region, name in REGIONS.items():
+        for region, name in BOUNDARY_NAME_OF_REGION.items():
             if region != ACTUATION_REGION or self.loaded:
                 self._assign_region_number_to_edges_between_points(
                     region, points[problem[f"{name}{number}"]]
@@ -325,7 +329,7 @@ class PeerBody:
     def initial_unknowns_of_newton_method(self, shoe: dict[str, Any]) -> dict[str, Any]:
         """The unknowns with which Newton's method starts: no displacement, all nodes touch."""
         values = {}
-        for name in (*MODEL_UNKNOWNS, *self.amounts):
+        for name in (*NAMES_OF_GETFEM_UNKNOWNS, *self.amounts):
             values[name] = np.zeros(len(self.model.variable(name)))
         force = np.add(shoe["force"], np.sum(shoe["at_places"], axis=0))
         pressure = shoe["augment"] * max(shoe["gap"]) + float(np.hypot(*force))
@@ -349,14 +353,20 @@ class PeerBody:
             shoe.get("state") or self.initial_unknowns_of_newton_method(shoe)
         ).items():
             md.set_variable(name, value)
-        options = {"max_iter": MOST_NEWTON_STEPS, "max_res": NEWTON_RESIDUAL, "lsolver": "mumps"}
+        options = {
+            "max_iter": MOST_NEWTON_STEPS_OF_GETFEM,
+            "max_res": NEWTON_RESIDUAL_TOLERANCE_OF_GETFEM,
+            "lsolver": "mumps",
+        }
         options |= {"lsearch": "simplest", "alpha min": 1.0}
         # GetFEM takes options as a list of names and values in turn.
         arguments: list[Any] = []
         for option in options.items():
             arguments += option
         steps, converged = md.solve(*arguments)
-        shoe["state"] = {name: md.variable(name) for name in (*MODEL_UNKNOWNS, *self.amounts)}
+        shoe["state"] = {
+            name: md.variable(name) for name in (*NAMES_OF_GETFEM_UNKNOWNS, *self.amounts)
+        }
         return self._results_of_solved_shoe_as_plain_numbers(int(steps), bool(converged), drag)
 
     def _set_loads_and_rigid_body_modes_of_shoe(self, shoe: dict[str, Any], drag: float) -> None:
@@ -391,7 +401,8 @@ class PeerBody:
         off = x[1] if shoe["flat"] else shoe["side"] * (1 - np.hypot(*x))
         md.set_variable("obstacle", off + clearance)
         md.set_variable(
-            "slid", (OBSTACLE_DISPLACEMENT * np.sign(drag) * self.sliding).ravel(order="F")
+            "slid",
+            (SLIDING_DRUM_DISPLACEMENT_OVER_RADIUS * np.sign(drag) * self.sliding).ravel(order="F"),
         )
         md.set_variable("mu", np.array([abs(drag)]))
 
@@ -459,7 +470,7 @@ def solve_brake_by_getfem(problem: dict[str, Any], data: dict[str, Any]) -> dict
     unknowns of all models together.
     """
     # Shoes with the same body, kind of load and number of rigid-body modes share one model.
-    bodies: dict[tuple[int, bool, int], PeerBody] = {}
+    bodies: dict[tuple[int, bool, int], GetfemBody] = {}
     shoes = [dict(shoe) for shoe in data["shoes"]]
     answers, seconds = [], []
     for friction in data["friction"]:
@@ -468,7 +479,7 @@ def solve_brake_by_getfem(problem: dict[str, Any], data: dict[str, Any]) -> dict
         for shoe in shoes:
             key = (shoe["body"], shoe["on_body"], len(shoe["motions"]))
             if key not in bodies:
-                bodies[key] = PeerBody(problem, shoe["body"], shoe, data["formulation"])
+                bodies[key] = GetfemBody(problem, shoe["body"], shoe, data["formulation"])
             found.append(bodies[key].solve(shoe, friction))
         seconds.append(time.process_time() - start)
         answers.append(found)

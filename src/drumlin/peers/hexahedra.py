@@ -24,15 +24,15 @@ from drumlin.fem.mesh.grading import LiningDivision, points_graded_to_both_ends
 from drumlin.fem.preparation.meshes import materials_and_widths_of_shoe_parts
 from drumlin.fem.substructure.interface import nodal_forces_of_unit_end_loads_and_end_centre
 
-HEXAHEDRA_ALONG_LINING = 48
+DEFAULT_HEXAHEDRA_ALONG_LINING = 48
 """Default number of hexahedra along a lining; CalculiX's run time grows with its fourth power."""
-SIDE_SIZE = 1 / 8
+RELATIVE_SIZE_OF_FREE_SIDE_ELEMENT = 1 / 8
 """Size of an element at a free side, relative to an element in the middle of the width.
 
 Since there are only few elements across the width, their sizes differ less than the sizes along the
 lining.
 """
-CORNERS = [2, 2, 1, 3, 1, 3, 0, 0], [1, 0, 1, 1, 0, 0, 1, 0]
+SECTION_CORNERS_AND_Z_ENDS_OF_HEXAHEDRON = [2, 2, 1, 3, 1, 3, 0, 0], [1, 0, 1, 1, 0, 0, 1, 0]
 """The eight corners of skfem's hexahedra.
 
 For each corner of a hexahedron the first list has the number of the section's corner below it, and
@@ -41,11 +41,15 @@ the second list has 1 if the corner lies at the larger z and 0 if it lies at the
 # VTK's order of the nodes of a hexahedron with 20 nodes: the corners of the bottom, the corners of
 # the top, then the middles of the edges.
 # fmt: off
-_BOTTOM = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)]
+_BOTTOM_CORNERS_IN_VTK_ORDER = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)]
 _CORNERS_IN_VTK_ORDER = np.array(
-    [*_BOTTOM, *((x, y, 1) for x, y, _ in _BOTTOM)], dtype=float
+    [
+        *_BOTTOM_CORNERS_IN_VTK_ORDER,
+        *((x, y, 1) for x, y, _ in _BOTTOM_CORNERS_IN_VTK_ORDER),
+    ],
+    dtype=float,
 )
-_EDGES = [
+_EDGE_CORNERS_IN_VTK_ORDER = [
     (0, 1), (1, 2), (2, 3), (3, 0),
     (4, 5), (5, 6), (6, 7), (7, 4),
     (0, 4), (1, 5), (2, 6), (3, 7),
@@ -54,7 +58,7 @@ _EDGES = [
 
 
 @dataclass(frozen=True)
-class Solid:
+class HalfSolidShoeMesh:
     """The mesh of half a solid shoe, on one side of its mid-plane.
 
     Attributes
@@ -106,18 +110,24 @@ def element_end_positions_over_half_width(
     # The narrowest part is divided over its whole width, with small elements at both sides, and the
     # half z > 0 is kept.
     first = max(1, round(sides[0] / size))
-    pieces = [points_graded_to_both_ends(-sides[0], sides[0], 2 * first, zone, SIDE_SIZE)[first:]]
+    pieces = [
+        points_graded_to_both_ends(
+            -sides[0], sides[0], 2 * first, zone, RELATIVE_SIZE_OF_FREE_SIDE_ELEMENT
+        )[first:]
+    ]
     pieces[0][0] = 0.0
     for a, b in pairwise(sides):
         pieces.append(
-            points_graded_to_both_ends(a, b, max(2, round((b - a) / size)), zone, SIDE_SIZE)[1:]
+            points_graded_to_both_ends(
+                a, b, max(2, round((b - a) / size)), zone, RELATIVE_SIZE_OF_FREE_SIDE_ELEMENT
+            )[1:]
         )
     return np.concatenate(pieces)
 
 
 def mesh_of_half_solid_shoe(
     shoe: Shoe, radius: float, elements: int | LiningDivision, across: int
-) -> Solid:
+) -> HalfSolidShoeMesh:
     """The mesh of half a shoe, in the shoe's own frame.
 
     Parameters
@@ -134,7 +144,9 @@ def mesh_of_half_solid_shoe(
     )
 
 
-def extrude_shoe_section_to_solid(section: Any, half: Mapping[str, float], levels: Floats) -> Solid:
+def extrude_shoe_section_to_solid(
+    section: Any, half: Mapping[str, float], levels: Floats
+) -> HalfSolidShoeMesh:
     """Extrude a section of quadratic quadrilaterals across the width; returns the solid mesh.
 
     Parameters
@@ -171,7 +183,7 @@ def extrude_shoe_section_to_solid(section: Any, half: Mapping[str, float], level
         subdomains[name] = np.flatnonzero(np.isin(cell, elements))
     mesh = skfem.MeshHex2(doflocs, mesh.t, _subdomains=subdomains)
     basis = skfem.Basis(mesh, skfem.ElementHex2(), intorder=4)
-    return Solid(section, nodal_basis_of_mesh(section), mesh, basis, z, numbers, half)
+    return HalfSolidShoeMesh(section, nodal_basis_of_mesh(section), mesh, basis, z, numbers, half)
 
 
 def _mesh_of_hexahedra_with_straight_edges(
@@ -186,7 +198,7 @@ def _mesh_of_hexahedra_with_straight_edges(
         section
     """
     count = section.p.shape[1]
-    corner, above = CORNERS
+    corner, above = SECTION_CORNERS_AND_Z_ENDS_OF_HEXAHEDRON
     corners = section.t[corner][:, cell] + count * (layer + np.array(above)[:, None])
     # Corners that belong to no hexahedron are left out.
     used, t = np.unique(corners, return_inverse=True)
@@ -201,7 +213,7 @@ def default_number_of_hexahedra_over_half_width(shoe: Shoe, elements: int) -> in
     one lining thickness of the sides.
     """
     slender = shoe.lining.width / (2 * shoe.lining.thickness)
-    return max(2, round(elements / HEXAHEDRA_ALONG_LINING * min(2 + slender, 6)))
+    return max(2, round(elements / DEFAULT_HEXAHEDRA_ALONG_LINING * min(2 + slender, 6)))
 
 
 def hexahedra_with_twenty_nodes_in_vtk_order(cells: Ints) -> Ints:
@@ -209,13 +221,15 @@ def hexahedra_with_twenty_nodes_in_vtk_order(cells: Ints) -> Ints:
 
     `cells` (27, m) are the nodes in the order of skfem.
     """
-    middles = _CORNERS_IN_VTK_ORDER[np.array(_EDGES)].mean(axis=1)
+    middles = _CORNERS_IN_VTK_ORDER[np.array(_EDGE_CORNERS_IN_VTK_ORDER)].mean(axis=1)
     places = np.vstack([_CORNERS_IN_VTK_ORDER, middles])
     same = (skfem.ElementHex2.doflocs == places[:, None]).all(axis=2)
     return np.asarray(cells[same.argmax(axis=1)].T)
 
 
-def nodes_of_boundary_over_width_of_part(solid: Solid, boundary: str, part: str) -> Ints:
+def nodes_of_boundary_over_width_of_part(
+    solid: HalfSolidShoeMesh, boundary: str, part: str
+) -> Ints:
     """The nodes (n, m) of a solid on a boundary of its section, over the width of a part.
 
     There is a row for each of the n nodes of the boundary in the section, and a column for each of
@@ -225,7 +239,7 @@ def nodes_of_boundary_over_width_of_part(solid: Solid, boundary: str, part: str)
     return solid.node[line, : solid.number_of_z_coordinates_in_half_width_of_subdomain(part)]
 
 
-def solid_nodes_that_move_with_pin(solid: Solid, shoe: Shoe) -> Ints:
+def solid_nodes_that_move_with_pin(solid: HalfSolidShoeMesh, shoe: Shoe) -> Ints:
     """Nodes at the hinge, across the whole width, which move rigidly with the pin.
 
     They are the nodes of the body's edge at the hinge. In a rigid shoe they are the nodes on the
@@ -237,7 +251,7 @@ def solid_nodes_that_move_with_pin(solid: Solid, shoe: Shoe) -> Ints:
     ).ravel()
 
 
-def nodal_forces_of_unit_loads_on_solid_end(solid: Solid) -> Floats:
+def nodal_forces_of_unit_loads_on_solid_end(solid: HalfSolidShoeMesh) -> Floats:
     """Nodal forces (nodes, 3, 3) of the unit loads on the loaded end of the whole width.
 
     The second axis counts the components x, y, z of a nodal force, the last axis the unit loads:

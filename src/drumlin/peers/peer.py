@@ -23,26 +23,31 @@ from drumlin.brake.further_loads import require_springs_with_constant_pull
 from drumlin.brake.heat import reason_if_any_shoe_is_heated
 from drumlin.brake.one_sided import require_no_shoe_on_anchors
 from drumlin.fem.equilibrium.modes import pin_motions_in_rigid_body_motions
-from drumlin.fem.mesh.arc import DEFAULT_KIND, parametric_mesh_of_shoe
+from drumlin.fem.mesh.arc import DEFAULT_MESH_KIND, parametric_mesh_of_shoe
 from drumlin.fem.preparation.bodies import (
-    load_column_factors_and_pin_moment_per_newton,
-    load_column_factors_of_loads_besides_actuation,
+    actuation_factors_and_pin_moment_per_newton,
     moment_of_loads_besides_actuation_about_pin,
+    unit_load_factors_of_loads_besides_actuation,
 )
 from drumlin.fem.preparation.cache import cache_key_of_shoe_shape
 from drumlin.fem.preparation.load_places import (
-    load_column_factors_of_forces_and_mass,
+    unit_load_factors_of_forces_at_points_and_mass,
     unit_loads_at_points_and_mass,
 )
-from drumlin.fem.preparation.meshes import ELEMENTS, AssembledShoe, Mesher, mesh_and_assemble_shoe
-from drumlin.fem.substructure.loads import ACTUATION
+from drumlin.fem.preparation.meshes import (
+    DEFAULT_ELEMENTS_ALONG_LINING,
+    AssembledUncondensedShoe,
+    Mesher,
+    mesh_and_assemble_shoe,
+)
+from drumlin.fem.substructure.loads import ACTUATION_LOAD_NAME
 from drumlin.laws import rigid
 from drumlin.response.balance import (
     largest_imbalance_among_shoes,
     relative_magnitudes_of_force_and_moment_sums,
 )
 from drumlin.response.response import (
-    Balance,
+    ForceAndMomentImbalance,
     Response,
     ShoeResponse,
     response_of_pressed_elastic_shoe,
@@ -50,13 +55,13 @@ from drumlin.response.response import (
 )
 from drumlin.response.resultants import contact_arcs_from_nodal_pressures, planar_cross_product
 
-NO_CONTACT_PRESSURE = 1e-3
+LARGEST_RELATIVE_PRESSURE_WITHOUT_CONTACT = 1e-3
 """Pressure, relative to the peak, below which a lining counts as not touching the drum.
 
 A peer with a contact penalty has small pressures outside the contact, which are ignored in this
 way."""
 
-ONE_THREAD = {
+ONE_THREAD_ENVIRONMENT = {
     "OMP_NUM_THREADS": "1",
     "OPENBLAS_NUM_THREADS": "1",
     "CCX_NPROC_EQUATION_SOLVER": "1",
@@ -68,7 +73,7 @@ class PeerMissing(BadInput):
     """Error: a peer is not installed. The message says how to install it."""
 
 
-class Peer(NamedTuple):
+class PeerResult(NamedTuple):
     """A brake solved by a peer: its response, and the cost in processor time on one thread.
 
     Attributes
@@ -101,11 +106,11 @@ class MeshedShoe(NamedTuple):
     """
 
     body: int
-    parts: AssembledShoe
+    parts: AssembledUncondensedShoe
 
 
 @dataclass(frozen=True)
-class LoadedShoe:
+class MeshedShoeUnderActuation:
     """A meshed shoe under its actuation, in the frame of the shoe.
 
     Attributes
@@ -114,9 +119,9 @@ class LoadedShoe:
     parts : mesh and matrices of the shoe
     body : number of the shoe's shape
     force : force (2,) [N] of the actuation
-    couple : couple [N m] of the actuation about `parts.load_centre`
+    couple : couple [N m] of the actuation about `parts.application_point_of_actuation_loads`
     drag : friction coefficient, negative if the drum drags the lining towards smaller phi
-    approaches : whether the loads press the shoe on the drum anywhere
+    is_pressed_on_drum : whether the loads press the shoe on the drum anywhere
     motions : rigid-body modes (k, 3) of the shoe's rigid holder, the part that the support guides:
         dx, dy [m] and rotation at the pin
     tests : test modes (k, 3) in the same form, on which the support reactions do no work
@@ -127,12 +132,12 @@ class LoadedShoe:
     """
 
     shoe: Shoe
-    parts: AssembledShoe
+    parts: AssembledUncondensedShoe
     body: int
     force: Floats
     couple: float
     drag: float
-    approaches: bool
+    is_pressed_on_drum: bool
     motions: Floats
     tests: Floats
     work: Floats
@@ -140,7 +145,7 @@ class LoadedShoe:
     at_places: Floats
 
     @property
-    def work_of_loads_on_rigid_shoe_holder(self) -> Floats:
+    def virtual_work_of_loads_on_rigid_holder(self) -> Floats:
         """Work (k,) of the loads on the shoe's rigid holder on the test modes.
 
         The rigid holder is the part of the shoe that the support guides.
@@ -154,7 +159,7 @@ class LoadedShoe:
     @property
     def actuation_resultant_about_pin(self) -> Floats:
         """Resultant (3,) of the actuation about the pin: force x, y [N] and moment [N m]."""
-        arm = self.parts.load_centre - self.shoe.pin_position_in_shoe_frame
+        arm = self.parts.application_point_of_actuation_loads - self.shoe.pin_position_in_shoe_frame
         couple = self.couple + float(planar_cross_product(arm, self.force))
         return np.array([*self.force, couple])
 
@@ -176,13 +181,16 @@ class LoadedShoe:
     def radius(self) -> float:
         """The mean radius [m] of the lining's face; on a plane, the length of a unit of phi [m]."""
         line = self.parts.line
-        if self.shoe.flat:
+        if self.shoe.is_on_plane:
             return float(np.ptp(line.xy[0]) / np.ptp(line.phi))
         return float(np.hypot(*line.xy).mean())
 
 
 def mesh_shoes_for_peer_program(
-    brake: Brake, elements: int = ELEMENTS, kind: str = DEFAULT_KIND, mesher: Mesher | None = None
+    brake: Brake,
+    elements: int = DEFAULT_ELEMENTS_ALONG_LINING,
+    kind: str = DEFAULT_MESH_KIND,
+    mesher: Mesher | None = None,
 ) -> list[MeshedShoe]:
     """Mesh the shoes of a brake by drumlin's mesher; returns their meshes and matrices.
 
@@ -232,7 +240,7 @@ def mesh_shoes_for_peer_program(
 
 def meshed_shoe_with_actuation_and_support(
     brake: Brake, shoe: Shoe, meshed: MeshedShoe, sense: int = 1
-) -> LoadedShoe:
+) -> MeshedShoeUnderActuation:
     """A meshed shoe with its actuation, its support and the friction of the drum.
 
     Parameters
@@ -240,51 +248,52 @@ def meshed_shoe_with_actuation_and_support(
     brake : the brake
     shoe : the shoe
     meshed : mesh and matrices of the shoe
-    sense : sense of the friction at an abutment, see `Held.rigid_body_modes_of_support`
+    sense : sense of the friction at an abutment, see `SupportedShoe.rigid_body_modes_of_support`
     """
     parts = meshed.parts
-    factors, moment = load_column_factors_and_pin_moment_per_newton(parts, shoe)
+    factors, moment = actuation_factors_and_pin_moment_per_newton(parts, shoe)
     size, free = abs(shoe.actuation.force), shoe.rigid_body_modes_of_support(sense)
     acting, moment = size * factors, size * moment
     at_places = np.zeros((parts.basis.N, 2))
     if shoe.has_loads_besides_actuation:
-        acting = acting + load_column_factors_of_loads_besides_actuation(parts, shoe)
+        acting = acting + unit_load_factors_of_loads_besides_actuation(parts, shoe)
         moment += moment_of_loads_besides_actuation_about_pin(shoe)
-        factors_by_name = load_column_factors_of_forces_and_mass(shoe)
+        factors_by_name = unit_load_factors_of_forces_at_points_and_mass(shoe)
         for name, forces in unit_loads_at_points_and_mass(parts.basis, shoe, brake.size).items():
             at_places += (forces @ factors_by_name[name]).reshape(-1, 2)
     load = parts.load_matrix_columns_by_load_name.column_factors_of_one_named_load(
-        ACTUATION, acting
+        ACTUATION_LOAD_NAME, acting
     )
-    if shoe.kind_of_support == "hinge" and not shoe.flat:
+    if shoe.kind_of_support == "hinge" and not shoe.is_on_plane:
         # If the shoe turns by 1 rad about the pin at (a, 0), the gap at the point (x, y) of the
         # lining, at the radius r, closes by -sign a y / r.
-        closing = -moment * shoe.sign * parts.line.xy[1]
-        approaches = shoe.is_any_load_on_shoe and bool((closing > 0).any())
+        closing = -moment * shoe.sign_internal_plus_external_minus * parts.line.xy[1]
+        is_pressed_on_drum = shoe.is_any_load_on_shoe and bool((closing > 0).any())
     else:
-        approaches = (
-            shoe.is_any_load_on_shoe
-            and rigid.sign_of_pressure_that_balances_actuation(brake, shoe) >= 0
-        )
-    return LoadedShoe(
+        sign = rigid.sign_of_pressure_that_balances_actuation
+        is_pressed_on_drum = shoe.is_any_load_on_shoe and sign(brake, shoe) >= 0
+    return MeshedShoeUnderActuation(
         shoe=shoe,
         parts=parts,
         body=meshed.body,
         force=load[:2],
         couple=float(load[2]),
         drag=brake.signed_friction_stress_over_pressure_in_shoe_frame(shoe),
-        approaches=approaches,
+        is_pressed_on_drum=is_pressed_on_drum,
         motions=pin_motions_in_rigid_body_motions(shoe, free.motions).T,
-        tests=pin_motions_in_rigid_body_motions(shoe, free.tests).T,
+        tests=pin_motions_in_rigid_body_motions(shoe, free.test_modes).T,
         work=free.work_of_all_loads_on_test_modes,
-        tip=free.tip,
+        tip=free.actuation_point_travel,
         at_places=at_places,
     )
 
 
 def mesh_hinged_shoes_under_actuation(
-    brake: Brake, elements: int = ELEMENTS, kind: str = DEFAULT_KIND, mesher: Mesher | None = None
-) -> list[LoadedShoe]:
+    brake: Brake,
+    elements: int = DEFAULT_ELEMENTS_ALONG_LINING,
+    kind: str = DEFAULT_MESH_KIND,
+    mesher: Mesher | None = None,
+) -> list[MeshedShoeUnderActuation]:
     """The hinged shoes of a brake, meshed by drumlin's mesher, each under its own actuation.
 
     `elements` and `kind` are the number of elements along each lining and their kind, and `mesher`
@@ -301,7 +310,7 @@ def mesh_hinged_shoes_under_actuation(
     ]
 
 
-class PeerForces(NamedTuple):
+class ForcesOnShoeByPeer(NamedTuple):
     """The forces on one shoe by a peer's computation, in the shoe's frame.
 
     Attributes
@@ -321,13 +330,13 @@ class PeerForces(NamedTuple):
 
 
 def shoe_response_and_imbalance_from_peer_forces(
-    loaded: LoadedShoe,
+    loaded: MeshedShoeUnderActuation,
     phi: Floats,
     pressure: Floats,
     order: int,
-    forces: PeerForces,
+    forces: ForcesOnShoeByPeer,
     amounts: Floats,
-) -> tuple[ShoeResponse, Balance]:
+) -> tuple[ShoeResponse, ForceAndMomentImbalance]:
     """A shoe's response from a peer's pressure and forces, and the imbalance of these forces.
 
     Parameters
@@ -345,8 +354,8 @@ def shoe_response_and_imbalance_from_peer_forces(
     drag = _friction_force_and_moment_about_pin_from_peer_forces(loaded, forces)
     response = response_of_pressed_elastic_shoe(
         shoe,
-        loaded.radius / frame.unit,
-        frame.theta(phi),
+        loaded.radius / frame.surface_coordinate_per_phi,
+        frame.surface_coordinates_of_phi(phi),
         pressure,
         order=order,
         torque=forces.torque,
@@ -363,13 +372,13 @@ def shoe_response_and_imbalance_from_peer_forces(
         located=False,
     )
     p = response.pressure
-    touching = np.where(p > NO_CONTACT_PRESSURE * p.max(), p, 0.0)
+    touching = np.where(p > LARGEST_RELATIVE_PRESSURE_WITHOUT_CONTACT * p.max(), p, 0.0)
     arcs = contact_arcs_from_nodal_pressures(response.theta, touching, order)
     return replace(response, contact_arcs=arcs), _imbalance_of_peer_forces(loaded, forces, load)
 
 
 def _friction_force_and_moment_about_pin_from_peer_forces(
-    loaded: LoadedShoe, forces: PeerForces
+    loaded: MeshedShoeUnderActuation, forces: ForcesOnShoeByPeer
 ) -> Floats:
     """The friction force x, y [N] on a shoe, and its moment about the pin [N m], as (3,).
 
@@ -377,12 +386,14 @@ def _friction_force_and_moment_about_pin_from_peer_forces(
     """
     pin = loaded.shoe.pin_position_in_shoe_frame
     drag = np.array([*forces.friction, -float(planar_cross_product(pin, forces.friction))])
-    if not loaded.shoe.flat:
+    if not loaded.shoe.is_on_plane:
         drag[2] += math.copysign(forces.torque, loaded.drag)
     return drag
 
 
-def _imbalance_of_peer_forces(loaded: LoadedShoe, forces: PeerForces, load: Floats) -> Balance:
+def _imbalance_of_peer_forces(
+    loaded: MeshedShoeUnderActuation, forces: ForcesOnShoeByPeer, load: Floats
+) -> ForceAndMomentImbalance:
     """The relative imbalance of a peer's forces on a shoe.
 
     `force` of the result is the sum of the forces. `moment` is the sum of their moments about the
@@ -407,20 +418,20 @@ def _imbalance_of_peer_forces(loaded: LoadedShoe, forces: PeerForces, load: Floa
         [forces.normal, forces.friction, forces.held[:2], push[:2]],
         [forces.moment, *moments, size, -size],
     )
-    work = loaded.work_of_loads_on_rigid_shoe_holder
+    work = loaded.virtual_work_of_loads_on_rigid_holder
     lengths = np.hypot(*tests.T[:2]) + loaded.radius * np.abs(tests[:, 2])
     unbalanced = np.abs(tests @ forces.held - work) / lengths
     moment = max(balance.moment, float(unbalanced.max()) / normal_force)
-    return Balance(balance.force, moment)
+    return ForceAndMomentImbalance(balance.force, moment)
 
 
 def zero_response_and_imbalance_of_shoe_turned_from_drum(
-    loaded: LoadedShoe,
-) -> tuple[ShoeResponse, Balance]:
+    loaded: MeshedShoeUnderActuation,
+) -> tuple[ShoeResponse, ForceAndMomentImbalance]:
     """The response, without pressure, of a shoe that its loads turn away from the drum."""
     return response_of_shoe_without_contact(
         loaded.shoe, -loaded.shoe.sum_of_forces_of_all_loads
-    ), Balance(0.0, 0.0)
+    ), ForceAndMomentImbalance(0.0, 0.0)
 
 
 class EndedProcess(NamedTuple):
@@ -447,7 +458,7 @@ def run_command_of_peer_program(
     try:
         done = subprocess.run(
             command,
-            env=environment | ONE_THREAD,
+            env=environment | ONE_THREAD_ENVIRONMENT,
             cwd=folder,
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
@@ -464,7 +475,7 @@ def run_command_of_peer_program(
 
 def brake_response_from_shoe_responses(
     model: str,
-    answers: Sequence[tuple[ShoeResponse, Balance]],
+    answers: Sequence[tuple[ShoeResponse, ForceAndMomentImbalance]],
     iterations: int,
     seconds: dict[str, float],
 ) -> Response:

@@ -24,14 +24,14 @@ from drumlin.fem.preparation.meshes import materials_and_widths_of_shoe_parts
 from drumlin.fem.width.prepare import reason_why_width_model_does_not_apply
 from drumlin.peers import calculix
 from drumlin.peers.deck import (
-    DRUM_LAYER,
-    DRUM_MODULUS,
+    DRUM_LAYER_THICKNESS_OVER_RADIUS,
+    DRUM_MODULUS_OVER_LINING_MODULUS,
     MM_PER_METRE,
     MPA_PER_PASCAL,
-    DeckGrid,
-    DeckSetting,
-    DrumMesh,
-    FirstLabels,
+    CalculixDeckParameters,
+    DrumMeshAsDeckLines,
+    FirstDrumLabels,
+    ShoeMeshOfDeck,
     angles_of_drum_nodes,
     deck_header_lines,
     deck_lines_of_contact,
@@ -42,8 +42,8 @@ from drumlin.peers.deck import (
     require_lining_without_gap,
 )
 from drumlin.peers.hexahedra import (
-    HEXAHEDRA_ALONG_LINING,
-    Solid,
+    DEFAULT_HEXAHEDRA_ALONG_LINING,
+    HalfSolidShoeMesh,
     default_number_of_hexahedra_over_half_width,
     hexahedra_with_twenty_nodes_in_vtk_order,
     mesh_of_half_solid_shoe,
@@ -52,21 +52,21 @@ from drumlin.peers.hexahedra import (
     solid_nodes_that_move_with_pin,
 )
 from drumlin.peers.peer import (
-    LoadedShoe,
-    Peer,
+    MeshedShoeUnderActuation,
+    PeerResult,
     mesh_hinged_shoes_under_actuation,
     zero_response_and_imbalance_of_shoe_turned_from_drum,
 )
 
-SOLID_DRUM_ROTATION = 4e-3
+DRUM_ROTATION_IN_SOLID_DECK = 4e-3
 """Rotation of the drum [rad].
 
 Friction acts in the direction of slip. A pressed lining also expands by some ten micrometres across
 its width. The displacement of the drum must be much larger, so that the slip and the friction are
 along the drum's circumference."""
 
-MODELLED_WIDTH = 0.5
-"""Fraction of the shoe's width that the deck models; it is the value of `DeckSetting.thickness`."""
+MODELLED_FRACTION_OF_WIDTH = 0.5
+"""Fraction of the shoe's width that the deck models, the thickness in its parameters."""
 
 HEXAHEDRON_FACES = [
     (0, 1, 2, 3),
@@ -78,18 +78,18 @@ HEXAHEDRON_FACES = [
 ]
 """The four corners of each face S1 to S6 of CalculiX's hexahedron."""
 
-DRUM_WIDTH = 1.1
+DRUM_WIDTH_OVER_LINING_WIDTH = 1.1
 """Width of the drum, relative to the width of the lining.
 
 It is above 1, since the lining must not reach the drum's edge.
 """
 
 
-class _SolidShoe(NamedTuple):
+class _ShoeUnderActuationWithSolidMesh(NamedTuple):
     """A shoe under its actuation, and its three-dimensional mesh."""
 
-    loaded: LoadedShoe
-    solid: Solid
+    loaded: MeshedShoeUnderActuation
+    solid: HalfSolidShoeMesh
 
 
 def export_solid_calculix_decks(
@@ -97,7 +97,7 @@ def export_solid_calculix_decks(
     folder: Path,
     stem: str,
     *,
-    elements: int = HEXAHEDRA_ALONG_LINING,
+    elements: int = DEFAULT_HEXAHEDRA_ALONG_LINING,
     across: int | None = None,
 ) -> tuple[list[Path], list[str]]:
     """Write a CalculiX deck of a three-dimensional shoe for each shoe of a brake.
@@ -115,11 +115,13 @@ def export_solid_calculix_decks(
     the paths of the decks, and the names of the shoes without a deck; the actuation turns these
     shoes away from the drum
     """
-    setting = DeckSetting(rotation=SOLID_DRUM_ROTATION, thickness=MODELLED_WIDTH)
+    setting = CalculixDeckParameters(
+        rotation=DRUM_ROTATION_IN_SOLID_DECK, thickness=MODELLED_FRACTION_OF_WIDTH
+    )
     decks = []
     for loaded, solid in _mesh_solid_shoes_under_actuation(brake, elements, across):
         decks.append(
-            calculix.ShoeDeck(
+            calculix.ShoeWithDeckText(
                 loaded, partial(deck_text_of_half_solid_shoe, brake, loaded, solid, setting)
             )
         )
@@ -129,10 +131,10 @@ def export_solid_calculix_decks(
 def solve_solid_by_calculix(
     brake: Brake,
     *,
-    elements: int = HEXAHEDRA_ALONG_LINING,
+    elements: int = DEFAULT_HEXAHEDRA_ALONG_LINING,
     across: int | None = None,
-    setting: DeckSetting | None = None,
-) -> Peer:
+    setting: CalculixDeckParameters | None = None,
+) -> PeerResult:
     """Solve a brake with three-dimensional shoes by CalculiX.
 
     Raises the errors of `calculix.solve_brake_by_calculix`.
@@ -142,18 +144,19 @@ def solve_solid_by_calculix(
     brake : the brake
     elements : number of elements along each lining
     across : number of elements over half of the lining's width; None: it follows from `elements`
-    setting : parameters of the decks; None: the usual ones with the rotation SOLID_DRUM_ROTATION
+    setting : parameters of the decks; None: the usual ones with the rotation
+        DRUM_ROTATION_IN_SOLID_DECK
     """
     installed = calculix.calculix_version()
-    start = (setting or DeckSetting(rotation=SOLID_DRUM_ROTATION))._replace(
-        thickness=MODELLED_WIDTH
+    start = (setting or CalculixDeckParameters(rotation=DRUM_ROTATION_IN_SOLID_DECK))._replace(
+        thickness=MODELLED_FRACTION_OF_WIDTH
     )
-    tally = calculix.RunTally()
+    tally = calculix.CollectedCalculixResults()
     for loaded, solid in _mesh_solid_shoes_under_actuation(brake, elements, across):
-        if not loaded.approaches:
+        if not loaded.is_pressed_on_drum:
             tally.answers.append(zero_response_and_imbalance_of_shoe_turned_from_drum(loaded))
             continue
-        pose = calculix.DeckFormat(
+        pose = calculix.DeckWriterAndContactForceReader(
             text=partial(deck_text_of_half_solid_shoe, brake, loaded, solid),
             along=partial(nodal_forces_on_drum_arc, loaded),
         )
@@ -168,7 +171,7 @@ def solve_solid_by_calculix(
 
 def _mesh_solid_shoes_under_actuation(
     brake: Brake, elements: int, across: int | None
-) -> list[_SolidShoe]:
+) -> list[_ShoeUnderActuationWithSolidMesh]:
     """The shoes of a brake under their actuation, with their three-dimensional meshes.
 
     Raises BadInput if drumlin's model of solid shoes cannot solve the brake.
@@ -187,12 +190,16 @@ def _mesh_solid_shoes_under_actuation(
             elements,
             across or default_number_of_hexahedra_over_half_width(shoe, elements),
         )
-        posed.append(_SolidShoe(loaded, solid))
+        posed.append(_ShoeUnderActuationWithSolidMesh(loaded, solid))
     return posed
 
 
 def deck_text_of_half_solid_shoe(
-    brake: Brake, loaded: LoadedShoe, solid: Solid, setting: DeckSetting, name: str = "shoe"
+    brake: Brake,
+    loaded: MeshedShoeUnderActuation,
+    solid: HalfSolidShoeMesh,
+    setting: CalculixDeckParameters,
+    name: str = "shoe",
 ) -> str:
     """The text of the CalculiX deck of half a three-dimensional shoe, in the brake's frame.
 
@@ -215,12 +222,13 @@ def deck_text_of_half_solid_shoe(
     used = np.unique(cells)
     held = np.intersect1d(solid_nodes_that_move_with_pin(solid, shoe), used)
     grid = _half_solid_shoe_mesh_for_deck(loaded, points, cells, held)
-    drum_mesh = mesh_solid_drum(brake, loaded, FirstLabels(grid.turn + 1, len(cells) + 1))
+    drum_mesh = mesh_solid_drum(brake, loaded, FirstDrumLabels(grid.turn + 1, len(cells) + 1))
     # The nodes of the mid-plane are fixed along z. In a rigid shoe the nodes at the back, where
     # lining or backing is bonded to the shoe, are fixed along z as well.
     mid_plane = np.intersect1d(solid.node[solid.node[:, 0] >= 0, 0], used)
     bonded = held if shoe.body is None else held[:0]
     face = nodes_of_boundary_over_width_of_part(solid, "contact", "lining")
+    actuation = _deck_lines_of_half_solid_shoe_actuation(loaded, solid, setting, grid)
     lines = [
         *deck_header_lines(brake, loaded, setting, name),
         "** half of the shoe, z >= 0: what is called thickness above is that half",
@@ -234,18 +242,12 @@ def deck_text_of_half_solid_shoe(
         "*BOUNDARY",
         *(f"{i + 1}, 3, 3" for i in np.union1d(mid_plane, bonded)),
         "NDRUM, 3, 3",
-        *deck_lines_of_load_step(
-            brake,
-            setting,
-            grid,
-            drum_mesh.xy,
-            _deck_lines_of_half_solid_shoe_actuation(loaded, solid, setting, grid),
-        ),
+        *deck_lines_of_load_step(brake, setting, grid, drum_mesh.xy, actuation),
     ]
     return "\n".join(lines) + "\n"
 
 
-def _points_and_cells_in_brake_frame(shoe: Shoe, solid: Solid) -> tuple[Floats, Ints]:
+def _points_and_cells_in_brake_frame(shoe: Shoe, solid: HalfSolidShoeMesh) -> tuple[Floats, Ints]:
     """The nodes (n, 3) [mm] of a solid shoe in the brake's frame, and its cells (m, 20).
 
     Nodes keep their numbers in drumlin's mesh. The cells do not use the nodes in the middle of
@@ -261,8 +263,8 @@ def _points_and_cells_in_brake_frame(shoe: Shoe, solid: Solid) -> tuple[Floats, 
 
 
 def _half_solid_shoe_mesh_for_deck(
-    loaded: LoadedShoe, points: Floats, cells: Ints, held: Ints
-) -> DeckGrid:
+    loaded: MeshedShoeUnderActuation, points: Floats, cells: Ints, held: Ints
+) -> ShoeMeshOfDeck:
     """The mesh of half a three-dimensional shoe in the form of a CalculiX deck.
 
     Parameters
@@ -272,7 +274,7 @@ def _half_solid_shoe_mesh_for_deck(
     cells : numbers (m, 20) of the nodes of each cell
     held : numbers of the nodes at the hinge, which move with the pin
     """
-    return DeckGrid(
+    return ShoeMeshOfDeck(
         xy=points[:, :2],
         cells=cells,
         corners=8,
@@ -285,7 +287,7 @@ def _half_solid_shoe_mesh_for_deck(
 
 
 def _deck_lines_of_half_solid_shoe_mesh(
-    shoe: Shoe, solid: Solid, points: Floats, grid: DeckGrid
+    shoe: Shoe, solid: HalfSolidShoeMesh, points: Floats, grid: ShoeMeshOfDeck
 ) -> list[str]:
     """The lines of a deck for the nodes (n, 3) [mm] and the elements of half a shoe."""
     pin = [*(shoe.pin.xy * MM_PER_METRE), 0.0]
@@ -309,7 +311,7 @@ def _deck_lines_of_solid_materials(shoe: Shoe) -> list[str]:
         # `reason_why_width_model_does_not_apply` refuses orthotropic materials.
         assert isinstance(material, Material)
         moduli[part.upper()] = material.E, material.nu
-    moduli["DRUM"] = DRUM_MODULUS * shoe.lining.material.E_through, 0.0
+    moduli["DRUM"] = DRUM_MODULUS_OVER_LINING_MODULUS * shoe.lining.material.E_through, 0.0
     lines = []
     for part, (E, nu) in moduli.items():
         lines += [f"*MATERIAL, NAME={part}", "*ELASTIC", f"{E * MPA_PER_PASCAL:.12e}, {nu:.12e}"]
@@ -341,7 +343,10 @@ def _deck_lines_of_solid_faces(cells: Ints, on: Ints) -> list[str]:
 
 
 def _deck_lines_of_half_solid_shoe_actuation(
-    loaded: LoadedShoe, solid: Solid, setting: DeckSetting, grid: DeckGrid
+    loaded: MeshedShoeUnderActuation,
+    solid: HalfSolidShoeMesh,
+    setting: CalculixDeckParameters,
+    grid: ShoeMeshOfDeck,
 ) -> list[str]:
     """The lines of a deck for the actuation of half a shoe.
 
@@ -358,7 +363,7 @@ def _deck_lines_of_half_solid_shoe_actuation(
     return deck_lines_of_nodal_forces(forces, np.flatnonzero(forces.any(axis=1)))
 
 
-def _forces_moved_from_face_middles(solid: Solid, forces: Floats) -> Floats:
+def _forces_moved_from_face_middles(solid: HalfSolidShoeMesh, forces: Floats) -> Floats:
     """Distribute nodal forces (n, 2) in the middle of faces to the other nodes of these faces.
 
     CalculiX's element has no node there. Its displacement in the middle of a face is 1/2 of the sum
@@ -402,7 +407,9 @@ class _DrumNodeRow(NamedTuple):
         return np.column_stack([r * np.cos(t), r * np.sin(t), np.full(len(t), self.z)])
 
 
-def mesh_solid_drum(brake: Brake, loaded: LoadedShoe, first: FirstLabels) -> DrumMesh:
+def mesh_solid_drum(
+    brake: Brake, loaded: MeshedShoeUnderActuation, first: FirstDrumLabels
+) -> DrumMeshAsDeckLines:
     """The mesh of the drum in a three-dimensional CalculiX deck: one row of elements along the arc.
 
     The elements reach from z = 0 to a little beyond the side of the lining. Their face S1 lies on
@@ -413,8 +420,8 @@ def mesh_solid_drum(brake: Brake, loaded: LoadedShoe, first: FirstLabels) -> Dru
     shoe, R = loaded.shoe, brake.size
     theta = angles_of_drum_nodes(loaded)
     ends = theta[::2]
-    back = R * (1 + shoe.sign * DRUM_LAYER)
-    outer = DRUM_WIDTH * shoe.lining.width / 2
+    back = R * (1 + shoe.sign_internal_plus_external_minus * DRUM_LAYER_THICKNESS_OVER_RADIUS)
+    outer = DRUM_WIDTH_OVER_LINING_WIDTH * shoe.lining.width / 2
     rows = [
         _DrumNodeRow(R, theta, 0.0),
         _DrumNodeRow(R, ends, outer / 2),
@@ -431,9 +438,11 @@ def mesh_solid_drum(brake: Brake, loaded: LoadedShoe, first: FirstLabels) -> Dru
     lines.append("*ELEMENT, TYPE=C3D20, ELSET=DRUM")
     labels = first.node + np.cumsum([0, *(len(row.theta) for row in rows)])
     for k in range(len(ends) - 1):
-        nodes = _node_labels_of_drum_element(labels[:-1].tolist(), k, shoe.sign)
+        nodes = _node_labels_of_drum_element(
+            labels[:-1].tolist(), k, shoe.sign_internal_plus_external_minus
+        )
         lines += _deck_lines_of_solid_element(first.element + k, nodes)
-    return DrumMesh(lines, xyz[:, :2])
+    return DrumMeshAsDeckLines(lines, xyz[:, :2])
 
 
 def _node_labels_of_drum_element(labels: list[int], k: int, sign: int) -> Ints:
@@ -464,7 +473,7 @@ def _node_labels_of_drum_element(labels: list[int], k: int, sign: int) -> Ints:
     )
 
 
-def nodal_forces_on_drum_arc(loaded: LoadedShoe, forces: Floats) -> Floats:
+def nodal_forces_on_drum_arc(loaded: MeshedShoeUnderActuation, forces: Floats) -> Floats:
     """The nodal forces (n, 2) on the drum's arc, summed over the width of the drum.
 
     `forces` has the forces on all nodes of the drum in the order of `mesh_solid_drum`. The sums are

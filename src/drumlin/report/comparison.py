@@ -12,9 +12,9 @@ from drumlin.base.errors import NoAnswer
 from drumlin.base.files import delete_output_of_earlier_run, write_text
 from drumlin.brake.brake import Brake
 from drumlin.comparison import (
-    Comparison,
-    Outcome,
-    TableColumn,
+    ModelComparison,
+    ModelResultOrReasonOfFailure,
+    ResultTableColumn,
     compare,
     comparison_columns_for_brake,
     table_as_csv_text,
@@ -25,7 +25,7 @@ from drumlin.report import figures
 from drumlin.report.page import software_versions, write_html_page
 from drumlin.response.response import Response
 
-ENDINGS_OF_FIELD_FILES = ("svg", "png", "vtu")
+ENDINGS_OF_STRESS_FIELD_FILE_NAMES = ("svg", "png", "vtu")
 """Endings of the files of stress fields that `compare` has written, in this or older versions."""
 
 
@@ -43,11 +43,11 @@ class WrittenComparison(NamedTuple):
     table: list[dict[str, Any]]
     notes: list[str]
     page: Path
-    columns: tuple[TableColumn, ...]
+    columns: tuple[ResultTableColumn, ...]
 
 
 def panel_title_and_responses_of_each_shoe(
-    comparison: Comparison[Any],
+    comparison: ModelComparison[Any],
 ) -> list[tuple[str, dict[str, Any]]]:
     """For each shoe, the title of its panel in the pressure figure and its responses by model."""
     brake = comparison.brake
@@ -62,7 +62,9 @@ def panel_title_and_responses_of_each_shoe(
             # model.
             if response.shoes[i].self_energising:
                 verb = "assists"
-        made.append((f"{shoe.name}, {brake.sense}: friction {verb}", responses))
+        made.append(
+            (f"{shoe.name}, {brake.direction_as_text_in_tables}: friction {verb}", responses)
+        )
     return made
 
 
@@ -106,7 +108,7 @@ def draw_stress_fields(
     figures.save_figure_as_files(picture, folder / name, pictures)
 
 
-def comparisons_as_json(comparisons: Sequence[Comparison[Any]], **more: Any) -> str:
+def comparisons_as_json(comparisons: Sequence[ModelComparison[Any]], **more: Any) -> str:
     """All results of some comparisons as JSON text, with the versions of the software.
 
     The computing time [s] of each model is the median of its repeated runs. `more` holds further
@@ -116,17 +118,17 @@ def comparisons_as_json(comparisons: Sequence[Comparison[Any]], **more: Any) -> 
     return json.dumps({"versions": software_versions(), "cases": cases, **more}, indent=1) + "\n"
 
 
-def _comparison_as_plain_data(comparison: Comparison[Any]) -> dict[str, Any]:
+def _comparison_as_plain_data(comparison: ModelComparison[Any]) -> dict[str, Any]:
     """The comparison of all models on one brake as plain data for JSON."""
     return {
         "case": comparison.case,
-        "rotation": comparison.brake.sense,
+        "rotation": comparison.brake.direction_as_text_in_tables,
         "friction": comparison.brake.friction,
         "models": list(map(_model_answer_as_plain_data, comparison.outcomes)),
     }
 
 
-def _model_answer_as_plain_data(outcome: Outcome) -> dict[str, Any]:
+def _model_answer_as_plain_data(outcome: ModelResultOrReasonOfFailure) -> dict[str, Any]:
     """The response of one model, or the text of its failure, with the computing time, for JSON."""
     answer = {"model": outcome.model, "failed": outcome.failure}
     if outcome.response:
@@ -160,7 +162,7 @@ def compare_models_and_write_html_page(
         failures = [f"{outcome.model}: {outcome.failure}" for outcome in comparison.outcomes]
         raise NoAnswer("; ".join(failures))
     # Fields of an earlier run must not stand beside the new results.
-    for ending in ENDINGS_OF_FIELD_FILES:
+    for ending in ENDINGS_OF_STRESS_FIELD_FILE_NAMES:
         delete_output_of_earlier_run(folder / f"fields.{ending}")
     table = comparison.rows
     write_text(folder / "results.csv", table_as_csv_text(table))
@@ -200,7 +202,7 @@ def compare_models_and_write_html_page(
 
 
 def _model_notes_and_reasons_against_other_models(
-    comparison: Comparison[Any], named: Sequence[str]
+    comparison: ModelComparison[Any], named: Sequence[str]
 ) -> list[str]:
     """The notes of all models that answered, and the reasons why other models do not apply.
 
@@ -215,7 +217,7 @@ def _model_notes_and_reasons_against_other_models(
     return notes
 
 
-def _sentences_about_effects_that_models_neglect(comparison: Comparison[Any]) -> list[str]:
+def _sentences_about_effects_that_models_neglect(comparison: ModelComparison[Any]) -> list[str]:
     """A line of text for each effect that a model of the comparison neglects."""
     lines = []
     for model, response in comparison.responses.items():

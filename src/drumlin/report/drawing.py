@@ -16,16 +16,16 @@ from matplotlib.path import Path as Outline
 from drumlin.base.arrays import Floats
 from drumlin.brake.beam_axis import make_beam_axis
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.brake.components import Actuation, Bar, Beam
-from drumlin.report.palette import FAINT, INK
+from drumlin.brake.components import Actuation, BeamBody, ShoeBodyOfConstantSection
+from drumlin.report.palette import COLOR_OF_AXES_AND_NOTES, INK
 from drumlin.report.signs import (
-    BLOCK_COLOR,
-    BODY_COLOR,
+    COLOR_OF_MOTION_ARROW,
+    COLOR_OF_SHOE_BACKING,
+    COLOR_OF_SHOE_BODY,
     DRUM_COLOR,
     FORCE_COLOR,
     LINING_COLOR,
     MM_PER_M,
-    MOTION_COLOR,
     draw_rigid_arms_of_shoe,
     draw_struts_and_cam,
     draw_support_of_shoe,
@@ -86,7 +86,9 @@ def _outer_radius_of_brake(brake: Brake) -> float:
     """The radius [mm] of the circle that just encloses drum, ring and external shoes."""
     ring = _thickness_of_drum_ring(brake)
     outside = any(shoe.side == "internal" for shoe in brake.shoes) and ring
-    depth = max((shoe.depth for shoe in brake.shoes if shoe.side == "external"), default=0.0)
+    depth = max(
+        (shoe.total_thickness for shoe in brake.shoes if shoe.side == "external"), default=0.0
+    )
     return (brake.size + max(outside, depth)) * MM_PER_M
 
 
@@ -113,7 +115,7 @@ def _draw_drum_with_rotation_arrow(axes: Axes, brake: Brake, R: float, unit: flo
     axes.plot([0, 0], cross, color=INK, lw=0.8)
     # Draw a line from the centre to the friction surface, labelled with the radius.
     direction = _unit_vector_at_angle(_free_angle_for_radius_line(brake, R, unit))
-    axes.plot([0, R * direction[0]], [0, R * direction[1]], color=FAINT, lw=0.7)
+    axes.plot([0, R * direction[0]], [0, R * direction[1]], color=COLOR_OF_AXES_AND_NOTES, lw=0.7)
     _write_text_on_pale_box(axes, 0.5 * R * direction, f"R = {R:.5g} mm")
     _draw_rotation_arrow(axes, brake.sign_of_motion, 2.6 * unit)
 
@@ -128,7 +130,7 @@ def _draw_rotation_arrow(axes: Axes, spin: int, radius: float) -> None:
     axes.plot(
         radius * np.cos(line),
         radius * np.sin(line),
-        color=MOTION_COLOR,
+        color=COLOR_OF_MOTION_ARROW,
         lw=2,
         solid_capstyle="round",
     )
@@ -136,7 +138,7 @@ def _draw_rotation_arrow(axes: Axes, spin: int, radius: float) -> None:
         radius * _unit_vector_at_angle(angles[-1]),
         radius * _unit_vector_at_angle(angles[-8]),
     )
-    draw_arrow_from_tail_to_tip(axes, back, tip, MOTION_COLOR, width=0.1)
+    draw_arrow_from_tail_to_tip(axes, back, tip, COLOR_OF_MOTION_ARROW, width=0.1)
 
 
 def _free_angle_for_radius_line(brake: Brake, R: float, unit: float) -> float:
@@ -171,23 +173,25 @@ def _draw_shoe_on_drum(axes: Axes, shoe: Shoe, R: float, unit: float, *, on_stru
     arcs = [(math.degrees(start), math.degrees(end)) for start, end in shoe.lining.arcs]
     depth = shoe.lining.thickness * MM_PER_M
     for arc in arcs:
-        _draw_layer_as_ring_segment(axes, shoe, R, _Layer(0.0, depth, arc, LINING_COLOR))
+        _draw_layer_as_ring_segment(axes, shoe, R, _DrawnShoeLayer(0.0, depth, arc, LINING_COLOR))
     # A shoe with a mesh file is drawn without body, since only the mesh knows its shape. `depth`
     # grows from the friction surface through the layers.
     if shoe.mesh is None:
-        if isinstance(shoe.body, Beam):
+        if isinstance(shoe.body, BeamBody):
             _draw_straight_beam_of_shoe(axes, shoe, R, unit)
         elif shoe.backing is not None:
             backing = shoe.backing.thickness * MM_PER_M
             for arc in arcs:
-                _draw_layer_as_ring_segment(axes, shoe, R, _Layer(depth, backing, arc, BLOCK_COLOR))
+                _draw_layer_as_ring_segment(
+                    axes, shoe, R, _DrawnShoeLayer(depth, backing, arc, COLOR_OF_SHOE_BACKING)
+                )
             depth += backing
-        if isinstance(shoe.body, Bar):
+        if isinstance(shoe.body, ShoeBodyOfConstantSection):
             body_arc = math.degrees(shoe.body.start), math.degrees(shoe.body.end)
             for plate in shoe.body.plates.values():
                 thickness = plate.thickness * MM_PER_M
                 _draw_layer_as_ring_segment(
-                    axes, shoe, R, _Layer(depth, thickness, body_arc, BODY_COLOR)
+                    axes, shoe, R, _DrawnShoeLayer(depth, thickness, body_arc, COLOR_OF_SHOE_BODY)
                 )
                 depth += thickness
     draw_support_of_shoe(axes, shoe, unit, on_strut=on_strut)
@@ -195,7 +199,11 @@ def _draw_shoe_on_drum(axes: Axes, shoe: Shoe, R: float, unit: float, *, on_stru
     # The name is written inside the drum; for an internal shoe, between the shoe and the drum's
     # centre.
     middle = 0.5 * (shoe.lining.start + shoe.lining.end)
-    inside = R - 1.8 * unit - (shoe.depth * MM_PER_M if shoe.sign > 0 else 0.0)
+    inside = (
+        R
+        - 1.8 * unit
+        - (shoe.total_thickness * MM_PER_M if shoe.sign_internal_plus_external_minus > 0 else 0.0)
+    )
     _write_text_on_pale_box(axes, inside * _unit_vector_at_angle(middle), shoe.name)
 
 
@@ -204,7 +212,7 @@ def _draw_rigid_shoe_on_drum(axes: Axes, shoe: Shoe, R: float) -> None:
     for stroke in _rigid_shoe_lines(shoe, R):
         axes.plot(
             *stroke.T,
-            color=BODY_COLOR,
+            color=COLOR_OF_SHOE_BODY,
             lw=7,
             solid_capstyle="round",
             solid_joinstyle="round",
@@ -214,25 +222,28 @@ def _draw_rigid_shoe_on_drum(axes: Axes, shoe: Shoe, R: float) -> None:
 
 def _draw_straight_beam_of_shoe(axes: Axes, shoe: Shoe, R: float, unit: float) -> None:
     """Draw the straight beam of a shoe, and the block between the beam and the lining's back."""
-    assert isinstance(shoe.body, Beam)
+    assert isinstance(shoe.body, BeamBody)
     axis = make_beam_axis(shoe.pin.xy * MM_PER_M, shoe.actuation.point.xy * MM_PER_M)
     half = 0.5 * (shoe.body.thickness * MM_PER_M if shoe.body.thickness else unit)
     # The block has an arc on the lining's side and a straight edge along the beam.
     for ends in shoe.lining.arcs if shoe.backing is not None else ():
         angle = axis.angle(np.linspace(*ends, 60))
         back = R + shoe.lining.thickness * MM_PER_M
-        x, y = axis.foot + back * np.sin(angle), axis.distance - back * np.cos(angle)
+        x, y = (
+            axis.x_of_perpendicular_foot + back * np.sin(angle),
+            axis.distance_from_drum_centre - back * np.cos(angle),
+        )
         block = axis.convert_beam_coordinates_to_brake_points(
             np.append(x, x[[-1, 0]]), np.append(y, [half, half])
         )
-        axes.fill(*block.T, facecolor=BLOCK_COLOR, edgecolor=INK, lw=0.8, zorder=2)
+        axes.fill(*block.T, facecolor=COLOR_OF_SHOE_BACKING, edgecolor=INK, lw=0.8, zorder=2)
     corners = axis.convert_beam_coordinates_to_brake_points(
         np.array([0, 1, 1, 0]) * axis.length, np.array([-1, -1, 1, 1]) * half
     )
-    axes.fill(*corners.T, facecolor=BODY_COLOR, edgecolor=INK, lw=0.8, zorder=2)
+    axes.fill(*corners.T, facecolor=COLOR_OF_SHOE_BODY, edgecolor=INK, lw=0.8, zorder=2)
 
 
-class _Layer(NamedTuple):
+class _DrawnShoeLayer(NamedTuple):
     """A layer of a shoe to draw, such as the lining.
 
     Attributes
@@ -249,9 +260,13 @@ class _Layer(NamedTuple):
     color: str
 
 
-def _draw_layer_as_ring_segment(axes: Axes, shoe: Shoe, R: float, layer: _Layer) -> None:
+def _draw_layer_as_ring_segment(axes: Axes, shoe: Shoe, R: float, layer: _DrawnShoeLayer) -> None:
     """Draw a layer of a shoe on the drum as part of a circular ring."""
-    outer = R - layer.depth if shoe.sign > 0 else R + layer.depth + layer.thickness
+    outer = (
+        R - layer.depth
+        if shoe.sign_internal_plus_external_minus > 0
+        else R + layer.depth + layer.thickness
+    )
     wedge = Wedge(
         (0, 0),
         outer,
@@ -267,7 +282,9 @@ def _draw_layer_as_ring_segment(axes: Axes, shoe: Shoe, R: float, layer: _Layer)
 
 def _radius_of_rigid_shoe_back(shoe: Shoe, R: float) -> float:
     """The radius [mm] of the arc that stands for a rigid shoe behind its lining."""
-    return R - shoe.sign * (shoe.lining.thickness * MM_PER_M + 0.035 * R)
+    return R - shoe.sign_internal_plus_external_minus * (
+        shoe.lining.thickness * MM_PER_M + 0.035 * R
+    )
 
 
 def _rigid_shoe_lines(shoe: Shoe, R: float) -> list[Floats]:
@@ -286,7 +303,7 @@ def _rigid_shoe_lines(shoe: Shoe, R: float) -> list[Floats]:
     # An external shoe has a lever along the straight line from hinge to force, if this line passes
     # outside the drum.
     clear = np.linalg.norm(np.linspace(hinge, load, 50), axis=1)
-    if np.all(clear > R) and shoe.sign < 0:
+    if np.all(clear > R) and shoe.sign_internal_plus_external_minus < 0:
         foot = _point_of_lever_nearest_to_given_point(hinge, load, middle)
         return [back, np.array([hinge, load]), np.array([middle, foot])]
     # For other shoes, the end of the arc near the hinge is joined to the hinge, the other end to
@@ -315,12 +332,14 @@ def _point_where_force_is_drawn(shoe: Shoe, R: float) -> Floats:
     the arc of the shoe's back.
     """
     point = shoe.actuation.point.xy * MM_PER_M
-    if shoe.sign < 0 and np.linalg.norm(point) > R:
+    if shoe.sign_internal_plus_external_minus < 0 and np.linalg.norm(point) > R:
         return point
     # Find the shoe's end that is farther from the pin, at the middle of the body's depth.
-    half = 0.5 * shoe.body.depth if isinstance(shoe.body, Bar) else 0.0
-    radius = R - shoe.sign * (shoe.depth - half) * MM_PER_M
-    arc = shoe.body if isinstance(shoe.body, Bar) else shoe.lining
+    half = (
+        0.5 * shoe.body.total_thickness if isinstance(shoe.body, ShoeBodyOfConstantSection) else 0.0
+    )
+    radius = R - shoe.sign_internal_plus_external_minus * (shoe.total_thickness - half) * MM_PER_M
+    arc = shoe.body if isinstance(shoe.body, ShoeBodyOfConstantSection) else shoe.lining
     ends = [radius * _unit_vector_at_angle(angle) for angle in (arc.start, arc.end)]
     far = max(ends, key=lambda end: float(np.linalg.norm(end - shoe.pin.xy * MM_PER_M)))
     along = _unit_vector_at_angle(shoe.actuation.direction)
@@ -329,7 +348,7 @@ def _point_where_force_is_drawn(shoe: Shoe, R: float) -> Floats:
     # back; it is negative if the line misses the circle.
     middle = point - (point @ along) * along
     reach = _radius_of_rigid_shoe_back(shoe, R) ** 2 - middle @ middle
-    if shoe.sign > 0 or shoe.body or reach < 0:
+    if shoe.sign_internal_plus_external_minus > 0 or shoe.body or reach < 0:
         return np.asarray(nearest)
     return np.asarray(middle + math.copysign(math.sqrt(reach), (far - middle) @ along) * along)
 
@@ -342,7 +361,11 @@ def _tip_of_force_arrow(shoe: Shoe, R: float, unit: float) -> Floats:
     """
     load, arrow = _point_where_force_is_drawn(shoe, R), _vector_of_force_arrow(shoe.actuation, unit)
     middle = R * _unit_vector_at_angle(shoe.lining.middle)
-    return load + arrow if shoe.sign < 0 and (load - middle) @ arrow > 0 else load
+    return (
+        load + arrow
+        if shoe.sign_internal_plus_external_minus < 0 and (load - middle) @ arrow > 0
+        else load
+    )
 
 
 def _corners_of_box_around_pin(shoe: Shoe, unit: float) -> Floats:
@@ -392,12 +415,12 @@ def _draw_plane_with_motion_arrow(
     axes.plot([left, right], [0, 0], color=INK, lw=1.6)
     middle, half = 0.5 * (left + right), 2.2 * unit * spin
     tail, tip = np.array([middle - half, -unit]), np.array([middle + half, -unit])
-    draw_arrow_from_tail_to_tip(axes, tail, tip, MOTION_COLOR, width=0.14)
+    draw_arrow_from_tail_to_tip(axes, tail, tip, COLOR_OF_MOTION_ARROW, width=0.14)
 
 
 def _draw_shoe_on_plane(axes: Axes, shoe: Shoe, unit: float, *, on_strut: bool) -> None:
     """Draw a shoe on a plane: its layers, name and support, and the height of its hinge."""
-    if isinstance(shoe.body, Bar) and shoe.lining.thickness is not None:
+    if isinstance(shoe.body, ShoeBodyOfConstantSection) and shoe.lining.thickness is not None:
         _draw_layers_of_shoe_on_plane(axes, shoe, shoe.body)
     else:
         _draw_rigid_shoe_on_plane(axes, shoe, unit)
@@ -406,26 +429,32 @@ def _draw_shoe_on_plane(axes: Axes, shoe: Shoe, unit: float, *, on_strut: bool) 
     _write_text_on_pale_box(axes, np.array([end + 1.2 * unit, 1.0 * unit]), shoe.name, ha="left")
     if shoe.hinge is not None and shoe.pivot is None:
         x, height = shoe.hinge.xy * MM_PER_M
-        arrow = {"arrowstyle": "<->", "color": FAINT, "lw": 0.8}
+        arrow = {"arrowstyle": "<->", "color": COLOR_OF_AXES_AND_NOTES, "lw": 0.8}
         axes.annotate("", (x, 0), (x, height), arrowprops=arrow, zorder=4)
         _write_text_on_pale_box(
             axes, np.array([x - 1.6 * unit, 0.4 * height]), f"h = {height:.4g} mm"
         )
 
 
-def _draw_layers_of_shoe_on_plane(axes: Axes, shoe: Shoe, body: Bar) -> None:
+def _draw_layers_of_shoe_on_plane(axes: Axes, shoe: Shoe, body: ShoeBodyOfConstantSection) -> None:
     """Draw the layers of an elastic shoe on a plane: lining, block and plates of the body."""
     lining = shoe.lining.start * MM_PER_M, shoe.lining.end * MM_PER_M
-    layers = [_Layer(0.0, shoe.lining.thickness * MM_PER_M, lining, LINING_COLOR)]
+    layers = [_DrawnShoeLayer(0.0, shoe.lining.thickness * MM_PER_M, lining, LINING_COLOR)]
     # A shoe with a mesh file is drawn as a lining only, since only the mesh knows its shape.
     if shoe.mesh is None:
         top = layers[0].thickness
         if shoe.backing:
-            layers.append(_Layer(top, shoe.backing.thickness * MM_PER_M, lining, BLOCK_COLOR))
+            layers.append(
+                _DrawnShoeLayer(
+                    top, shoe.backing.thickness * MM_PER_M, lining, COLOR_OF_SHOE_BACKING
+                )
+            )
             top += layers[-1].thickness
         ends = body.start * MM_PER_M, body.end * MM_PER_M
         for plate in body.plates.values():
-            layers.append(_Layer(top, plate.thickness * MM_PER_M, ends, BODY_COLOR))
+            layers.append(
+                _DrawnShoeLayer(top, plate.thickness * MM_PER_M, ends, COLOR_OF_SHOE_BODY)
+            )
             top += layers[-1].thickness
     for layer in layers:
         left, right = layer.arc
@@ -458,9 +487,9 @@ def _draw_rigid_shoe_on_plane(axes: Axes, shoe: Shoe, unit: float) -> None:
     feet = pin + share[:, None] * lever
     block = [(start, top), *feet.tolist(), (end, top)]
     outline = Outline(np.array([*block, block[0]]))
-    axes.add_patch(PathPatch(outline, facecolor=BODY_COLOR, edgecolor="none", zorder=2))
+    axes.add_patch(PathPatch(outline, facecolor=COLOR_OF_SHOE_BODY, edgecolor="none", zorder=2))
     line = np.array([pin, load])
-    axes.plot(*line.T, color=BODY_COLOR, lw=7, solid_capstyle="round", zorder=2)
+    axes.plot(*line.T, color=COLOR_OF_SHOE_BODY, lw=7, solid_capstyle="round", zorder=2)
 
 
 # The functions below draw forces and the labels beside them.
@@ -527,7 +556,10 @@ def _draw_force_arrows_with_labels(
         return
     # Labels of the forces on internal shoes stand on the side of the arrow that faces the drum's
     # centre.
-    inside = not brake.surface.is_plane_and_not_drum and brake.shoes[0].sign > 0
+    inside = (
+        not brake.surface.is_plane_and_not_drum
+        and brake.shoes[0].sign_internal_plus_external_minus > 0
+    )
     labels: list[_ForceLabel] = []
     for shoe in pushed:
         tip = tips[shoe.name]

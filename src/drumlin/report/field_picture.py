@@ -21,25 +21,25 @@ from drumlin.base.arrays import Floats, Ints
 from drumlin.base.round_numbers import largest_round_number_not_above_value
 from drumlin.brake.brake import Brake
 from drumlin.brake.fields import Point
-from drumlin.brake.support import Held
-from drumlin.fem.analysis.fields import Fields
+from drumlin.brake.support import SupportedShoe
+from drumlin.fem.analysis.fields import StressAndDisplacementFields
 from drumlin.report.figures import (
     FULL_WIDTH,
+    MATPLOTLIB_SETTINGS_FOR_PRINT,
     PIXELS_PER_INCH,
-    STYLE,
     height_of_title,
     title_folded_into_lines,
     write_title_above_picture,
 )
-from drumlin.report.palette import FAINT, INK, RED
+from drumlin.report.palette import COLOR_OF_AXES_AND_NOTES, INK, RED
 from drumlin.report.signs import MM_PER_M
 from drumlin.response.balance import brake_with_forces_of_response
 from drumlin.response.response import Response
 
-COLOUR_BAR_ENDS = 1, 1.2, 1.6, 2, 2.4, 3.2, 4, 6, 8, 10
+ROUND_UPPER_ENDS_OF_COLOUR_BAR = 1, 1.2, 1.6, 2, 2.4, 3.2, 4, 6, 8, 10
 """Allowed upper ends of the colour bar, times any power of ten; a quarter of each is round."""
 
-LARGEST_COLOURED_STRESS = 99.5
+PERCENTAGE_OF_PLANE_NODES_WITHIN_COLOUR_BAR = 99.5
 """Percentage of the nodes whose stress is within the colour bar.
 
 Stresses at singular edges are far above all other stresses. With all of them in the colour bar, the
@@ -47,38 +47,38 @@ rest of the shoe would have one colour. The arrow at the upper end of the bar sh
 stresses are larger. The value is a judgement by eye.
 """
 
-LARGEST_DRAWN_DISPLACEMENT = 0.04
+LARGEST_DRAWN_DISPLACEMENT_OVER_RADIUS = 0.04
 """Largest length of an enlarged displacement, relative to the drum's radius.
 
 Longer displacements would hide the shape of the shoes. The value is a judgement by eye.
 """
 
-PRESSURE_ARROW_LENGTH = 0.2
+LONGEST_PRESSURE_ARROW_OVER_RADIUS = 0.2
 """Length of the longest pressure arrows, relative to the drum's radius."""
 
-FULL_LENGTH_ARROWS = 90
+PERCENTAGE_OF_PROPORTIONAL_ARROWS = 90
 """Percentage of the pressure arrows whose length is in proportion to the pressure.
 
 Pressures at singular edges are far above all other pressures. The longest tenth of the arrows is
 therefore shortened to one length.
 """
 
-FORCE_ARROW_LENGTH = 0.28
+FORCE_ARROW_LENGTH_OVER_RADIUS = 0.28
 """Length of each force's arrow, relative to the drum's radius."""
 
-ARROW_SPACING = math.radians(2.5)
+PRESSURE_ARROW_SPACING_OVER_RADIUS = math.radians(2.5)
 """Distance of the pressure arrows along the friction surface, relative to the drum's radius."""
 
-PIN_RADIUS = 0.035
+DRAWN_PIN_RADIUS_OVER_DRUM_RADIUS = 0.035
 """Radius of the disc of a pin, relative to the drum's radius."""
 
-MARGIN = 0.03
+PICTURE_MARGIN_OVER_RADIUS = 0.03
 """Blank margin around the brake and the arrows' heads, relative to the drum's radius."""
 
 PRESSURE_SHAFT_WIDTH, FORCE_SHAFT_WIDTH = 0.0022, 0.0045
 """Widths of the shafts of the arrows of pressures and forces, relative to that of the picture."""
 
-HEAD_WIDTH = 4
+ARROW_HEAD_WIDTH_OVER_SHAFT_WIDTH = 4
 """Width of an arrow's head, relative to the width of its shaft."""
 
 BAR_WIDTH, LEGEND_HEIGHT = 0.75, 0.45
@@ -91,14 +91,14 @@ The colour bar with its label needs the smallest height, and with the largest he
 and its caption fit on a page.
 """
 
-SMOOTHING = 2
+SAMPLES_PER_PIXEL_SIDE = 2
 """Number of samples in each direction that are averaged for a pixel of the stress colours."""
 
-SAMPLE_SPACING = 0.7
+LARGEST_CELL_SAMPLE_SPACING_IN_PIXELS = 0.7
 """Largest distance of the sampled places of a cell [pixels]; above 1 pixels would be left out."""
 
 
-class _FrictionSurface(NamedTuple):
+class _DrawnFrictionSurface(NamedTuple):
     """The friction surface to draw.
 
     Attributes
@@ -115,7 +115,7 @@ class _FrictionSurface(NamedTuple):
 
 
 def draw_stress_in_shoes_and_ring(
-    brake: Brake, response: Response, bodies: Sequence[Fields]
+    brake: Brake, response: Response, bodies: Sequence[StressAndDisplacementFields]
 ) -> Figure:
     """Draw the von Mises stress on the deformed bodies, pressure, forces, pins and drum or plane.
 
@@ -129,24 +129,26 @@ def draw_stress_in_shoes_and_ring(
     size = MM_PER_M * surface.size
     largest = max(float(np.linalg.norm(body.displacement, axis=1).max()) for body in bodies)
     factor = largest_round_number_not_above_value(
-        LARGEST_DRAWN_DISPLACEMENT * surface.size / (largest or 1.0)
+        LARGEST_DRAWN_DISPLACEMENT_OVER_RADIUS * surface.size / (largest or 1.0)
     )
     line = MM_PER_M * surface.line
     deformed = [MM_PER_M * (body.points + factor * body.displacement) for body in bodies]
     pressure = MM_PER_M * _pressure_arrows(brake, response, surface.size)
     forces = MM_PER_M * _force_arrows(brake_with_forces_of_response(brake, response), surface.size)
     pins = [MM_PER_M * point for point in _points_of_supports(brake)]
-    radius = PIN_RADIUS * size
+    radius = DRAWN_PIN_RADIUS_OVER_DRUM_RADIUS * size
     discs = [pin + radius * np.array([[-1.0, -1.0], [1.0, 1.0]]) for pin in pins]
     places = [line, *deformed, pressure.reshape(-1, 2), forces.reshape(-1, 2), *discs]
-    with mpl.rc_context(STYLE):
-        motion = f"{brake.motion}; displacements × {factor:g}"
+    with mpl.rc_context(MATPLOTLIB_SETTINGS_FOR_PRINT):
+        motion = f"{brake.motion_as_text}; displacements × {factor:g}"
         title = title_folded_into_lines(brake.title, motion)
         figure, axes, bar = _figure_that_shows_all_points(np.concatenate(places), size, title)
         _draw_stress_and_colour_bar(axes, bar, bodies, deformed)
         for body in bodies:
             outline = MM_PER_M * body.points[_edges_of_outline(body)]
-            axes.add_collection(LineCollection(list(outline), colors=FAINT, linewidths=0.5))
+            axes.add_collection(
+                LineCollection(list(outline), colors=COLOR_OF_AXES_AND_NOTES, linewidths=0.5)
+            )
         axes.plot(*line.T, color="black", lw=1.2)
         _draw_arrows(axes, pressure, RED, PRESSURE_SHAFT_WIDTH)
         _draw_arrows(axes, forces, INK, FORCE_SHAFT_WIDTH)
@@ -166,14 +168,14 @@ def _figure_that_shows_all_points(
 
     Parameters
     ----------
-    places : points (n, 2) [mm] that the axes must show, with arrows' heads around them
+    places : points (n, 2) [mm] that the axes must show, with a margin for the heads of arrows
     size : the drum's radius [mm]
     title : lines of the title, for which the figure has room above the axes
     """
     low, high = places.min(axis=0), places.max(axis=0)
     # Half of a head's width is in proportion to the width of the axes with both margins.
-    head = 0.5 * HEAD_WIDTH * FORCE_SHAFT_WIDTH
-    margin = (MARGIN * size + head * (high[0] - low[0])) / (1 - 2 * head)
+    head = 0.5 * ARROW_HEAD_WIDTH_OVER_SHAFT_WIDTH * FORCE_SHAFT_WIDTH
+    margin = (PICTURE_MARGIN_OVER_RADIUS * size + head * (high[0] - low[0])) / (1 - 2 * head)
     low, high = low - margin, high + margin
     width, height = high - low
     # Flat brakes get room above and below, since the colour bar needs some height.
@@ -201,7 +203,7 @@ def _draw_arrows(axes: Axes, arrows: Floats, color: str, width: float) -> None:
         *(tips - tails).T,
         color=color,
         width=width,
-        headwidth=HEAD_WIDTH,
+        headwidth=ARROW_HEAD_WIDTH_OVER_SHAFT_WIDTH,
         angles="xy",
         scale_units="xy",
         scale=1,
@@ -210,22 +212,26 @@ def _draw_arrows(axes: Axes, arrows: Floats, color: str, width: float) -> None:
 
 
 def _draw_stress_and_colour_bar(
-    axes: Axes, bar: Axes, bodies: Sequence[Fields], deformed: Sequence[Floats]
+    axes: Axes, bar: Axes, bodies: Sequence[StressAndDisplacementFields], deformed: Sequence[Floats]
 ) -> None:
     """Colour the deformed bodies by their von Mises stress, and draw the colour bar.
 
     `deformed` are the deformed points (n, 2) [mm] of each body.
     """
     stresses = [1e-6 * body.von_mises for body in bodies]
-    highest = float(np.percentile(np.concatenate(stresses), LARGEST_COLOURED_STRESS))
+    highest = float(
+        np.percentile(np.concatenate(stresses), PERCENTAGE_OF_PLANE_NODES_WITHIN_COLOUR_BAR)
+    )
     top = rounded_up_to_end_of_colour_bar(highest)
     colours = ScalarMappable(Normalize(0, top), "viridis")
     (left, right), (bottom, above) = axes.get_xlim(), axes.get_ylim()
     pixel = (right - left) / (axes.get_position().width * FULL_WIDTH * PIXELS_PER_INCH)
     shape = (math.ceil((above - bottom) / pixel), math.ceil((right - left) / pixel))
-    fine = np.full((SMOOTHING * shape[0], SMOOTHING * shape[1]), np.nan, np.float32)
+    fine = np.full(
+        (SAMPLES_PER_PIXEL_SIDE * shape[0], SAMPLES_PER_PIXEL_SIDE * shape[1]), np.nan, np.float32
+    )
     for body, points, stress in zip(bodies, deformed, stresses, strict=True):
-        columns_and_rows = (points - (left, bottom)) / pixel * SMOOTHING
+        columns_and_rows = (points - (left, bottom)) / pixel * SAMPLES_PER_PIXEL_SIDE
         paint_values_of_cells(fine, columns_and_rows, body.cells, stress)
     axes.imshow(
         _colours_with_smooth_edges(fine, colours),
@@ -255,9 +261,10 @@ def draw_colour_bar_of_stress(bar: Axes, colours: ScalarMappable, *, beyond: boo
 
 
 def _colours_with_smooth_edges(fine: Any, colours: ScalarMappable) -> Any:
-    """The colours (rows, columns, 4) of an image that has SMOOTHING times as many rows and columns.
+    """The colours (rows, columns, 3), from 0 to 255, of a picture from finer samples of its values.
 
-    Each pixel is the mean of its fine pixels. Fine pixels without a value (NaN) are white.
+    `fine` has SAMPLES_PER_PIXEL_SIDE times as many rows and columns. The colour of a pixel is the
+    mean over its samples. Samples without a value (NaN) are white.
     """
     painted = ~np.isnan(fine)
     shades = np.full((*fine.shape, 3), 255, np.uint8)
@@ -265,17 +272,20 @@ def _colours_with_smooth_edges(fine: Any, colours: ScalarMappable) -> Any:
     table = colours.cmap(np.arange(256), bytes=True)[:, :3]
     relative = np.asarray(colours.norm(fine[painted]), float)
     shades[painted] = table[np.clip(256 * relative, 0, 255).astype(np.uint8)]
-    sums = np.zeros((fine.shape[0] // SMOOTHING, fine.shape[1] // SMOOTHING, 3), np.uint16)
-    for row, column in np.ndindex(SMOOTHING, SMOOTHING):
-        sums += shades[row::SMOOTHING, column::SMOOTHING]
-    return (sums // SMOOTHING**2).astype(np.uint8)
+    sums = np.zeros(
+        (fine.shape[0] // SAMPLES_PER_PIXEL_SIDE, fine.shape[1] // SAMPLES_PER_PIXEL_SIDE, 3),
+        np.uint16,
+    )
+    for row, column in np.ndindex(SAMPLES_PER_PIXEL_SIDE, SAMPLES_PER_PIXEL_SIDE):
+        sums += shades[row::SAMPLES_PER_PIXEL_SIDE, column::SAMPLES_PER_PIXEL_SIDE]
+    return (sums // SAMPLES_PER_PIXEL_SIDE**2).astype(np.uint8)
 
 
 def paint_values_of_cells(image: Any, points: Floats, cells: Ints, values: Floats) -> None:
     """Paint nodal values into the pixels of an image that the cells of a mesh cover.
 
     Within a cell the value is bilinear between its nodes. Each cell is sampled at places that are
-    at most SAMPLE_SPACING apart, so that no pixel within a cell stays empty.
+    at most LARGEST_CELL_SAMPLE_SPACING_IN_PIXELS apart, so that no pixel within a cell stays empty.
 
     Parameters
     ----------
@@ -291,7 +301,9 @@ def paint_values_of_cells(image: Any, points: Floats, cells: Ints, values: Float
     # Numbers of samples in both directions of a cell. They are rounded up to powers of two, so that
     # many cells have the same numbers and are sampled at once.
     lengths = np.stack([sides[:, 0::2].max(axis=1), sides[:, 1::2].max(axis=1)], axis=1)
-    powers = np.ceil(np.log2(np.maximum(lengths / SAMPLE_SPACING, 1.0))).astype(int)
+    powers = np.ceil(
+        np.log2(np.maximum(lengths / LARGEST_CELL_SAMPLE_SPACING_IN_PIXELS, 1.0))
+    ).astype(int)
     for across, along in np.unique(powers, axis=0):
         own = (powers == (across, along)).all(axis=1)
         x, y = ((np.arange(2**power) + 0.5) / 2**power for power in (across, along))
@@ -302,7 +314,7 @@ def paint_values_of_cells(image: Any, points: Floats, cells: Ints, values: Float
         image[row, column] = values[corners[own]] @ weights
 
 
-def _edges_of_outline(body: Fields) -> Ints:
+def _edges_of_outline(body: StressAndDisplacementFields) -> Ints:
     """The edges (n, 2) of a body's cells, as node numbers, that belong to one cell only.
 
     Nodes at one place count as one node, since a body has separate nodes for each material.
@@ -316,18 +328,18 @@ def _edges_of_outline(body: Fields) -> Ints:
     return np.asarray(edges[first[count == 1]])
 
 
-def _friction_surface_of_brake(brake: Brake) -> _FrictionSurface:
+def _friction_surface_of_brake(brake: Brake) -> _DrawnFrictionSurface:
     """The line of a brake's friction surface, and the length by which symbols are scaled."""
     if not brake.surface.is_plane_and_not_drum:
         turn = np.linspace(0, 2 * math.pi, 361)
         circle = brake.size * np.column_stack([np.cos(turn), np.sin(turn)])
-        return _FrictionSurface(circle, brake.size, "drum")
+        return _DrawnFrictionSurface(circle, brake.size, "drum")
     ends: list[float] = []
     for shoe in brake.shoes:
         ends += [shoe.pin.x, shoe.actuation.point.x, shoe.lining.start, shoe.lining.end]
     left, right = min(ends), max(ends)
     line = np.array([[left, 0.0], [right, 0.0]])
-    return _FrictionSurface(line, 0.5 * (right - left), "plane")
+    return _DrawnFrictionSurface(line, 0.5 * (right - left), "plane")
 
 
 def _points_of_supports(brake: Brake) -> list[Floats]:
@@ -338,7 +350,7 @@ def _points_of_supports(brake: Brake) -> list[Floats]:
     return found
 
 
-def _support_points_of_shoe(shoe: Held) -> list[Point]:
+def _support_points_of_shoe(shoe: SupportedShoe) -> list[Point]:
     """The points that support a shoe: pin, lever's pivot, abutment and anchors, if it has them."""
     foot = None if shoe.abutment is None else shoe.abutment.point
     anchors = [anchor.point for anchor in shoe.anchors]
@@ -353,7 +365,7 @@ def _force_arrows(brake: Brake, size: float) -> Floats:
         if force.any():
             tail = shoe.actuation.point.xy
             along = force / float(np.linalg.norm(force))
-            arrows.append([tail, tail + FORCE_ARROW_LENGTH * size * along])
+            arrows.append([tail, tail + FORCE_ARROW_LENGTH_OVER_RADIUS * size * along])
     return np.array(arrows).reshape(-1, 2, 2)
 
 
@@ -363,7 +375,7 @@ def _pressure_arrows(brake: Brake, response: Response, size: float) -> Floats:
     `size` [m] is the drum's radius, or, on a plane, half the length of the brake.
     """
     is_plane = brake.surface.is_plane_and_not_drum
-    spacing = ARROW_SPACING * (size if is_plane else 1.0)
+    spacing = PRESSURE_ARROW_SPACING_OVER_RADIUS * (size if is_plane else 1.0)
     tips, pushes = [], []
     for shoe, answer in zip(brake.shoes, response.shoes, strict=True):
         first, last = np.ceil(answer.theta[0] / spacing), np.floor(answer.theta[-1] / spacing)
@@ -376,13 +388,13 @@ def _pressure_arrows(brake: Brake, response: Response, size: float) -> Floats:
         else:
             radial = np.column_stack([np.cos(theta), np.sin(theta)])
             tips.append(size * radial)
-            pushes.append(-shoe.sign * p[:, None] * radial)
+            pushes.append(-shoe.sign_internal_plus_external_minus * p[:, None] * radial)
     tip, push = np.concatenate(tips), np.concatenate(pushes)
     if not len(tip):
         return np.zeros((0, 2, 2))
     lengths = np.linalg.norm(push, axis=1)
-    top = float(np.percentile(lengths, FULL_LENGTH_ARROWS))
-    scale = PRESSURE_ARROW_LENGTH * size / np.maximum(lengths, top)
+    top = float(np.percentile(lengths, PERCENTAGE_OF_PROPORTIONAL_ARROWS))
+    scale = LONGEST_PRESSURE_ARROW_OVER_RADIUS * size / np.maximum(lengths, top)
     return np.stack([tip - scale[:, None] * push, tip], axis=1)
 
 
@@ -401,12 +413,16 @@ def _write_legend(figure: Figure, surface: str, force: str) -> None:
         Line2D([], [], color=INK, lw=1.4, label=f"force of {force}", **arrow),
         Line2D([], [], color=INK, ls="", marker="o", ms=6, label="pin or foot"),
         Line2D([], [], color="black", lw=1.2, label=surface),
-        Line2D([], [], color=FAINT, lw=0.8, label="undeformed outline"),
+        Line2D([], [], color=COLOR_OF_AXES_AND_NOTES, lw=0.8, label="undeformed outline"),
     ]
     figure.legend(handles=handles, loc="lower center", ncols=3)
 
 
 def rounded_up_to_end_of_colour_bar(value: float) -> float:
-    """The smallest number not below `value` that is one of COLOUR_BAR_ENDS times a power of ten."""
+    """The smallest number not below `value` that is a round end of a colour bar."""
     power = 10.0 ** math.floor(math.log10(value)) if value > 0 else 1.0
-    return next(step * power for step in COLOUR_BAR_ENDS if step * power >= value * (1 - 1e-9))
+    return next(
+        step * power
+        for step in ROUND_UPPER_ENDS_OF_COLOUR_BAR
+        if step * power >= value * (1 - 1e-9)
+    )

@@ -20,8 +20,8 @@ from matplotlib.ticker import LogFormatter, LogFormatterMathtext
 
 from drumlin.base.arrays import Floats
 from drumlin.base.files import temporary_file_replacing_output
-from drumlin.brake.surface import DRUM, FrictionSurface
-from drumlin.report.palette import CATEGORIES, color_of_model, line_style_of_model
+from drumlin.brake.surface import FRICTION_SURFACE_OF_DRUM, FrictionSurface
+from drumlin.report.palette import CURVE_COLORS, color_and_line_style_of_model, color_of_model
 from drumlin.response.response import ShoeResponse
 
 COLUMN_WIDTH, FULL_WIDTH = 85 / 25.4, 170 / 25.4
@@ -48,7 +48,7 @@ LINE_HEIGHT_OF_TITLE, GAP_AROUND_TITLE = 0.16, 0.09
 A line of text of TEXT_SIZE is 0.155 inches high with its spacing.
 """
 
-WIDEST_LINE_OF_TITLE = 0.96
+WIDEST_TITLE_LINE_OVER_FIGURE_WIDTH = 0.96
 """Largest width of a line of a picture's title, relative to FULL_WIDTH.
 
 The title begins at 0.01 of the width. The rest is for the rounding of letters to pixels, which
@@ -58,7 +58,7 @@ changes the width of a line by some 1 %.
 PIXELS_PER_INCH = 160
 """Resolution of PNG files, in pixels per inch of the printed figure."""
 
-STYLE = {
+MATPLOTLIB_SETTINGS_FOR_PRINT = {
     "font.size": TEXT_SIZE,
     "axes.spines.top": False,
     "axes.spines.right": False,
@@ -78,7 +78,11 @@ STYLE = {
 With a fixed hash salt, equal figures give identical SVG files.
 """
 
-SCREEN_STYLE = STYLE | {"font.size": 10, "axes.titlesize": 10.5, "legend.fontsize": 9}
+MATPLOTLIB_SETTINGS_FOR_SCREEN = MATPLOTLIB_SETTINGS_FOR_PRINT | {
+    "font.size": 10,
+    "axes.titlesize": 10.5,
+    "legend.fontsize": 9,
+}
 """Settings of matplotlib for figures that are wider than a page and are read on a screen."""
 
 MODEL_TITLES = {
@@ -98,20 +102,21 @@ MODEL_TITLES = {
 }
 """The name of each model in figures, by its short name in files and options."""
 
-BOX_HALF_WIDTH = 0.16
+CURVE_NAME_HALF_WIDTH_OVER_AXES_WIDTH = 0.16
 """Half the width of the name written beside a curve, relative to the width of the axes."""
 
-BOX_HALF_HEIGHT = 0.05
+CURVE_NAME_HALF_HEIGHT_OVER_AXES_HEIGHT = 0.05
 """Half the height of the name written beside a curve, relative to the height of the axes."""
 
-Panel = tuple[str, Mapping[str, ShoeResponse]]
+PressurePanel = tuple[str, Mapping[str, ShoeResponse]]
 """A panel of the pressure figure: its title, and one shoe's responses by name of the model."""
 
 
 def make_figure_for_print(height: float, width: float = FULL_WIDTH) -> Figure:
     """An empty figure of a height and a width [inches]; its text has TEXT_SIZE at this width.
 
-    `width` is FULL_WIDTH or COLUMN_WIDTH. The figure is filled within `mpl.rc_context(STYLE)`.
+    `width` is FULL_WIDTH or COLUMN_WIDTH. The figure is filled within
+    `mpl.rc_context(MATPLOTLIB_SETTINGS_FOR_PRINT)`.
     """
     return Figure(figsize=(width, height), layout="constrained")
 
@@ -163,7 +168,7 @@ def save_figure(figure: Figure, path: Path) -> Path:
     if path.suffix == ".svg":
         metadata["Date"] = None
     with (
-        mpl.rc_context(STYLE),
+        mpl.rc_context(MATPLOTLIB_SETTINGS_FOR_PRINT),
         temporary_file_replacing_output(path) as partial,
         warnings.catch_warnings(),
     ):
@@ -191,22 +196,22 @@ def title_folded_into_lines(title: str, last: str) -> str:
 
 
 def _lines_no_wider_than_page(text: str) -> list[str]:
-    """The lines of a text in bold letters of TEXT_SIZE, none wider than WIDEST_LINE_OF_TITLE."""
+    """The lines of a text in bold letters of TEXT_SIZE, none wider than a figure allows."""
     # At 72 pixels per inch the renderer's widths are points.
     renderer = RendererAgg(1, 1, 72)
     font = FontProperties(weight="bold", size=TEXT_SIZE)
-    widest = WIDEST_LINE_OF_TITLE * FULL_WIDTH * 72
+    widest = WIDEST_TITLE_LINE_OVER_FIGURE_WIDTH * FULL_WIDTH * 72
 
-    def width_of_beginning(count: int) -> float:
+    def width_of_first_letters(count: int) -> float:
         """The width [points] of the first letters of the text that is left."""
         return renderer.get_text_width_height_descent(text[:count], font, False)[0]
 
     lines = []
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", "Glyph .* missing from")
-        while width_of_beginning(len(text)) > widest:
+        while width_of_first_letters(len(text)) > widest:
             # The largest number of letters that fit into a line.
-            most = bisect_right(range(len(text)), widest, key=width_of_beginning) - 1
+            most = bisect_right(range(len(text)), widest, key=width_of_first_letters) - 1
             blank = text.rfind(" ", 1, most + 1)
             end = blank if blank > 0 else most
             lines.append(text[:end].rstrip())
@@ -270,7 +275,7 @@ def write_name_beside_curve(
     axes.text(float(x[place.point]), y, words, color=color, ha="center", va="center")
 
 
-class _FreePlace(NamedTuple):
+class _FreePlaceForCurveName(NamedTuple):
     """A free place for a curve's name, given by its middle.
 
     Attributes
@@ -283,7 +288,7 @@ class _FreePlace(NamedTuple):
     height: float
 
 
-def _free_place_for_curve_name(heights: Floats, which: int) -> _FreePlace | None:
+def _free_place_for_curve_name(heights: Floats, which: int) -> _FreePlaceForCurveName | None:
     """The place for a curve's name, above or below it, that is farthest from all other curves.
 
     It is None if every place is crossed by a curve or lies beyond the axes. `heights` (curves, n)
@@ -291,18 +296,22 @@ def _free_place_for_curve_name(heights: Floats, which: int) -> _FreePlace | None
     named curve.
     """
     n = heights.shape[1]
-    half = int(BOX_HALF_WIDTH * n)
+    half = int(CURVE_NAME_HALF_WIDTH_OVER_AXES_WIDTH * n)
     best, farthest = None, 0.0
     for i in range(half, n - half):
         for side in (1, -1):
-            y = heights[which, i] + side * 1.5 * BOX_HALF_HEIGHT
+            y = heights[which, i] + side * 1.5 * CURVE_NAME_HALF_HEIGHT_OVER_AXES_HEIGHT
             # The vertical distance of each curve from the box that the name would take.
             around = heights[:, i - half : i + half + 1]
-            free = np.abs(around - y).min(axis=1) - BOX_HALF_HEIGHT
+            free = np.abs(around - y).min(axis=1) - CURVE_NAME_HALF_HEIGHT_OVER_AXES_HEIGHT
             others = np.delete(free, which).min(initial=1.0)
-            is_inside = BOX_HALF_HEIGHT < y < 1 - BOX_HALF_HEIGHT
+            is_inside = (
+                CURVE_NAME_HALF_HEIGHT_OVER_AXES_HEIGHT
+                < y
+                < 1 - CURVE_NAME_HALF_HEIGHT_OVER_AXES_HEIGHT
+            )
             if free[which] > 0 and others > farthest and is_inside:
-                best, farthest = _FreePlace(i, y), float(others)
+                best, farthest = _FreePlaceForCurveName(i, y), float(others)
     return best
 
 
@@ -347,7 +356,10 @@ def evenly_spaced_pressure_curve_of_shoe(
 
 
 def draw_pressure_along_lining_of_each_shoe(
-    panels: Sequence[Panel], columns: int = 2, *, surface: FrictionSurface = DRUM
+    panels: Sequence[PressurePanel],
+    columns: int = 2,
+    *,
+    surface: FrictionSurface = FRICTION_SURFACE_OF_DRUM,
 ) -> Figure:
     """Draw the contact pressure along the lining, in a panel for each shoe.
 
@@ -361,7 +373,7 @@ def draw_pressure_along_lining_of_each_shoe(
     columns : number of panels side by side
     surface : friction surface, drum or plane
     """
-    with mpl.rc_context(STYLE):
+    with mpl.rc_context(MATPLOTLIB_SETTINGS_FOR_PRINT):
         columns = min(columns, len(panels))
         rows = math.ceil(len(panels) / columns)
         # Two panels side by side fill a page of 170 mm, and one panel a column of 85 mm.
@@ -389,7 +401,7 @@ def draw_pressure_along_lining_of_each_shoe(
     return figure
 
 
-def _upper_end_of_pressure_axis(panels: Sequence[Panel]) -> float:
+def _upper_end_of_pressure_axis(panels: Sequence[PressurePanel]) -> float:
     """The upper end [MPa] of the pressure axis: 1.12 times the largest peak, 1 without pressure."""
     peaks: list[float] = []
     for _, responses in panels:
@@ -399,13 +411,13 @@ def _upper_end_of_pressure_axis(panels: Sequence[Panel]) -> float:
 
 
 def _draw_pressure_panel(
-    axes: Axes, panel: Panel, surface: FrictionSurface, *, named: bool
+    axes: Axes, panel: PressurePanel, surface: FrictionSurface, *, named: bool
 ) -> None:
     """Draw the pressure curves of one panel; if `named`, write the models' names beside them."""
     title, responses = panel
-    unit = surface.shown
+    unit = surface.si_to_shown_unit_factor
     axes.set_title(title)
-    axes.set_xlabel(surface.figure_axis)
+    axes.set_xlabel(surface.axis_label_in_report)
     curves = {
         model: evenly_spaced_pressure_curve_of_shoe(shoe) for model, shoe in responses.items()
     }
@@ -415,7 +427,11 @@ def _draw_pressure_panel(
         # that it is seen on both sides of the other curve.
         width = 4.0 if model == "worn" else 1.8
         axes.plot(
-            x, y, **line_style_of_model(model), lw=width, label=title_of_model_in_figures(model)
+            x,
+            y,
+            **color_and_line_style_of_model(model),
+            lw=width,
+            label=title_of_model_in_figures(model),
         )
         draw_triangles_where_curve_leaves_axes(axes, x, y, color_of_model(model))
         if model == "fem":
@@ -451,11 +467,11 @@ def draw_errors_over_element_numbers(
     `series` holds pairs of a number of elements and an error (a fraction), by the name of a curve.
     `ylabel` names the quantity whose errors are drawn.
     """
-    with mpl.rc_context(STYLE):
+    with mpl.rc_context(MATPLOTLIB_SETTINGS_FOR_PRINT):
         figure = make_figure_for_print(3.4)
         axes = figure.subplots()
         # Each curve of the figure has its own marker and colour.
-        looks = zip("osD^v<>", CATEGORIES, strict=False)
+        looks = zip("osD^v<>", CURVE_COLORS, strict=False)
         elements: set[int] = set()
         for values in series.values():
             elements |= dict(values).keys()

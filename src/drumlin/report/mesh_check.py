@@ -20,19 +20,19 @@ from matplotlib.transforms import ScaledTranslation
 from drumlin.base.arrays import Floats, Ints
 from drumlin.base.errors import BadInput
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.brake.units import text_in_mm
-from drumlin.fem.mesh.arc import element_kind_of_mesh
+from drumlin.brake.units import length_as_text_in_mm
+from drumlin.fem.mesh.arc import mesh_kind_of_scikit_fem_mesh
 from drumlin.fem.mesh.degree import nodal_basis_of_mesh
 from drumlin.fem.mesh.edges import nodes_along_element_edges
 from drumlin.fem.mesh.file import read_shoe_mesh_with_notes
-from drumlin.fem.mesh.from_file import ShoeMesh
+from drumlin.fem.mesh.from_file import ShoeMeshReadFromFile
 from drumlin.report.drawing import absolute_force_as_text_with_unit, draw_arrow_from_tail_to_tip
-from drumlin.report.figures import SCREEN_STYLE
-from drumlin.report.palette import BLUE, FAINT, GREEN, INK, PURPLE, RED
+from drumlin.report.figures import MATPLOTLIB_SETTINGS_FOR_SCREEN
+from drumlin.report.palette import BLUE, COLOR_OF_AXES_AND_NOTES, GREEN, INK, PURPLE, RED
 from drumlin.report.signs import DRUM_COLOR, MM_PER_M, draw_support_of_shoe
 from drumlin.report.view import boundary_nodes_around_each_mesh_element
 
-GROUP_COLORS = {
+MESH_GROUP_COLORS = {
     "lining": "#c89b6a",
     "backing": "#e3cfa4",
     "table": "#9db0c2",
@@ -44,17 +44,17 @@ GROUP_COLORS = {
 """The colour of each group of a mesh: of areas for groups of elements, of lines for groups of
 edges.
 """
-UM_PER_M = 1e6
+MICROMETRES_PER_METRE = 1e6
 """Micrometres in a metre."""
-LEGEND_DISTANCE = 0.55
+LEGEND_DISTANCE_BELOW_AXES = 0.55
 """Distance [inch] of a legend from the axes above it, which leaves room for the axis label."""
 
 
-class CheckedShoe(NamedTuple):
+class ShoeWithMeshFromFile(NamedTuple):
     """A shoe with the mesh that was read from the shoe's mesh file."""
 
     shoe: Shoe
-    read: ShoeMesh
+    read: ShoeMeshReadFromFile
 
 
 class _ContactOffsets(NamedTuple):
@@ -73,7 +73,7 @@ class _ContactOffsets(NamedTuple):
     solved: Floats
 
 
-def read_meshes_of_brake(brake: Brake) -> list[CheckedShoe]:
+def read_mesh_files_of_brake(brake: Brake) -> list[ShoeWithMeshFromFile]:
     """Read the mesh of each shoe that has a mesh file.
 
     Raises BadInput if no shoe has a mesh file, and for a mesh file that cannot be used.
@@ -84,7 +84,7 @@ def read_meshes_of_brake(brake: Brake) -> list[CheckedShoe]:
         if shoe.mesh is not None:
             key = f"shoe {shoe.name!r}: mesh"
             read = read_shoe_mesh_with_notes(shoe.mesh, shoe, brake.size, key)
-            found.append(CheckedShoe(shoe, read))
+            found.append(ShoeWithMeshFromFile(shoe, read))
     if not found:
         raise BadInput("--check: no shoe has a mesh file; drumlin view draws its own meshes")
     return found
@@ -93,13 +93,15 @@ def read_meshes_of_brake(brake: Brake) -> list[CheckedShoe]:
 # The functions below write text about the meshes that will be solved.
 
 
-def text_lines_about_mesh_to_be_solved(brake: Brake, checked: CheckedShoe) -> Iterator[str]:
+def text_lines_about_mesh_to_be_solved(
+    brake: Brake, checked: ShoeWithMeshFromFile
+) -> Iterator[str]:
     """Yield three lines of text on a shoe's mesh: elements, contact line, and support with force.
 
     Further lines say what drumlin changed in the mesh when it read the file.
     """
     shoe, mesh = checked.shoe, checked.read.mesh
-    kind = element_kind_of_mesh(mesh)
+    kind = mesh_kind_of_scikit_fem_mesh(mesh)
     form = "triangles" if len(mesh.t) == 3 else "quadrilaterals"
     degree = "quadratic" if kind.edge == "line3" else "linear"
     parts = ", ".join(f"{name} {len(of)}" for name, of in mesh.subdomains.items())
@@ -113,11 +115,11 @@ def text_lines_about_mesh_to_be_solved(brake: Brake, checked: CheckedShoe) -> It
         yield f"shoe {shoe.name!r}: {note}"
 
 
-def _text_about_contact_line(brake: Brake, checked: CheckedShoe) -> str:
+def _text_about_contact_line(brake: Brake, checked: ShoeWithMeshFromFile) -> str:
     """A text about a contact line: its ends, and its distance from the drum or the plane."""
     shoe, contact = checked.shoe, checked.read.contact
     offsets = _offsets_of_contact_nodes(brake, checked)
-    surface, place = shoe.surface.word, shoe.surface.place
+    surface, place = shoe.surface.name, shoe.surface.coordinate_as_text
     sides = len(checked.read.mesh.boundaries["contact"])
     text = (
         f"contact line of {sides} sides from {place(offsets.at[0])} to {place(offsets.at[-1])}, "
@@ -135,7 +137,7 @@ def _text_about_contact_line(brake: Brake, checked: CheckedShoe) -> str:
 
 def _largest_length_as_text_in_micrometres(lengths: Floats | float) -> str:
     """The largest absolute value of lengths [m] as text in micrometres; "0 um" for round-off."""
-    largest = float(np.abs(lengths).max()) * UM_PER_M
+    largest = float(np.abs(lengths).max()) * MICROMETRES_PER_METRE
     return f"{largest:.3g} um" if largest > 1e-4 else "0 um"
 
 
@@ -144,8 +146,9 @@ def _text_about_support_and_force(shoe: Shoe, mesh: Any) -> str:
     held = len(mesh.boundaries["hinge"])
     x, y = shoe.pin.xy.tolist()
     text = (
-        f"the {held} sides of the group hinge are a rigid line held at x = {text_in_mm(x)}, "
-        f"y = {text_in_mm(y)} ({shoe.kind_of_support}); "
+        f"the {held} sides of the group hinge are a rigid line held at x = "
+        f"{length_as_text_in_mm(x)}, "
+        f"y = {length_as_text_in_mm(y)} ({shoe.kind_of_support}); "
     )
     where = "the rigid line"
     if "actuation" in mesh.boundaries and not shoe.has_support_on_back_of_body:
@@ -164,17 +167,19 @@ def mean_lining_compression_under_actuation_force(brake: Brake, shoe: Shoe) -> f
     Distances of the contact line from the drum matter if they are as large as this compression.
     """
     lining = shoe.lining
-    area = lining.width * (lining.end - lining.start) * brake.scale_factor
+    area = lining.width * (lining.end - lining.start) * brake.length_per_surface_coordinate
     return abs(shoe.actuation.force) / area * lining.thickness / lining.material.E_through
 
 
-def _offsets_of_contact_nodes(brake: Brake, checked: CheckedShoe) -> _ContactOffsets:
+def _offsets_of_contact_nodes(brake: Brake, checked: ShoeWithMeshFromFile) -> _ContactOffsets:
     """The distances of a mesh's contact nodes from the drum or the plane."""
     shoe, mesh = checked.shoe, checked.read.mesh
     nodes = np.unique(_nodes_along_element_sides(mesh, mesh.boundaries["contact"]))
     solved = nodal_basis_of_mesh(mesh).doflocs[:, nodes]
     in_file = nodal_basis_of_mesh(checked.read.in_file).doflocs[:, nodes]
-    at = shoe.frame.theta(shoe.surface_coordinates_of_points_in_shoe_frame(solved, brake.size))
+    at = shoe.frame.surface_coordinates_of_phi(
+        shoe.surface_coordinates_of_points_in_shoe_frame(solved, brake.size)
+    )
     order = np.argsort(at)
     return _ContactOffsets(
         at[order],
@@ -191,9 +196,9 @@ def _nodes_along_element_sides(mesh: Any, facets: Ints) -> Ints:
 # The functions below draw the picture.
 
 
-def draw_checked_meshes(brake: Brake, checked: list[CheckedShoe]) -> Figure:
+def draw_checked_meshes(brake: Brake, checked: list[ShoeWithMeshFromFile]) -> Figure:
     """Draw the meshes that were read from files, in a row of two panels for each shoe."""
-    with mpl.rc_context(SCREEN_STYLE):
+    with mpl.rc_context(MATPLOTLIB_SETTINGS_FOR_SCREEN):
         figure = Figure(figsize=(13.0, 6.4 * len(checked)), layout="constrained")
         rows = figure.subplots(
             len(checked), 2, squeeze=False, gridspec_kw={"width_ratios": [1.25, 1.0]}
@@ -204,7 +209,9 @@ def draw_checked_meshes(brake: Brake, checked: list[CheckedShoe]) -> Figure:
     return figure
 
 
-def _draw_groups_with_pin_and_force(axes: Axes, brake: Brake, checked: CheckedShoe) -> None:
+def _draw_groups_with_pin_and_force(
+    axes: Axes, brake: Brake, checked: ShoeWithMeshFromFile
+) -> None:
     """Draw the groups of a mesh in colour, its support and its force, in mm."""
     shoe, mesh = checked.shoe, checked.read.mesh
     basis = nodal_basis_of_mesh(mesh)
@@ -216,7 +223,7 @@ def _draw_groups_with_pin_and_force(axes: Axes, brake: Brake, checked: CheckedSh
         axes.add_collection(
             PolyCollection(
                 list(xy[around[:, elements].T]),
-                facecolor=GROUP_COLORS[name],
+                facecolor=MESH_GROUP_COLORS[name],
                 edgecolor="#40505f",
                 lw=width,
                 zorder=3,
@@ -224,7 +231,7 @@ def _draw_groups_with_pin_and_force(axes: Axes, brake: Brake, checked: CheckedSh
         )
     for name, facets in mesh.boundaries.items():
         lines = xy[nodes_along_element_edges(basis, facets).T]
-        look: dict[str, Any] = {"color": GROUP_COLORS[name], "lw": 3.0, "zorder": 4.5}
+        look: dict[str, Any] = {"color": MESH_GROUP_COLORS[name], "lw": 3.0, "zorder": 4.5}
         axes.add_collection(LineCollection(list(lines), **look))
     low, high = xy.min(axis=0), xy.max(axis=0)
     unit = float((high - low).max()) / 22
@@ -250,12 +257,14 @@ def _draw_legend_of_groups(axes: Axes, mesh: Any) -> None:
     """Draw the legend of a mesh's groups, with the number of elements or sides in each."""
     handles: list[Any] = [
         Patch(
-            facecolor=GROUP_COLORS[name], edgecolor="#40505f", label=f"{name}: {len(of)} elements"
+            facecolor=MESH_GROUP_COLORS[name],
+            edgecolor="#40505f",
+            label=f"{name}: {len(of)} elements",
         )
         for name, of in mesh.subdomains.items()
     ]
     handles += [
-        Line2D([], [], color=GROUP_COLORS[name], lw=3, label=f"{name}: {len(of)} sides")
+        Line2D([], [], color=MESH_GROUP_COLORS[name], lw=3, label=f"{name}: {len(of)} sides")
         for name, of in mesh.boundaries.items()
     ]
     _draw_legend_below_axes(axes, handles, 3)
@@ -265,7 +274,9 @@ def _draw_legend_below_axes(axes: Axes, handles: list[Any], columns: int) -> Non
     """Draw a legend below the label of the horizontal axis, where it covers no part of a mesh."""
     figure = axes.get_figure()
     assert isinstance(figure, Figure)
-    below = axes.transAxes + ScaledTranslation(0.0, -LEGEND_DISTANCE, figure.dpi_scale_trans)
+    below = axes.transAxes + ScaledTranslation(
+        0.0, -LEGEND_DISTANCE_BELOW_AXES, figure.dpi_scale_trans
+    )
     axes.legend(
         handles=handles,
         loc="upper center",
@@ -277,7 +288,7 @@ def _draw_legend_below_axes(axes: Axes, handles: list[Any], columns: int) -> Non
 
 
 def _draw_force_at_loaded_sides(
-    axes: Axes, checked: CheckedShoe, xy: Floats, basis: Any, unit: float
+    axes: Axes, checked: ShoeWithMeshFromFile, xy: Floats, basis: Any, unit: float
 ) -> Floats:
     """Draw the actuation force where it acts on the mesh; returns points (n, 2) [mm] to show.
 
@@ -324,34 +335,46 @@ def _draw_rigid_arm(axes: Axes, start: Floats, end: Floats, unit: float) -> None
 
 def _draw_friction_surface(axes: Axes, brake: Brake, shoe: Shoe, low: Floats, high: Floats) -> None:
     """Draw the drum's circle with its centre, or the plane, behind the mesh."""
-    if shoe.flat:
+    if shoe.is_on_plane:
         axes.axhspan(min(low[1], 0.0) - 1.0, 0.0, facecolor=DRUM_COLOR, zorder=1)
         axes.plot([low[0], high[0]], [0.0, 0.0], color=INK, lw=0.8, zorder=2)
         return
     angle = np.linspace(0.0, 2 * math.pi, 721)
     radius = brake.size * MM_PER_M
     axes.plot(radius * np.cos(angle), radius * np.sin(angle), color=INK, lw=0.8, ls="--", zorder=2)
-    axes.plot([0.0], [0.0], "+", color=FAINT, ms=10, zorder=2)
+    axes.plot([0.0], [0.0], "+", color=COLOR_OF_AXES_AND_NOTES, ms=10, zorder=2)
 
 
-def _draw_offsets_of_contact_line(axes: Axes, brake: Brake, checked: CheckedShoe) -> None:
+def _draw_offsets_of_contact_line(axes: Axes, brake: Brake, checked: ShoeWithMeshFromFile) -> None:
     """Draw the distances of the contact nodes from the drum or the plane, in micrometres."""
     shoe = checked.shoe
     offsets = _offsets_of_contact_nodes(brake, checked)
-    at = offsets.at * shoe.surface.shown
-    compression = mean_lining_compression_under_actuation_force(brake, shoe) * UM_PER_M
-    word = shoe.surface.word
+    at = offsets.at * shoe.surface.si_to_shown_unit_factor
+    compression = mean_lining_compression_under_actuation_force(brake, shoe) * MICROMETRES_PER_METRE
+    word = shoe.surface.name
     axes.axhline(0.0, color=INK, lw=1.2)
     if compression:
         axes.axhspan(-compression, compression, facecolor="#dfe5ea", zorder=0)
     moved = np.abs(offsets.in_file - offsets.solved).max() > 0
     in_file = "in the file" if moved else "in the file, solved as it is"
-    axes.plot(at, offsets.in_file * UM_PER_M, "o-", color=RED, ms=3, lw=0.9, label=in_file)
+    axes.plot(
+        at, offsets.in_file * MICROMETRES_PER_METRE, "o-", color=RED, ms=3, lw=0.9, label=in_file
+    )
     if moved:
-        axes.plot(at, offsets.solved * UM_PER_M, ".-", color=BLUE, ms=3, lw=1.2, label="solved")
+        axes.plot(
+            at,
+            offsets.solved * MICROMETRES_PER_METRE,
+            ".-",
+            color=BLUE,
+            ms=3,
+            lw=1.2,
+            label="solved",
+        )
     # The vertical axis covers at least the lining's compression, so that distances that are
     # round-off do not fill the panel.
-    shown = np.append(offsets.in_file * UM_PER_M, [-1.5 * compression, 1.5 * compression])
+    shown = np.append(
+        offsets.in_file * MICROMETRES_PER_METRE, [-1.5 * compression, 1.5 * compression]
+    )
     low, high = min(float(shown.min()), -1e-3), max(float(shown.max()), 1e-3)
     margin = 0.06 * (high - low)
     axes.set_ylim(low - margin, high + margin)
@@ -363,7 +386,7 @@ def _draw_offsets_of_contact_line(axes: Axes, brake: Brake, checked: CheckedShoe
             0.97,
             text,
             transform=axes.transAxes,
-            color=FAINT,
+            color=COLOR_OF_AXES_AND_NOTES,
             fontsize=9,
             bbox=box,
             ha="right",
@@ -371,6 +394,6 @@ def _draw_offsets_of_contact_line(axes: Axes, brake: Brake, checked: CheckedShoe
             zorder=6,
         )
     axes.set_title(f"contact line off the {word}, positive: open gap")
-    axes.set_xlabel(shoe.surface.figure_axis)
+    axes.set_xlabel(shoe.surface.axis_label_in_report)
     axes.set_ylabel(f"distance off the {word} [\u00b5m]")
     _draw_legend_below_axes(axes, axes.get_legend_handles_labels()[0], 2)

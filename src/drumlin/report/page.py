@@ -24,25 +24,25 @@ from markupsafe import Markup
 import drumlin
 from drumlin.base.files import write_text
 from drumlin.base.texts import command_text_without_folders, number_as_text
-from drumlin.comparison import TableColumn
+from drumlin.comparison import ResultTableColumn
 
-_MEDIA = {".svg": "image/svg+xml", ".png": "image/png", ".gif": "image/gif"}
+_MEDIA_TYPE_OF_PICTURE_SUFFIX = {".svg": "image/svg+xml", ".png": "image/png", ".gif": "image/gif"}
 """The media type of a picture file, by the ending of its name."""
 
-LEAST_SECTIONS = 3
+LEAST_SECTIONS_FOR_CONTENTS_LIST = 3
 """Smallest number of sections at which a page gets a list of its contents."""
 
-RECORDED_PACKAGES = ("numpy", "scipy", "scikit-fem", "meshio", "pyvista", "matplotlib")
+PACKAGES_WITH_RECORDED_VERSION = ("numpy", "scipy", "scikit-fem", "meshio", "pyvista", "matplotlib")
 """The packages whose versions a page names: they compute the results and draw the pictures."""
 
 
 def software_versions() -> dict[str, str]:
-    """The versions of drumlin, Python and RECORDED_PACKAGES, and a description of this machine.
+    """The versions of drumlin, Python and the recorded packages, and a description of this machine.
 
     A package of an extra that is not installed, such as pyvista, is left out.
     """
     found = {"drumlin": drumlin.__version__, "Python": platform.python_version()}
-    for name in RECORDED_PACKAGES:
+    for name in PACKAGES_WITH_RECORDED_VERSION:
         with suppress(importlib.metadata.PackageNotFoundError):
             found[name] = importlib.metadata.version(name)
     found["machine"] = f"{platform.machine()}, {os.cpu_count()} cores, {platform.system()}"
@@ -51,27 +51,28 @@ def software_versions() -> dict[str, str]:
 
 def picture_data_uri(path: Path) -> str:
     """A picture file as a data URI, a text by which an HTML page contains the picture itself."""
-    return f"data:{_MEDIA[path.suffix]};base64,{base64.b64encode(path.read_bytes()).decode()}"
+    media_type = _MEDIA_TYPE_OF_PICTURE_SUFFIX[path.suffix]
+    return f"data:{media_type};base64,{base64.b64encode(path.read_bytes()).decode()}"
 
 
 def table_columns_with_value_in_any_row(
-    rows: Sequence[dict[str, Any]], columns: Sequence[TableColumn]
-) -> list[TableColumn]:
+    rows: Sequence[dict[str, Any]], columns: Sequence[ResultTableColumn]
+) -> list[ResultTableColumn]:
     """The columns of a table that have a value in at least one row."""
 
-    def has_value_in_any_row(column: TableColumn) -> bool:
+    def has_value_in_any_row(column: ResultTableColumn) -> bool:
         """Whether at least one row has a value in the column."""
         return any(row.get(column.key) is not None for row in rows)
 
     return list(filter(has_value_in_any_row, columns))
 
 
-def is_text_column(rows: Sequence[dict[str, Any]], column: TableColumn) -> bool:
+def is_text_column(rows: Sequence[dict[str, Any]], column: ResultTableColumn) -> bool:
     """Whether a table's column holds text; the heading of such a column is aligned to the left."""
     return any(isinstance(row.get(column.key), str) for row in rows)
 
 
-_PERCENT = re.compile(r"(?<=[0-9]) %")
+_SPACE_BEFORE_PERCENT_PATTERN = re.compile(r"(?<=[0-9]) %")
 """The pattern of a space and a percent sign after a number; a page does not break lines there."""
 
 
@@ -99,7 +100,10 @@ def write_html_page(template: Path, page: Path, **values: Any) -> Path:
             command=command_text_without_folders(["drumlin", *sys.argv[1:]]),
         )
     )
-    write_text(page, html_with_contents_list(_PERCENT.sub("\N{NO-BREAK SPACE}%", text)))
+    write_text(
+        page,
+        html_with_contents_list(_SPACE_BEFORE_PERCENT_PATTERN.sub("\N{NO-BREAK SPACE}%", text)),
+    )
     return page
 
 
@@ -132,7 +136,7 @@ def _jinja_environment_for_page(template: Path, page: Path) -> jinja2.Environmen
         "embedded": lambda name: picture_data_uri(page.parent / name),
         "filled": table_columns_with_value_in_any_row,
         "of_words": is_text_column,
-        "Column": TableColumn,
+        "Column": ResultTableColumn,
         "pi": math.pi,
     }
     return environment
@@ -146,7 +150,7 @@ def formula_as_mathml(source: str) -> Markup:
     return Markup(latex2mathml.converter.convert(source))
 
 
-_HEADING = re.compile(r"<h2>(.*?)</h2>", re.DOTALL)
+_SECTION_HEADING_PATTERN = re.compile(r"<h2>(.*?)</h2>", re.DOTALL)
 """The pattern of a section's heading in HTML."""
 
 
@@ -154,9 +158,9 @@ def html_with_contents_list(text: str) -> str:
     """The HTML of a page, with an anchor added to each section, and links to all sections.
 
     The list of links stands below the first paragraph of the page. Pages with fewer than
-    LEAST_SECTIONS sections get no list.
+    LEAST_SECTIONS_FOR_CONTENTS_LIST sections get no list.
     """
-    titles = list(map(text_without_html_tags, _HEADING.findall(text)))
+    titles = list(map(text_without_html_tags, _SECTION_HEADING_PATTERN.findall(text)))
     names = _distinct_anchor_names_of_titles(titles)
     next_name = iter(names)
 
@@ -166,8 +170,8 @@ def html_with_contents_list(text: str) -> str:
         return f'<h2 id="{name}"><a href="#{name}">{heading[1]}</a></h2>'
 
     # Each heading becomes a link to itself, so that a reader can copy its address.
-    text = _HEADING.sub(heading_with_link_to_itself, text)
-    if len(titles) < LEAST_SECTIONS:
+    text = _SECTION_HEADING_PATTERN.sub(heading_with_link_to_itself, text)
+    if len(titles) < LEAST_SECTIONS_FOR_CONTENTS_LIST:
         return text
     links = "".join(map('<li><a href="#{}">{}</a></li>'.format, names, titles))
     contents = f'<nav aria-label="Contents"><ul>{links}</ul></nav>'

@@ -13,16 +13,16 @@ SKY, GREY, BROWN, INK = "#77bbe2", "#828890", "#635135", "#1d2733"
 INK is also the colour of text and outlines.
 """
 
-CATEGORIES = (BLUE, RED, GREEN, OCHRE, PURPLE, SKY, GREY, BROWN, INK)
+CURVE_COLORS = (BLUE, RED, GREEN, OCHRE, PURPLE, SKY, GREY, BROWN, INK)
 """The colours of curves, in the order in which a figure uses them."""
 
-FAINT = "#5b6875"
+COLOR_OF_AXES_AND_NOTES = "#5b6875"
 """The colour of axes and notes. No curve has this colour."""
 
-SHADE = "#e9d8c3"
+COLOR_OF_SHADED_AREAS = "#e9d8c3"
 """The colour of shaded areas. No curve has this colour."""
 
-GRADES = ("#2166ac", "#92c5de", "#f7e3b0", "#d6604d")
+ERROR_SCALE_COLORS = ("#2166ac", "#92c5de", "#f7e3b0", "#d6604d")
 """Colours of a scale of errors, from low (blue) to high (red)."""
 
 COLOR_AND_LINE_STYLE_BY_MODEL: dict[str, tuple[str, Any]] = {
@@ -45,13 +45,15 @@ COLOR_AND_LINE_STYLE_BY_MODEL: dict[str, tuple[str, Any]] = {
 
 
 def color_of_model(model: str) -> str:
-    """The colour of a model's curves in all figures; FAINT for an unknown model."""
+    """The colour of a model's curves in all figures; that of axes for an unknown model."""
     return (
-        COLOR_AND_LINE_STYLE_BY_MODEL[model][0] if model in COLOR_AND_LINE_STYLE_BY_MODEL else FAINT
+        COLOR_AND_LINE_STYLE_BY_MODEL[model][0]
+        if model in COLOR_AND_LINE_STYLE_BY_MODEL
+        else COLOR_OF_AXES_AND_NOTES
     )
 
 
-def line_style_of_model(model: str) -> dict[str, Any]:
+def color_and_line_style_of_model(model: str) -> dict[str, Any]:
     """Colour and line style of a model's curves, as keyword arguments of matplotlib."""
     return {
         "color": color_of_model(model),

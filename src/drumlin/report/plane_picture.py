@@ -13,26 +13,26 @@ import numpy as np
 from drumlin.base.arrays import Floats
 from drumlin.base.round_numbers import largest_round_number_not_above_value
 from drumlin.report.field_picture import (
-    FULL_LENGTH_ARROWS,
-    LARGEST_COLOURED_STRESS,
-    LARGEST_DRAWN_DISPLACEMENT,
-    PRESSURE_ARROW_LENGTH,
+    LARGEST_DRAWN_DISPLACEMENT_OVER_RADIUS,
+    LONGEST_PRESSURE_ARROW_OVER_RADIUS,
+    PERCENTAGE_OF_PLANE_NODES_WITHIN_COLOUR_BAR,
+    PERCENTAGE_OF_PROPORTIONAL_ARROWS,
     rounded_up_to_end_of_colour_bar,
 )
 from drumlin.report.palette import RED
 from drumlin.report.render import draw_picture_in_new_process, draw_picture_named_by_arguments
-from drumlin.report.solid_picture import STRESS_NAME
+from drumlin.report.solid_picture import STRESS_ARRAY_NAME
 
-PLANE_WINDOW = 1800, 1300
+PLANE_PICTURE_PIXELS = 1800, 1300
 """Width and height [pixels] of the picture."""
 
-DRAWN_REGION = (0.02, 0.82), (0.03, 0.93)
+RELATIVE_WINDOW_RANGES_OF_DRAWN_BODIES = (0.02, 0.82), (0.03, 0.93)
 """Ranges of the width and of the height of the window in which the bodies and arrows are drawn.
 
 The colour bar with its title is to the right of this region, and the picture's title above it.
 """
 
-ARROW_CELL = 0.04
+SIDE_OF_SQUARE_WITH_ONE_PRESSURE_ARROW = 0.04
 """Side of the squares with one pressure arrow each, relative to half the length of the bodies.
 
 Nodes lie close together at the ends of a contact, where arrows at all nodes would hide one another.
@@ -55,29 +55,35 @@ def draw_plane_fields_in_this_process(fields: Path, picture: Path, title: str) -
     import pyvista as pv  # noqa: PLC0415  (only in the process that draws)
 
     grid = pv.read(fields)
-    grid.point_data[STRESS_NAME] = np.asarray(grid.point_data["von Mises [Pa]"]) * 1e-6
+    grid.point_data[STRESS_ARRAY_NAME] = np.asarray(grid.point_data["von Mises [Pa]"]) * 1e-6
     u = np.asarray(grid.point_data["displacement [m]"])
     size = 0.5 * max(grid.bounds[1] - grid.bounds[0], grid.bounds[3] - grid.bounds[2])
     factor = largest_round_number_not_above_value(
-        LARGEST_DRAWN_DISPLACEMENT * size / (float(np.linalg.norm(u, axis=1).max()) or 1.0)
+        LARGEST_DRAWN_DISPLACEMENT_OVER_RADIUS
+        * size
+        / (float(np.linalg.norm(u, axis=1).max()) or 1.0)
     )
     outline = _outlines_of_bodies(grid)
     deformed = grid.copy()
     deformed.points = np.asarray(grid.points) + factor * u
     # Stresses at singular edges are far above all other stresses.
     top = rounded_up_to_end_of_colour_bar(
-        float(np.percentile(grid.point_data[STRESS_NAME], LARGEST_COLOURED_STRESS))
+        float(
+            np.percentile(
+                grid.point_data[STRESS_ARRAY_NAME], PERCENTAGE_OF_PLANE_NODES_WITHIN_COLOUR_BAR
+            )
+        )
     )
-    plotter = pv.Plotter(off_screen=True, window_size=PLANE_WINDOW)
+    plotter = pv.Plotter(off_screen=True, window_size=PLANE_PICTURE_PIXELS)
     plotter.set_background("white")
     bar = {
-        "title": STRESS_NAME + "\n", "color": "black", "vertical": True,
+        "title": STRESS_ARRAY_NAME + "\n", "color": "black", "vertical": True,
         "position_x": 0.87, "position_y": 0.2, "height": 0.55, "width": 0.05,
         "label_font_size": 22, "title_font_size": 20, "fmt": "%.4g", "n_labels": 5,
     }  # fmt: skip
     plotter.add_mesh(
         deformed.extract_surface(algorithm="dataset_surface", nonlinear_subdivision=3),
-        scalars=STRESS_NAME,
+        scalars=STRESS_ARRAY_NAME,
         cmap="viridis",
         clim=(0, top),
         lighting=False,
@@ -101,11 +107,11 @@ def centre_and_half_height_of_window(bounds: Floats) -> tuple[Floats, float]:
     """The place (2,) [m] at the window's centre, and half of the height [m] that the window shows.
 
     All that is within `bounds`, the least and the largest x and y (2, 2) [m], is then as large as
-    possible in DRAWN_REGION, at its centre.
+    possible in RELATIVE_WINDOW_RANGES_OF_DRAWN_BODIES, at its centre.
     """
-    region = np.array(DRAWN_REGION)
+    region = np.array(RELATIVE_WINDOW_RANGES_OF_DRAWN_BODIES)
     # The window, in units of its height.
-    window = np.array([PLANE_WINDOW[0] / PLANE_WINDOW[1], 1.0])
+    window = np.array([PLANE_PICTURE_PIXELS[0] / PLANE_PICTURE_PIXELS[1], 1.0])
     height = float((np.diff(bounds)[:, 0] / (np.diff(region)[:, 0] * window)).max())
     centre = bounds.mean(axis=1) + (0.5 - region.mean(axis=1)) * window * height
     return centre, 0.5 * height
@@ -132,12 +138,12 @@ def _add_pressure_arrows(plotter: Any, grid: Any, size: float) -> None:
     if not len(touching):
         return
     points = np.asarray(grid.points)[touching]
-    cells = np.round(points / (ARROW_CELL * size))
+    cells = np.round(points / (SIDE_OF_SQUARE_WITH_ONE_PRESSURE_ARROW * size))
     chosen = touching[np.unique(cells, axis=0, return_index=True)[1]]
     push = np.asarray(grid.point_data["push of the drum [Pa]"])[chosen]
     lengths = np.linalg.norm(push, axis=1)
-    top = float(np.percentile(lengths, FULL_LENGTH_ARROWS))
-    arrows = push * (PRESSURE_ARROW_LENGTH * size / np.maximum(lengths, top))[:, None]
+    top = float(np.percentile(lengths, PERCENTAGE_OF_PROPORTIONAL_ARROWS))
+    arrows = push * (LONGEST_PRESSURE_ARROW_OVER_RADIUS * size / np.maximum(lengths, top))[:, None]
     cloud = pv.PolyData(np.asarray(grid.points)[chosen] - arrows)
     cloud["arrow"], cloud["size"] = arrows, np.linalg.norm(arrows, axis=1)
     tip = pv.Arrow(tip_length=0.25, tip_radius=0.05, shaft_radius=0.016)

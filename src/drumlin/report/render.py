@@ -15,14 +15,14 @@ from drumlin.base.errors import call_function_and_return_exit_status
 from drumlin.base.files import temporary_file_replacing_output
 from drumlin.base.texts import printable_single_line
 
-RENDER_SECONDS = 120
+LONGEST_DRAWING_SECONDS = 120
 """Seconds after which a drawing process counts as hung and is ended. A picture takes some 3 s."""
 
 DRAWING_PACKAGES = ("pyvista", "vtkmodules")
 """The packages that draw pictures in space; the extra `fields` installs them."""
 
 
-class NoPicture(Exception):
+class PictureNotDrawn(Exception):
     """The exception for a drawing process that has ended without a picture."""
 
 
@@ -55,7 +55,7 @@ def draw_picture_in_new_process(
         with temporary_file_replacing_output(picture) as partial:
             run_drawing_process([*command, str(partial), argument])
         return None
-    except NoPicture as error:
+    except PictureNotDrawn as error:
         # Delete a picture of an earlier run, so that nobody takes it for the picture of the new
         # result.
         if picture.is_file():
@@ -67,16 +67,18 @@ def draw_picture_in_new_process(
 def run_drawing_process(command: list[str]) -> None:
     """Run a drawing process to its end.
 
-    Raises NoPicture if the process fails or hangs. The text of the exception is the last line that
-    the process wrote to standard error.
+    Raises PictureNotDrawn if the process fails or hangs. The text of the exception is the last line
+    that the process wrote to standard error.
     """
     try:
-        done = subprocess.run(command, capture_output=True, timeout=RENDER_SECONDS, check=False)
+        done = subprocess.run(
+            command, capture_output=True, timeout=LONGEST_DRAWING_SECONDS, check=False
+        )
     except (OSError, subprocess.TimeoutExpired) as error:
-        raise NoPicture(type(error).__name__) from error
+        raise PictureNotDrawn(type(error).__name__) from error
     if done.returncode:
         lines = done.stderr.decode(errors="replace").strip().splitlines()
-        raise NoPicture(lines[-1] if lines else f"exit status {done.returncode}")
+        raise PictureNotDrawn(lines[-1] if lines else f"exit status {done.returncode}")
 
 
 def draw_picture_named_by_arguments(draw: Callable[[Path, Path, str], None]) -> int:
@@ -86,9 +88,9 @@ def draw_picture_named_by_arguments(draw: Callable[[Path, Path, str], None]) -> 
     (argument 3).
     """
 
-    def draw_and_return_zero() -> int:
+    def draw_picture_and_return_zero() -> int:
         """Draw the picture; returns 0."""
         draw(Path(sys.argv[1]), Path(sys.argv[2]), sys.argv[3])
         return 0
 
-    return call_function_and_return_exit_status(draw_and_return_zero)
+    return call_function_and_return_exit_status(draw_picture_and_return_zero)

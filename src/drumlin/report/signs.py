@@ -13,20 +13,20 @@ from matplotlib.patches import Circle, Rectangle
 
 from drumlin.base.arrays import Floats
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.brake.components import Bar
+from drumlin.brake.components import ShoeBodyOfConstantSection
 from drumlin.brake.fields import Point
-from drumlin.report.palette import BLUE, FAINT, INK, RED
+from drumlin.report.palette import BLUE, COLOR_OF_AXES_AND_NOTES, INK, RED
 
 MM_PER_M = 1e3
 """Millimetres in a metre. Lengths of brakes are in metres, the axes of drawings in mm."""
 
 # These are the colours of a brake's parts in drawings.
 DRUM_COLOR = "#e6ebf0"
-BODY_COLOR = "#aab6c2"
-BLOCK_COLOR = "#e3cfa4"
+COLOR_OF_SHOE_BODY = "#aab6c2"
+COLOR_OF_SHOE_BACKING = "#e3cfa4"
 LINING_COLOR = "#c89b6a"
 FORCE_COLOR = RED
-MOTION_COLOR = BLUE
+COLOR_OF_MOTION_ARROW = BLUE
 
 
 def draw_support_of_shoe(axes: Axes, shoe: Shoe, unit: float, *, on_strut: bool = False) -> None:
@@ -44,7 +44,7 @@ def draw_support_of_shoe(axes: Axes, shoe: Shoe, unit: float, *, on_strut: bool 
     if shoe.pivot is not None:
         if shoe.hinge is not None:
             lever = np.array([shoe.hinge.xy, shoe.pivot.xy, shoe.actuation.point.xy])
-            axes.plot(*lever.T * MM_PER_M, color=FAINT, lw=3, alpha=0.5, zorder=2)
+            axes.plot(*lever.T * MM_PER_M, color=COLOR_OF_AXES_AND_NOTES, lw=3, alpha=0.5, zorder=2)
         draw_fixed_or_moving_pin(axes, shoe.pivot, unit, fixed=False)
     if shoe.abutment is not None:
         point = shoe.abutment.point.xy * MM_PER_M
@@ -85,10 +85,10 @@ def draw_abutment_face(
     for place in np.linspace(-0.9, 0.9, 6 if ground else 0):
         foot = at + place * unit * tangent
         hatch = np.array([foot, foot - 0.45 * unit * (normal + tangent)])
-        axes.plot(*hatch.T, color=FAINT, lw=0.8, zorder=4)
+        axes.plot(*hatch.T, color=COLOR_OF_AXES_AND_NOTES, lw=0.8, zorder=4)
 
 
-class _Arm(NamedTuple):
+class _DrawnRigidArm(NamedTuple):
     """A rigid arm between a shoe's body and a hinge, pivot or force beside the body.
 
     Attributes
@@ -117,17 +117,17 @@ def draw_rigid_arms_of_shoe(
     force : point of the force (2,) [mm]
     unit : size of symbols that are not drawn to scale [mm]
     """
-    if not isinstance(shoe.body, Bar) or shoe.mesh is not None:
+    if not isinstance(shoe.body, ShoeBodyOfConstantSection) or shoe.mesh is not None:
         return
     grip = shoe.interval_of_body_back_held_by_support(radius)
-    depth = np.array(shoe.depth)
+    depth = np.array(shoe.total_thickness)
     pin_at = shoe.pin.xy * MM_PER_M
-    drawn: Sequence[_Arm]
+    drawn: Sequence[_DrawnRigidArm]
     if grip is None:
         # Without a grip, the arms start at the two end faces of the body.
         held_face = shoe.middle_of_supported_or_loaded_end_face_of_body(radius)
         loaded_face = shoe.middle_of_supported_or_loaded_end_face_of_body(radius, loaded=True)
-        drawn = [_Arm(held_face, pin_at), _Arm(loaded_face, force)]
+        drawn = [_DrawnRigidArm(held_face, pin_at), _DrawnRigidArm(loaded_face, force)]
     else:
         # With a grip, the arms start at the middle of the gripped part of the back.
         back = (
@@ -138,9 +138,9 @@ def draw_rigid_arms_of_shoe(
         )
         axes.plot(*back, color=INK, lw=3, solid_capstyle="butt", zorder=4)
         middle = shoe.points_at_depth_and_coordinate_phi(depth, np.array(0.5 * sum(grip)), radius)
-        drawn = [_Arm(middle, pin_at), _Arm(middle, force)]
+        drawn = [_DrawnRigidArm(middle, pin_at), _DrawnRigidArm(middle, force)]
         if shoe.pivot is not None:
-            drawn = [_Arm(middle, shoe.pivot.xy * MM_PER_M)]
+            drawn = [_DrawnRigidArm(middle, shoe.pivot.xy * MM_PER_M)]
     # An arm shorter than a fifth of `unit` is not drawn, because the symbol at its end would hide
     # it.
     for arm in drawn:
@@ -179,7 +179,9 @@ def draw_struts_and_cam(
         axes.plot(*np.array(tips).T, color=INK, lw=5, solid_capstyle="butt", zorder=4)
         middle = tuple(0.5 * (tips[0] + tips[1]))
         radius = max((brake.actuation.radius or 0.0) * MM_PER_M, 0.5 * unit)
-        axes.add_patch(Circle(middle, radius, facecolor=BODY_COLOR, edgecolor=INK, zorder=5))
+        axes.add_patch(
+            Circle(middle, radius, facecolor=COLOR_OF_SHOE_BODY, edgecolor=INK, zorder=5)
+        )
 
 
 def draw_fixed_or_moving_pin(axes: Axes, point: Point, unit: float, *, fixed: bool) -> None:
@@ -194,7 +196,7 @@ def draw_fixed_or_moving_pin(axes: Axes, point: Point, unit: float, *, fixed: bo
             2 * unit,
             0.35 * unit,
             facecolor="none",
-            edgecolor=FAINT,
+            edgecolor=COLOR_OF_AXES_AND_NOTES,
             hatch="////",
             lw=0,
             zorder=4,

@@ -19,7 +19,7 @@ from drumlin.report.field_picture import (
 )
 from drumlin.report.figures import (
     FULL_WIDTH,
-    STYLE,
+    MATPLOTLIB_SETTINGS_FOR_PRINT,
     height_of_title,
     save_figure,
     title_folded_into_lines,
@@ -27,17 +27,17 @@ from drumlin.report.figures import (
 )
 from drumlin.report.render import draw_picture_in_new_process, draw_picture_named_by_arguments
 
-LARGEST_DISPLACEMENT = 0.05
+LARGEST_DRAWN_SOLID_DISPLACEMENT_OVER_RADIUS = 0.05
 """Length of the largest displacement in the picture, relative to the drum's radius.
 
 Longer displacements would hide the shape of the shoes, and with shorter displacements the
 deformation would not be seen.
 """
 
-STRESS_NAME = "von Mises stress [MPa]"
+STRESS_ARRAY_NAME = "von Mises stress [MPa]"
 """The name of the stresses [MPa] in the grid of pyvista."""
 
-COLOURED_NODES = 99.0
+PERCENTAGE_OF_SOLID_NODES_WITHIN_COLOUR_BAR = 99.0
 """Percentage of the nodes whose stress is within the colour bar.
 
 With a larger share the shoes away from their loaded ends, where the stresses are far smaller, have
@@ -45,10 +45,10 @@ one dark colour; with a smaller share the ends have the brightest colour as a wh
 judgement by eye.
 """
 
-WINDOW = 2000, 1600
+SOLID_PICTURE_PIXELS = 2000, 1600
 """Width and height [pixels] in which the shoes are drawn, before their blank margins are cut."""
 
-SHOES_WIDTH = 0.86
+RELATIVE_WIDTH_OF_DRAWN_SHOES = 0.86
 """Width of the shoes in the picture, relative to its width."""
 
 
@@ -71,16 +71,18 @@ def draw_solid_shoes_in_this_process(fields: Path, picture: Path, title: str) ->
     import pyvista as pv  # noqa: PLC0415  (only in the process that draws)
 
     grid = pv.read(fields)
-    grid.point_data[STRESS_NAME] = np.asarray(grid.point_data["von Mises [Pa]"]) * 1e-6
+    grid.point_data[STRESS_ARRAY_NAME] = np.asarray(grid.point_data["von Mises [Pa]"]) * 1e-6
     factor = _factor_that_enlarges_drawn_displacements(grid)
-    stress = np.asarray(grid.point_data[STRESS_NAME])
-    top = rounded_up_to_end_of_colour_bar(float(np.percentile(stress, COLOURED_NODES)))
-    plotter = pv.Plotter(off_screen=True, window_size=WINDOW)
+    stress = np.asarray(grid.point_data[STRESS_ARRAY_NAME])
+    top = rounded_up_to_end_of_colour_bar(
+        float(np.percentile(stress, PERCENTAGE_OF_SOLID_NODES_WITHIN_COLOUR_BAR))
+    )
+    plotter = pv.Plotter(off_screen=True, window_size=SOLID_PICTURE_PIXELS)
     plotter.set_background("white")
     for half in _deformed_surfaces_of_both_halves(grid, factor):
         plotter.add_mesh(
             half,
-            scalars=STRESS_NAME,
+            scalars=STRESS_ARRAY_NAME,
             cmap="viridis",
             clim=(0, top),
             show_scalar_bar=False,
@@ -115,15 +117,15 @@ def _figure_around_pixels(pixels: Any, title: str, top: float, *, beyond: bool) 
     top : upper end of the colour bar [MPa]
     beyond : whether some stresses are larger
     """
-    height = SHOES_WIDTH * FULL_WIDTH * pixels.shape[0] / pixels.shape[1]
+    height = RELATIVE_WIDTH_OF_DRAWN_SHOES * FULL_WIDTH * pixels.shape[0] / pixels.shape[1]
     total = height + height_of_title(title)
-    with mpl.rc_context(STYLE):
+    with mpl.rc_context(MATPLOTLIB_SETTINGS_FOR_PRINT):
         figure = Figure(figsize=(FULL_WIDTH, total))
-        axes = figure.add_axes((0, 0, SHOES_WIDTH, height / total))
+        axes = figure.add_axes((0, 0, RELATIVE_WIDTH_OF_DRAWN_SHOES, height / total))
         axes.imshow(pixels, aspect="auto")
         axes.set_axis_off()
         bar = figure.add_axes(
-            (SHOES_WIDTH + 0.02, 0.2 * height / total, 0.02, 0.6 * height / total)
+            (RELATIVE_WIDTH_OF_DRAWN_SHOES + 0.02, 0.2 * height / total, 0.02, 0.6 * height / total)
         )
         draw_colour_bar_of_stress(bar, ScalarMappable(Normalize(0, top), "viridis"), beyond=beyond)
         write_title_above_picture(figure, title)
@@ -148,12 +150,14 @@ def _factor_that_enlarges_drawn_displacements(grid: Any) -> float:
     """The factor by which the picture enlarges the displacements.
 
     It is 1, 2 or 5 times a power of ten, and the largest at which no displacement is drawn longer
-    than LARGEST_DISPLACEMENT.
+    than LARGEST_DRAWN_SOLID_DISPLACEMENT_OVER_RADIUS.
     """
     u = np.asarray(grid.point_data["displacement [m]"])
     radius = float(np.linalg.norm(np.asarray(grid.points)[:, :2], axis=1).max())
     largest = float(np.linalg.norm(u, axis=1).max()) or 1.0
-    return largest_round_number_not_above_value(LARGEST_DISPLACEMENT * radius / largest)
+    return largest_round_number_not_above_value(
+        LARGEST_DRAWN_SOLID_DISPLACEMENT_OVER_RADIUS * radius / largest
+    )
 
 
 def main() -> int:

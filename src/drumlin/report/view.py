@@ -8,13 +8,18 @@ from matplotlib.figure import Figure
 
 from drumlin.base.arrays import Ints
 from drumlin.brake.brake import Brake
-from drumlin.fem.hp.grid import ColumnGrid
+from drumlin.fem.hp.grid import HpElementGrid
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.solve import prepared_model_with_finest_elements
 from drumlin.models import reasons_why_models_do_not_apply
 from drumlin.report.drawing import draw_brake
 
-MESH_COLORS = {"shoe": "#c9d3dc", "table": "#b3c0cc", "backing": "#d9c39a", "lining": "#b98b6b"}
+COLOR_OF_ELEMENTS_BY_SHOE_PART = {
+    "shoe": "#c9d3dc",
+    "table": "#b3c0cc",
+    "backing": "#d9c39a",
+    "lining": "#b98b6b",
+}
 """Colour of the finite elements, by the part of the shoe to which they belong."""
 
 
@@ -27,7 +32,7 @@ def draw_brake_with_meshes(brake: Brake, **options: Any) -> Figure:
     figure = Figure(figsize=(7.5, 7.5), layout="constrained")
     axes = figure.subplots()
     draw_brake(axes, brake)
-    axes.set_title(f"{brake.title}, {brake.motion}")
+    axes.set_title(f"{brake.title}, {brake.motion_as_text}")
     if "fem" in reasons_why_models_do_not_apply(brake):
         return figure
     if options or not any(shoe.mesh for shoe in brake.shoes):
@@ -40,13 +45,13 @@ def draw_brake_with_meshes(brake: Brake, **options: Any) -> Figure:
         xy = shoe.convert_points_to_brake_frame(body.basis.doflocs).T * 1e3  # mm
         around = (
             body.mesh.boundary_nodes_around_each_element
-            if isinstance(body.mesh, ColumnGrid)
+            if isinstance(body.mesh, HpElementGrid)
             else boundary_nodes_around_each_mesh_element(body.basis)
         )
         for name, elements in body.mesh.subdomains.items():
             polygons = PolyCollection(
                 list(xy[around[:, elements].T]),
-                facecolor=MESH_COLORS[name],
+                facecolor=COLOR_OF_ELEMENTS_BY_SHOE_PART[name],
                 edgecolor="#40505f",
                 lw=0.25,
                 zorder=3.5,

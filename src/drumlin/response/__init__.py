@@ -4,6 +4,11 @@ Other modules of the package compute figures of merit, resultants, imbalances an
 responses. The package imports `drumlin.brake`, but no model that computes a response.
 """
 
-from drumlin.response.response import EDGE_ZONE, Balance, Response, ShoeResponse
+from drumlin.response.response import (
+    UNCOMPARED_EDGE_ZONE_IN_RADIANS,
+    ForceAndMomentImbalance,
+    Response,
+    ShoeResponse,
+)
 
-__all__ = ["EDGE_ZONE", "Balance", "Response", "ShoeResponse"]
+__all__ = ["UNCOMPARED_EDGE_ZONE_IN_RADIANS", "ForceAndMomentImbalance", "Response", "ShoeResponse"]

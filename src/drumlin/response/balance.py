@@ -12,17 +12,19 @@ import numpy as np
 from drumlin.base.arrays import Floats
 from drumlin.brake.brake import Brake
 from drumlin.brake.further_loads import brake_with_loads_assigned_to_shoes
-from drumlin.response.response import Balance, Response, ShoeResponse
+from drumlin.response.response import ForceAndMomentImbalance, Response, ShoeResponse
 from drumlin.response.resultants import (
-    Resultant,
+    PressureAndFrictionResultant,
     planar_cross_product,
     resultant_of_pressure_and_friction,
 )
 
-BrakeType = TypeVar("BrakeType", bound=Brake)
+BrakeTypeVariableInBalance = TypeVar("BrakeTypeVariableInBalance", bound=Brake)
 
 
-def resultant_of_contact_on_shoe(brake: Brake, index: int, response: ShoeResponse) -> Resultant:
+def resultant_of_contact_on_shoe(
+    brake: Brake, index: int, response: ShoeResponse
+) -> PressureAndFrictionResultant:
     """The resultant of pressure and friction on the lining of shoe `index`.
 
     The resultant is the integral of the pressure in the shoe's response. A model that lumps the
@@ -37,8 +39,8 @@ def resultant_of_contact_on_shoe(brake: Brake, index: int, response: ShoeRespons
         response.pressure,
         order=response.order,
         size=brake.size,
-        per_place=brake.scale_factor * shoe.lining.width,
-        sign=shoe.sign,
+        per_place=brake.length_per_surface_coordinate * shoe.lining.width,
+        sign=shoe.sign_internal_plus_external_minus,
         drag=brake.signed_friction_stress_over_pressure(shoe)
         if response.friction_stress is None
         else brake.sign_of_motion,
@@ -46,7 +48,9 @@ def resultant_of_contact_on_shoe(brake: Brake, index: int, response: ShoeRespons
     )
 
 
-def brake_with_forces_of_response(brake: BrakeType, response: Response) -> BrakeType:
+def brake_with_forces_of_response(
+    brake: BrakeTypeVariableInBalance, response: Response
+) -> BrakeTypeVariableInBalance:
     """The brake with the actuation forces and spring pulls that a model has found for its shoes.
 
     If a cam or a strut determines the forces on the shoes, the response states the force on each
@@ -63,14 +67,16 @@ def brake_with_forces_of_response(brake: BrakeType, response: Response) -> Brake
     return brake if unchanged else brake.model_copy(update={"shoes": tuple(shoes)})
 
 
-def relative_imbalance_of_shoe(brake: Brake, index: int, response: ShoeResponse) -> Balance:
+def relative_imbalance_of_shoe(
+    brake: Brake, index: int, response: ShoeResponse
+) -> ForceAndMomentImbalance:
     """The imbalance of shoe `index` under actuation, support reaction, pressure and friction.
 
     Moments are about the shoe's hinge. The imbalance of a shoe that does not touch is 0.
     """
     # A shoe that does not touch rests on stops, whose forces no model computes.
     if not response.contact_arcs:
-        return Balance(0.0, 0.0)
+        return ForceAndMomentImbalance(0.0, 0.0)
     shoe = brake.shoes[index]
     contact = resultant_of_contact_on_shoe(brake, index, response)
     forces = [contact.force, response.hinge_reaction, shoe.sum_of_forces_of_all_loads]
@@ -81,7 +87,7 @@ def relative_imbalance_of_shoe(brake: Brake, index: int, response: ShoeResponse)
         response.reaction_moment,
     ]
     if shoe.guide is not None:
-        length = brake.scale_factor * (shoe.lining.end - shoe.lining.start)
+        length = brake.length_per_surface_coordinate * (shoe.lining.end - shoe.lining.start)
         moments += moments_that_scale_imbalance_on_guide(shoe.largest_force_of_any_load, length)
     return relative_magnitudes_of_force_and_moment_sums(forces, moments)
 
@@ -103,7 +109,7 @@ def moments_that_scale_imbalance_on_guide(force: float, length: float) -> list[f
 
 def relative_magnitudes_of_force_and_moment_sums(
     forces: list[Floats], moments: list[float]
-) -> Balance:
+) -> ForceAndMomentImbalance:
     """The magnitudes of the sum of forces and of the sum of moments, without unit.
 
     Each magnitude is relative to the largest single force or moment of its sum. If all forces or
@@ -115,13 +121,15 @@ def relative_magnitudes_of_force_and_moment_sums(
     largest_moment = max(map(abs, moments), default=0.0)
     force = math.hypot(*map(math.fsum, zip(*vectors, strict=True)))
     moment = abs(math.fsum(moments))
-    return Balance(
+    return ForceAndMomentImbalance(
         force=force / largest_force if largest_force else 0.0,
         moment=moment / largest_moment if largest_moment else 0.0,
     )
 
 
-def largest_imbalance_among_shoes(balances: list[Balance]) -> Balance:
+def largest_imbalance_among_shoes(
+    balances: list[ForceAndMomentImbalance],
+) -> ForceAndMomentImbalance:
     """The largest imbalance of forces, and the largest of moments, among the shoes of a brake."""
     forces, moments = zip(*map(astuple, balances), strict=True)
-    return Balance(max(forces), max(moments))
+    return ForceAndMomentImbalance(max(forces), max(moments))

@@ -13,7 +13,7 @@ from drumlin.response.resultants import (
 )
 
 
-class FacePressure(NamedTuple):
+class PressureOnFaceOfLining(NamedTuple):
     """The pressure p(theta, z) on the face of a lining, and its peak.
 
     Over theta the pressure is a piecewise polynomial of the same degree as in the shoe's response.
@@ -48,7 +48,9 @@ class FacePressure(NamedTuple):
         return np.asarray(self.pressure @ self.widths / self.widths.sum())
 
 
-def pressure_on_face_of_lining(brake: Brake, response: Response, index: int) -> FacePressure | None:
+def pressure_on_face_of_lining(
+    brake: Brake, response: Response, index: int
+) -> PressureOnFaceOfLining | None:
     """The pressure on the face of the lining of shoe `index`, from the response of a solid model.
 
     The result is None for a shoe that does not touch, and for a model in plane stress.
@@ -68,7 +70,7 @@ def pressure_on_face_of_lining(brake: Brake, response: Response, index: int) -> 
         theta,
         answer.pressure,
         answer.order,
-        length_of_edge_zone_left_out_of_peak_search(shoe, brake.scale_factor),
+        length_of_edge_zone_left_out_of_peak_search(shoe, brake.length_per_surface_coordinate),
     )
     lining = LiningWithoutEndZones(theta, answer.order, zone)
     half = np.arange(len(z) // 2, len(z))
@@ -78,7 +80,7 @@ def pressure_on_face_of_lining(brake: Brake, response: Response, index: int) -> 
     # peak.
     points, curve = answer.pressure_curve_at_distance_from_mid_plane(at)
     inside = (points >= theta[0] + zone) & (points <= theta[-1] - zone)
-    return FacePressure(
+    return PressureOnFaceOfLining(
         answer.name,
         theta,
         z,

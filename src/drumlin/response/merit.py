@@ -16,20 +16,25 @@ from typing import TypeVar
 
 import numpy as np
 
-from drumlin.base.arrays import Floats, Values
+from drumlin.base.arrays import Floats, NumberOrArray
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.file import vary
 from drumlin.response.balance import brake_with_forces_of_response, resultant_of_contact_on_shoe
 from drumlin.response.limits import warnings_on_large_strains_and_lining_overlap
-from drumlin.response.response import FlatMerit, Merit, Response, ShoeResponse
+from drumlin.response.response import (
+    FiguresOfMeritOnDrum,
+    FiguresOfMeritOnPlane,
+    Response,
+    ShoeResponse,
+)
 from drumlin.response.resultants import (
-    Resultant,
+    PressureAndFrictionResultant,
     integral_of_piecewise_polynomial,
     planar_cross_product,
 )
 
-BrakeVar = TypeVar("BrakeVar", bound=Brake)
+BrakeTypeVariableInMerit = TypeVar("BrakeTypeVariableInMerit", bound=Brake)
 
 
 def sign_of_friction_moment_about_hinge(brake: Brake, shoe: Shoe) -> int:
@@ -43,13 +48,20 @@ def sign_of_friction_moment_about_hinge(brake: Brake, shoe: Shoe) -> int:
     # A lining that reaches beyond half a turn from the hinge is pressed either before or beyond
     # this angle. The sense of the actuation moment tells which.
     M = shoe.moment_of_all_loads_about_point(shoe.pin)
-    beyond = shoe.arc[1] > math.pi and M * -shoe.sign * shoe.frame.sense < 0
-    return shoe.sign * brake.sign_of_motion * shoe.frame.sense * (1 if beyond else -1)
+    beyond = (
+        shoe.arc[1] > math.pi and M * -shoe.sign_internal_plus_external_minus * shoe.frame.sense < 0
+    )
+    return (
+        shoe.sign_internal_plus_external_minus
+        * brake.sign_of_motion
+        * shoe.frame.sense
+        * (1 if beyond else -1)
+    )
 
 
 def figures_of_merit_of_shoe_on_drum(
-    brake: Brake, index: int, response: ShoeResponse, contact: Resultant
-) -> Merit:
+    brake: Brake, index: int, response: ShoeResponse, contact: PressureAndFrictionResultant
+) -> FiguresOfMeritOnDrum:
     """The figures of merit of one shoe on a drum.
 
     Parameters
@@ -70,12 +82,12 @@ def figures_of_merit_of_shoe_on_drum(
     N, T = float(np.linalg.norm(contact.normal)), response.torque
     # With the sign, `outwards` points from the drum's centre to the lining, for internal and for
     # external shoes.
-    outwards = -shoe.sign * contact.normal
+    outwards = -shoe.sign_internal_plus_external_minus * contact.normal
     angle = math.atan2(outwards[1], outwards[0])
     sum_of_forces = (
         b * R * integral_of_piecewise_polynomial(response.theta, response.pressure, response.order)
     )
-    return Merit(
+    return FiguresOfMeritOnDrum(
         resultant_angle=_angle_in_same_turn_as_lining(angle, shoe) if N else None,
         friction_radius=_quotient_or_none(sum_of_forces, N),
         shoe_factor=_quotient_or_none(T, abs(shoe.actuation.force) * R),
@@ -99,7 +111,12 @@ def _quotient_or_none(a: float, b: float) -> float | None:
 
 
 def barecki_shoe_factor(
-    mu: Values, angle: Values, psi: Values, delta: Values, gamma: Values, sense: int
+    mu: NumberOrArray,
+    angle: NumberOrArray,
+    psi: NumberOrArray,
+    delta: NumberOrArray,
+    gamma: NumberOrArray,
+    sense: int,
 ) -> Floats:
     """The shoe factor T/(P R) of Barecki & Scieszka: torque / (actuation force * drum radius).
 
@@ -135,7 +152,7 @@ def mean_friction_of_shoe(brake: Brake, shoe: Shoe, response: ShoeResponse) -> f
 
 def figures_of_merit_of_shoe_on_plane(
     brake: Brake, index: int, response: ShoeResponse
-) -> FlatMerit:
+) -> FiguresOfMeritOnPlane:
     """The figures of merit of shoe `index` of a brake on a plane."""
     shoe, N = brake.shoes[index], response.normal_force
     M = shoe.moment_of_all_loads_about_point(shoe.pin)
@@ -143,7 +160,7 @@ def figures_of_merit_of_shoe_on_plane(
     force = friction * N
     # `helping` is the moment of the friction about the hinge, positive if it helps the actuation.
     helping = -math.copysign(1, M) * friction * brake.sign_of_motion * shoe.pin.y * N
-    return FlatMerit(
+    return FiguresOfMeritOnPlane(
         braking_force=force,
         braking_force_over_moment=_quotient_or_none(force, abs(M)),
         sensitivity_at_fixed_shape=_quotient_or_none(abs(M) - helping, abs(M)) if N else None,
@@ -161,7 +178,7 @@ def brake_factor(brake: Brake, response: Response) -> float | None:
     shoes = brake_with_forces_of_response(brake, response).shoes
     forces = [abs(shoe.actuation.force) for shoe in shoes if shoe.name not in pushed]
     force = math.fsum(forces) / len(forces)
-    return _quotient_or_none(response.effect, force * brake.scale_factor)
+    return _quotient_or_none(response.effect, force * brake.length_per_surface_coordinate)
 
 
 def response_with_figures_of_merit(brake: Brake, response: Response) -> Response:
@@ -229,8 +246,10 @@ def torque_sensitivity_to_friction_by_differences(
 
 
 def brake_scaled_to_peak_pressure(
-    brake: BrakeVar, solve: Callable[[BrakeVar], Response], peak_pressure: float
-) -> BrakeVar:
+    brake: BrakeTypeVariableInMerit,
+    solve: Callable[[BrakeTypeVariableInMerit], Response],
+    peak_pressure: float,
+) -> BrakeTypeVariableInMerit:
     """The brake with its actuation forces scaled by one factor to reach a given peak pressure.
 
     Parameters

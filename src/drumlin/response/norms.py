@@ -7,7 +7,7 @@ from typing import Self
 import numpy as np
 
 from drumlin.base.arrays import Bools, Floats, Ints
-from drumlin.response.response import EDGE_ZONE, ShoeResponse
+from drumlin.response.response import UNCOMPARED_EDGE_ZONE_IN_RADIANS, ShoeResponse
 from drumlin.response.resultants import (
     GAUSS,
     WEIGHTS,
@@ -27,14 +27,14 @@ class PressureDifference:
     b : the response with the pressure p_b
     theta : (pieces, points) [rad], angles of the Gauss points
     weight : (pieces, points) [rad], weights of the Gauss points
-    off : (pieces, points) [Pa], differences p_a - p_b
+    pressure_difference : (pieces, points) [Pa], differences p_a - p_b
     pressure : (pieces, points) [Pa], pressures p_b
     """
 
     b: ShoeResponse
     theta: Floats
     weight: Floats
-    off: Floats
+    pressure_difference: Floats
     pressure: Floats
 
     @classmethod
@@ -61,8 +61,8 @@ class PressureDifference:
         half = 0.5 * np.diff(knots)[:, None]
         theta = knots[:-1, None] + half * (1 + GAUSS)
         pa, pb = a.pressure_at(theta.ravel()), b.pressure_at(theta.ravel())
-        off = (pa - pb).reshape(theta.shape)
-        return cls(b, theta, half * WEIGHTS, off, pb.reshape(theta.shape))
+        pressure_difference = (pa - pb).reshape(theta.shape)
+        return cls(b, theta, half * WEIGHTS, pressure_difference, pb.reshape(theta.shape))
 
     def mask_of_pieces_outside_end_zones(self, zone: float) -> Bools:
         """Mark the pieces (pieces,) farther than `zone` [rad] from both ends of the lining.
@@ -82,11 +82,15 @@ class PressureDifference:
         there, too, and infinite otherwise.
         """
         inside = self.mask_of_pieces_outside_end_zones(zone)
-        weight, off, p = self.weight[inside], self.off[inside], self.pressure[inside]
+        weight, pressure_difference, p = (
+            self.weight[inside],
+            self.pressure_difference[inside],
+            self.pressure[inside],
+        )
         size = float(np.vdot(weight, p**2))
         if size > 0:
-            return math.sqrt(float(np.vdot(weight, off**2)) / size)
-        return math.inf if off.any() else 0.0
+            return math.sqrt(float(np.vdot(weight, pressure_difference**2)) / size)
+        return math.inf if pressure_difference.any() else 0.0
 
     @property
     def indices_of_elements_that_contain_pieces(self) -> Ints:
@@ -104,7 +108,8 @@ class PressureDifference:
         # The root mean square of a sum whose terms have random signs is the root of the sum of the
         # terms' squares.
         forces = np.bincount(
-            self.indices_of_elements_that_contain_pieces, (self.weight * self.off).sum(axis=1)
+            self.indices_of_elements_that_contain_pieces,
+            (self.weight * self.pressure_difference).sum(axis=1),
         )
         return float(np.linalg.norm(forces) / np.vdot(self.weight, self.pressure))
 
@@ -118,12 +123,12 @@ class PressureDifference:
             self.indices_of_elements_that_contain_pieces,
         )
         highest = np.where(inside, self.pressure.max(axis=1), -math.inf).argmax()
-        off = self.off[inside & (columns == columns[highest])]
-        return float(np.abs(off).max(initial=0.0)) / self.b.peak_pressure
+        pressure_difference = self.pressure_difference[inside & (columns == columns[highest])]
+        return float(np.abs(pressure_difference).max(initial=0.0)) / self.b.peak_pressure
 
 
 def relative_distance_of_pressures(
-    a: ShoeResponse, b: ShoeResponse, edge: float = EDGE_ZONE
+    a: ShoeResponse, b: ShoeResponse, edge: float = UNCOMPARED_EDGE_ZONE_IN_RADIANS
 ) -> float:
     """The relative L2 distance between the pressures p_a and p_b of two responses of a shoe.
 

@@ -7,21 +7,21 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from drumlin.base.arrays import Bools, EqualByArrays, Floats
+from drumlin.base.arrays import BaseClassWithArrayEquality, Bools, Floats
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.brake.one_sided import SupportForce
-from drumlin.brake.surface import DRUM, FrictionSurface
+from drumlin.brake.one_sided import OneSidedSupportForce
+from drumlin.brake.surface import FRICTION_SURFACE_OF_DRUM, FrictionSurface
 from drumlin.response.limits import require_lining_strain_below_limit
 from drumlin.response.resultants import (
+    BeginAndEndOfEachSlot,
     LiningWithoutEndZones,
-    Resultant,
-    Slots,
+    PressureAndFrictionResultant,
     arrange_nodal_values_by_piece,
     contact_arcs_from_nodal_pressures,
     integral_of_piecewise_polynomial,
     polynomial_nodes_on_linings_and_slots,
-    slots_between_nodes,
+    slots_from_nodes_and_lining_mask,
 )
 from drumlin.response.self_locking import SelfLocking, SelfLockingFactor
 from drumlin.response.show import (
@@ -30,21 +30,21 @@ from drumlin.response.show import (
     text_of_response,
 )
 
-EDGE_ZONE = math.radians(0.2)
+UNCOMPARED_EDGE_ZONE_IN_RADIANS = math.radians(0.2)
 """Length [rad] of the zone at each end of a lining in which pressures are not compared.
 
 The pressure is singular at a sharp elastic edge. The stated error of a pressure therefore holds
 outside the zones at the lining's ends.
 """
 
-CURVE_SPACING = math.radians(0.2)
+LARGEST_PRESSURE_CURVE_STEP_IN_RADIANS = math.radians(0.2)
 """Longest step [rad] between two points of a pressure curve that is drawn or written to a file.
 
 With it a lining of 100 degrees has 500 points, about as many as a plot can show. The spacing does
 not change the answer of a model.
 """
 
-SMALLEST_CURVE_PIECE = 1e-9
+LEAST_ANGLE_FROM_LINING_END_TO_PRESSURE_CURVE_POINT = 1e-9
 """Distance [rad] from an end of the lining up to which a pressure curve has no point but the end.
 
 Angles that differ by less are the same number in a table. Towards a corner of the lining that
@@ -53,19 +53,19 @@ out the ends of the pieces that lie nearer to the lining's end. These pieces bea
 on the corner.
 """
 
-NEITHER = 1e-9
+LARGEST_NEUTRAL_FRICTION_OVER_PRESSURE_WORK = 1e-9
 """Ratio of friction work to pressure work up to which friction is not self-energising.
 
 Both works are done in the same rigid-body motion of the shoe. A ratio below the limit is round-off:
 the friction then neither helps nor opposes the actuation.
 """
 
-NO_FORCE = 1e-6
+NEGLIGIBLE_REACTION_OVER_NORMAL_FORCE = 1e-6
 """Fraction of the normal force on a lining below which a support reaction counts as zero."""
 
 
 @dataclass(frozen=True)
-class Balance:
+class ForceAndMomentImbalance:
     """The imbalance of a shoe: the sum of its forces and the sum of its moments.
 
     Both sums vanish in equilibrium. Each sum is divided by the largest force or moment in it.
@@ -80,7 +80,7 @@ class Balance:
     moment: float
 
 
-class Deformation(NamedTuple):
+class BeamAndRingDeflections(NamedTuple):
     """The deflections of a post brake's beam and of its drum's ring, by the foundation model.
 
     Attributes
@@ -98,12 +98,13 @@ class Deformation(NamedTuple):
     z: Floats
 
 
-class ShoeChange(NamedTuple):
+class RelativeChangesOfShoeResults(NamedTuple):
     """Relative changes of a shoe's results by one cause, such as the finite contact penalty.
 
     Attributes
     ----------
-    pressure : change of the pressure in the L2 norm, outside EDGE_ZONE at the lining's ends
+    pressure : change of the pressure in the L2 norm, outside UNCOMPARED_EDGE_ZONE_IN_RADIANS at the
+        lining's ends
     torque : change of the torque
     reaction : change of the support reaction
     peak : largest change of the pressure near its peak, relative to the peak pressure
@@ -115,20 +116,20 @@ class ShoeChange(NamedTuple):
     peak: float = 0.0
 
 
-NO_CHANGE = ShoeChange(0.0, 0.0, 0.0)
+ZERO_CHANGES_OF_SHOE_RESULTS = RelativeChangesOfShoeResults(0.0, 0.0, 0.0)
 """Relative changes that are all zero, for a shoe whose results have no such cause of change."""
 
 
 def reference_force_of_reaction_errors(reaction: Floats, normal_force: float) -> float:
     """The force [N] to which errors of a support reaction (2,) [N] are relative.
 
-    It is the size of the reaction, and at least NO_FORCE times the normal force [N] on the lining.
-    If both are zero, it is 1 N.
+    It is the size of the reaction, and at least NEGLIGIBLE_REACTION_OVER_NORMAL_FORCE times the
+    normal force [N] on the lining. If both are zero, it is 1 N.
     """
-    return max(math.hypot(*reaction), NO_FORCE * normal_force) or 1.0
+    return max(math.hypot(*reaction), NEGLIGIBLE_REACTION_OVER_NORMAL_FORCE * normal_force) or 1.0
 
 
-class ModelError(NamedTuple):
+class EstimatedErrorOfPlaneStress(NamedTuple):
     """The estimated error of the assumption of plane stress, for shoes of finite width.
 
     Attributes
@@ -159,7 +160,7 @@ class ModelError(NamedTuple):
         return {**self.brake, "peak": None, **corrected}
 
 
-class PressureOverWidth(NamedTuple):
+class PressureOverArcAndWidth(NamedTuple):
     """The pressure over the arc and the width of a lining, by a solid model.
 
     Attributes
@@ -177,7 +178,7 @@ class PressureOverWidth(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class ShoeResponse(EqualByArrays):
+class ShoeResponse(BaseClassWithArrayEquality):
     """The forces on one shoe, the pressure on its lining, and its motion, as a model computes them.
 
     For a shoe on a plane, `theta` and `contact_arcs` are places x [m], and `torque` is 0, because
@@ -201,18 +202,18 @@ class ShoeResponse(EqualByArrays):
         on the pressure; otherwise None, and the stress is the coefficient times the pressure
     order : degree of the polynomial pieces
     slots : begin and end of each slot between two linings [rad]. There the pressure is 0, and the
-        polynomial pieces beside a slot are JUMP long, see
+        polynomial pieces beside a slot are PRESSURE_DROP_LENGTH_AT_SLOT long, see
         `resultants.polynomial_nodes_on_linings_and_slots`
     turn : rotation of the shoe about its pin [rad]; None if the model does not compute it
     lumped : resultant of the contact, if a law lumps the forces at one point or a model in sectors;
         None if the resultant is the integral of the pressure
     pivot_reaction : (2,) [N], force of the pivot on the shoe; None without a pivot
     reaction_moment : moment [N m] of a guide, or of the forces in `supports`, on the shoe about
-        `Held.pin`, besides the force at the pin
+        `SupportedShoe.pin`, besides the force at the pin
     supports : forces of the anchors, of the abutment and of the strut on a shoe on anchors
     force : actuation force [N] on the shoe, if a cam or a strut determines it; otherwise None
     motion : rigid-body motion of a shoe without hinge, in the shoe's frame: displacement dx, dy [m]
-        of the shoe's reference point `Held.pin`, and turn [rad]
+        of the shoe's reference point `SupportedShoe.pin`, and turn [rad]
     deformation : deflections of beam and ring, by the foundation model only
     surface : pressure over arc and width, by a solid model only; `pressure` and `peak_pressure` are
         then means over the width
@@ -233,20 +234,20 @@ class ShoeResponse(EqualByArrays):
     theta: Floats
     pressure: Floats
     order: int = 2
-    slots: Slots = ()
+    slots: BeginAndEndOfEachSlot = ()
     friction_stress: Floats | None = None
     turn: float | None = None
-    lumped: Resultant | None = None
+    lumped: PressureAndFrictionResultant | None = None
     pivot_reaction: Floats | None = None
     reaction_moment: float = 0.0
-    supports: tuple[SupportForce, ...] = ()
+    supports: tuple[OneSidedSupportForce, ...] = ()
     force: float | None = None
     motion: tuple[float, float, float] | None = None
-    deformation: Deformation | None = None
-    surface: PressureOverWidth | None = None
+    deformation: BeamAndRingDeflections | None = None
+    surface: PressureOverArcAndWidth | None = None
     error: Mapping[str, float] | None = None
-    softness: ShoeChange = NO_CHANGE
-    lost: ShoeChange = NO_CHANGE
+    softness: RelativeChangesOfShoeResults = ZERO_CHANGES_OF_SHOE_RESULTS
+    lost: RelativeChangesOfShoeResults = ZERO_CHANGES_OF_SHOE_RESULTS
 
     @property
     def length_of_shortest_lining(self) -> float:
@@ -311,13 +312,17 @@ class ShoeResponse(EqualByArrays):
     def _pressure_curve_with_slots(self) -> tuple[Floats, Floats]:
         """Points of the pressure curve on several linings; the pressure is 0 in the slots.
 
-        Beside each slot there is a point at SMALLEST_CURVE_PIECE from the lining's edge.
+        Beside each slot there is a point at LEAST_ANGLE_FROM_LINING_END_TO_PRESSURE_CURVE_POINT
+        from the lining's edge.
         """
         edges = [self.theta[0], *(edge for slot in self.slots for edge in slot), self.theta[-1]]
         theta, pressure = [], []
         for k, (start, end) in enumerate(zip(edges[::2], edges[1::2], strict=True)):
             if k > 0:
-                slot = [edges[2 * k - 1] + SMALLEST_CURVE_PIECE, start - SMALLEST_CURVE_PIECE]
+                slot = [
+                    edges[2 * k - 1] + LEAST_ANGLE_FROM_LINING_END_TO_PRESSURE_CURVE_POINT,
+                    start - LEAST_ANGLE_FROM_LINING_END_TO_PRESSURE_CURVE_POINT,
+                ]
                 theta.append(np.array(slot))
                 pressure.append(np.zeros(2))
             nodes = self.theta[(self.theta >= start) & (self.theta <= end)]
@@ -328,11 +333,15 @@ class ShoeResponse(EqualByArrays):
 
     def _pressure_curve_of_one_lining(self, nodes: Floats) -> tuple[Floats, Floats]:
         """Points of the pressure curve on the lining with the given nodes (n,) [rad]."""
-        # Ends of pieces within SMALLEST_CURVE_PIECE of the lining's ends are left out.
+        # Ends of pieces within LEAST_ANGLE_FROM_LINING_END_TO_PRESSURE_CURVE_POINT of the lining's
+        # ends are left out.
         ends = nodes[:: self.order]
-        apart = np.minimum(ends - ends[0], ends[-1] - ends) > SMALLEST_CURVE_PIECE
+        apart = (
+            np.minimum(ends - ends[0], ends[-1] - ends)
+            > LEAST_ANGLE_FROM_LINING_END_TO_PRESSURE_CURVE_POINT
+        )
         ends = np.concatenate([ends[:1], ends[apart], ends[-1:]])
-        half_steps = np.ceil(np.diff(ends) / (2 * CURVE_SPACING))
+        half_steps = np.ceil(np.diff(ends) / (2 * LARGEST_PRESSURE_CURVE_STEP_IN_RADIANS))
         counts = 2 * np.maximum(self.order, half_steps).astype(int)
         pieces = []
         for i, count in enumerate(counts):
@@ -413,12 +422,14 @@ def notes_on_forces_of_one_sided_supports(shoes: Sequence[ShoeResponse]) -> tupl
     return (f"supports: {'; '.join(parts)}",)
 
 
-def _arrays_as_lists(arrays: Deformation | PressureOverWidth) -> dict[str, list[Any]]:
+def _arrays_as_lists(
+    arrays: BeamAndRingDeflections | PressureOverArcAndWidth,
+) -> dict[str, list[Any]]:
     """The arrays of a result as lists by their names, for JSON."""
     return {key: values.tolist() for key, values in arrays._asdict().items()}
 
 
-class Merit(NamedTuple):
+class FiguresOfMeritOnDrum(NamedTuple):
     """The figures of merit of a shoe on a drum, such as its shoe factor.
 
     A figure is None if its definition divides by 0. T is the torque of the shoe, F its actuation
@@ -452,7 +463,7 @@ class Merit(NamedTuple):
         return shoe.torque
 
 
-class FlatMerit(NamedTuple):
+class FiguresOfMeritOnPlane(NamedTuple):
     """The figures of merit of a shoe on a plane.
 
     Attributes
@@ -473,7 +484,7 @@ class FlatMerit(NamedTuple):
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class Response(EqualByArrays):
+class Response(BaseClassWithArrayEquality):
     """The answer of a model for a brake: torque, pressures, reactions and contact of its shoes.
 
     Two responses are equal if everything but their times is equal.
@@ -492,8 +503,8 @@ class Response(EqualByArrays):
     bearing_load : (2,) [N], force of all shoes on the drum, which the drum's bearings carry
     error : estimated relative errors by their keys "pressure" (of the worst shoe, L2 norm outside
         the edge zones) and "torque"; None if nothing was estimated
-    surface : friction surface; always DRUM until `response_with_figures_of_merit` sets drum or
-        plane
+    surface : friction surface; always FRICTION_SURFACE_OF_DRUM until
+        `response_with_figures_of_merit` sets drum or plane
     plane_stress_error : estimated error of the assumption of plane stress; None if it was not asked
         for
     self_locking : the friction of the brake and the friction coefficients at which the brake locks
@@ -504,17 +515,17 @@ class Response(EqualByArrays):
 
     model: str
     shoes: tuple[ShoeResponse, ...]
-    balance: Balance
+    balance: ForceAndMomentImbalance
     converged: bool = True
     iterations: int = 0
     seconds: Mapping[str, float] = field(default_factory=dict, compare=False)
     left_out: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
-    merits: tuple[Merit | FlatMerit, ...] = ()
+    merits: tuple[FiguresOfMeritOnDrum | FiguresOfMeritOnPlane, ...] = ()
     bearing_load: Floats | None = None
     error: Mapping[str, float] | None = None
-    surface: FrictionSurface = DRUM
-    plane_stress_error: ModelError | None = None
+    surface: FrictionSurface = FRICTION_SURFACE_OF_DRUM
+    plane_stress_error: EstimatedErrorOfPlaneStress | None = None
     self_locking: SelfLocking | SelfLockingFactor | None = None
     spring_pulls: tuple[float, ...] = ()
 
@@ -608,14 +619,14 @@ def response_of_shoe_without_contact(shoe: Shoe, hinge_reaction: Floats) -> Shoe
         contact_arcs=(),
         theta=theta,
         pressure=np.zeros(len(theta)),
-        slots=slots_between_nodes(theta, on_lining),
+        slots=slots_from_nodes_and_lining_mask(theta, on_lining),
         pivot_reaction=np.zeros(2) if shoe.pivot else None,
     )
 
 
 def response_of_pressed_elastic_shoe(
     shoe: Shoe,
-    scale_factor: float,
+    length_per_surface_coordinate: float,
     theta: Floats,
     pressure: Floats,
     *,
@@ -623,7 +634,7 @@ def response_of_pressed_elastic_shoe(
     located: bool = True,
     on_lining: Bools | None = None,
     peak: float | None = None,
-    surface: PressureOverWidth | None = None,
+    surface: PressureOverArcAndWidth | None = None,
     friction_stress: Floats | None = None,
     **results: Any,
 ) -> ShoeResponse:
@@ -634,7 +645,8 @@ def response_of_pressed_elastic_shoe(
     Parameters
     ----------
     shoe : the shoe
-    scale_factor : length per unit of the surface's coordinate [m/rad, on a plane 1]
+    length_per_surface_coordinate : length per unit of the surface's coordinate [m/rad, on a plane
+        1]
     theta : (n,) [rad], growing or falling angles of the nodes
     pressure : (n,) [Pa], pressures at the nodes
     order : degree of the polynomial pieces of the pressure
@@ -650,24 +662,26 @@ def response_of_pressed_elastic_shoe(
     Raises
     ------
     NoAnswer
-        if the lining is strained beyond LARGEST_STRAIN
+        if the lining is strained beyond LARGEST_ACCEPTED_LINING_STRAIN
     """
     # If the angles of the nodes fall, the nodes are put into reverse order.
     forward = slice(None, None, 1 if theta[-1] > theta[0] else -1)
     theta, pressure = theta[forward], pressure[forward]
-    slots = () if on_lining is None else slots_between_nodes(theta, on_lining[forward])
+    slots = () if on_lining is None else slots_from_nodes_and_lining_mask(theta, on_lining[forward])
     if peak is None:
-        zone = length_of_edge_zone_left_out_of_peak_search(shoe, scale_factor)
+        zone = length_of_edge_zone_left_out_of_peak_search(shoe, length_per_surface_coordinate)
         inner = LiningWithoutEndZones(theta, order, zone, slots)
         peak = _peak_pressure_outside_edge_zones(inner, pressure, located=located)
     arcs = contact_arcs_from_nodal_pressures(theta, pressure, order, located=located)
     # The force is the integral of the pressure without directions: in a vector sum, forces on
     # opposite sides of a long arc would cancel.
     force = (
-        shoe.lining.width * scale_factor * integral_of_piecewise_polynomial(theta, pressure, order)
+        shoe.lining.width
+        * length_per_surface_coordinate
+        * integral_of_piecewise_polynomial(theta, pressure, order)
     )
     require_lining_strain_below_limit(
-        shoe, scale_factor, force, sum(end - start for start, end in arcs)
+        shoe, length_per_surface_coordinate, force, sum(end - start for start, end in arcs)
     )
     if surface is not None:
         surface = surface._replace(pressure=surface.pressure[forward])
@@ -704,15 +718,17 @@ def _peak_pressure_outside_edge_zones(
     )
 
 
-def length_of_edge_zone_left_out_of_peak_search(shoe: Shoe, scale_factor: float) -> float:
+def length_of_edge_zone_left_out_of_peak_search(
+    shoe: Shoe, length_per_surface_coordinate: float
+) -> float:
     """The length of the zone at each end of a lining in which the peak pressure is not sought.
 
     In this zone a sharp edge makes the pressure steep. The zone is half a lining thickness long, or
     a quarter of the lining's length if the lining is short. Of several linings of a shoe the
-    shortest counts. The result is in rad, on a plane in m. `scale_factor` is the drum's radius
-    [m/rad], on a plane 1.
+    shortest counts. The result is in rad, on a plane in m. `length_per_surface_coordinate` is the
+    drum's radius [m/rad], on a plane 1.
     """
-    zone = (shoe.lining.thickness or 0.0) / (2 * scale_factor)
+    zone = (shoe.lining.thickness or 0.0) / (2 * length_per_surface_coordinate)
     length = shoe.lining.length_of_shortest_lining
     return zone if 2 * zone < length else 0.25 * length
 
@@ -724,20 +740,20 @@ def angle_of_edge_zone_left_out_of_peak_search(shoe: Shoe, size: float) -> float
     `length_of_edge_zone_left_out_of_peak_search`. `size` [m] is the size of the brake, on a drum
     its radius.
     """
-    unit = shoe.frame.unit
+    unit = shoe.frame.surface_coordinate_per_phi
     return length_of_edge_zone_left_out_of_peak_search(shoe, size / unit) / unit
 
 
 def length_of_uncompared_edge_zone(length: float, unit: float = 1.0) -> float:
     """The length of the zone at each end of a lining in which pressures are not compared.
 
-    It is EDGE_ZONE, or a quarter of the lining's `length` if that is shorter. Both lengths are in a
-    coordinate that grows by `unit` per radian.
+    It is UNCOMPARED_EDGE_ZONE_IN_RADIANS, or a quarter of the lining's `length` if that is shorter.
+    Both lengths are in a coordinate that grows by `unit` per radian.
     """
-    return min(unit * EDGE_ZONE, 0.25 * length)
+    return min(unit * UNCOMPARED_EDGE_ZONE_IN_RADIANS, 0.25 * length)
 
 
-class PeakPlace(NamedTuple):
+class PeakPressurePlace(NamedTuple):
     """The place of a shoe's peak pressure, and the end zones in which the peak was not sought.
 
     Attributes
@@ -751,15 +767,20 @@ class PeakPlace(NamedTuple):
     zone: float
 
 
-def place_of_peak_pressure(brake: Brake, index: int, response: ShoeResponse) -> PeakPlace | None:
+def place_of_peak_pressure(
+    brake: Brake, index: int, response: ShoeResponse
+) -> PeakPressurePlace | None:
     """The place of the peak pressure of shoe `index`; None if the shoe does not touch.
 
-    The place is one of the points of the pressure curve, at most CURVE_SPACING apart.
+    The place is one of the points of the pressure curve, at most
+    LARGEST_PRESSURE_CURVE_STEP_IN_RADIANS apart.
     """
     if not response.contact_arcs or not response.peak_pressure > 0:
         return None
     theta, pressure = response.curve()
-    zone = length_of_edge_zone_left_out_of_peak_search(brake.shoes[index], brake.scale_factor)
+    zone = length_of_edge_zone_left_out_of_peak_search(
+        brake.shoes[index], brake.length_per_surface_coordinate
+    )
     inside = which_angles_are_outside_end_zones(theta, theta[0], theta[-1], zone, response.slots)
     # A response does not tell whether its peak pressure was sought on the whole lining or outside
     # the end zones only. The largest value of the curve is found for both cases, and the case whose
@@ -768,11 +789,11 @@ def place_of_peak_pressure(brake: Brake, index: int, response: ShoeResponse) -> 
     if abs(pressure.max() - response.peak_pressure) <= apart:
         inside, zone = np.ones(len(theta), dtype=bool), 0.0
     highest = pressure[inside].argmax()
-    return PeakPlace(float(theta[inside][highest]), zone)
+    return PeakPressurePlace(float(theta[inside][highest]), zone)
 
 
 def largest_nodal_pressure_outside_end_zones(
-    theta: Floats, pressure: Floats, zone: float, slots: Slots = ()
+    theta: Floats, pressure: Floats, zone: float, slots: BeginAndEndOfEachSlot = ()
 ) -> float:
     """The largest nodal pressure [Pa] at nodes farther than `zone` [rad] from the lining's ends.
 
@@ -784,7 +805,7 @@ def largest_nodal_pressure_outside_end_zones(
 
 
 def which_angles_are_outside_end_zones(
-    theta: Floats, first: float, last: float, zone: float, slots: Slots = ()
+    theta: Floats, first: float, last: float, zone: float, slots: BeginAndEndOfEachSlot = ()
 ) -> Bools:
     """Whether angles are on a lining, and farther than a zone from its ends; a mask (n,).
 

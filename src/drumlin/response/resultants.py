@@ -21,7 +21,7 @@ from drumlin.brake.surface import FrictionSurface
 # Points in [-1, 1] and weights of a Gauss rule that is exact for polynomials up to degree 23.
 GAUSS, WEIGHTS = legendre.leggauss(12)
 
-PEAK_SAMPLES = np.cos(np.linspace(math.pi, 0.0, 25))
+POINTS_OF_POLYNOMIAL_PIECE_SAMPLED_FOR_PEAK = np.cos(np.linspace(math.pi, 0.0, 25))
 """Points at which a polynomial piece is evaluated to find its largest value.
 
 The 25 points are in the coordinate [-1, 1] of the piece. The largest value of the piece is the
@@ -29,10 +29,10 @@ vertex of the parabola through the largest value at these points and its two nei
 """
 
 
-Slots = tuple[tuple[float, float], ...]
+BeginAndEndOfEachSlot = tuple[tuple[float, float], ...]
 """Begin and end of each slot (gap) between two linings of a shoe, in the surface's coordinate."""
 
-JUMP = 1e-12
+PRESSURE_DROP_LENGTH_AT_SLOT = 1e-12
 """Length [rad, on a plane m] of the polynomial pieces on which the pressure falls to 0 at a slot.
 
 The pressure on a shoe with several linings is one continuous piecewise polynomial. At the edge of a
@@ -41,7 +41,7 @@ a radian of lining.
 """
 
 
-class Resultant(NamedTuple):
+class PressureAndFrictionResultant(NamedTuple):
     """The resultant forces and the moment of pressure and friction on a lining.
 
     Attributes
@@ -180,14 +180,14 @@ def polynomial_nodes_on_linings_and_slots(
     reference = 0.5 * (1 + gauss_lobatto_points(order))
     for before, part in pairwise(parts):
         a, b = float(before[-1]), float(part[0])
-        ends = np.array([a, a + JUMP, b - JUMP, b])
+        ends = np.array([a, a + PRESSURE_DROP_LENGTH_AT_SLOT, b - PRESSURE_DROP_LENGTH_AT_SLOT, b])
         inside = ends[:-1, None] + np.diff(ends)[:, None] * reference[:-1]
         theta += [inside.ravel()[1:], part]
         on_lining += [np.zeros(3 * order - 1, dtype=bool), np.ones(len(part), dtype=bool)]
     return np.concatenate(theta), np.concatenate(on_lining)
 
 
-def slots_between_nodes(theta: Floats, on_lining: Bools) -> Slots:
+def slots_from_nodes_and_lining_mask(theta: Floats, on_lining: Bools) -> BeginAndEndOfEachSlot:
     """The slots between linings, from the nodes (n,) of a pressure and the mask (n,) `on_lining`.
 
     The mask is False at nodes in slots, see `polynomial_nodes_on_linings_and_slots`. A slot begins
@@ -198,7 +198,7 @@ def slots_between_nodes(theta: Floats, on_lining: Bools) -> Slots:
     return tuple(zip(theta[before].tolist(), theta[behind].tolist(), strict=True))
 
 
-class GaussValues(NamedTuple):
+class PiecewisePolynomialAtGaussPoints(NamedTuple):
     """A piecewise polynomial at the points of a Gauss rule, with the same rule on every piece.
 
     Attributes
@@ -213,11 +213,13 @@ class GaussValues(NamedTuple):
     weights: Floats
 
 
-def polynomial_values_at_gauss_points(theta: Floats, values: Floats, order: int) -> GaussValues:
+def polynomial_values_at_gauss_points(
+    theta: Floats, values: Floats, order: int
+) -> PiecewisePolynomialAtGaussPoints:
     """A piecewise polynomial, with values (n,) at nodes theta (n,), evaluated at Gauss points."""
     ends = theta[::order]
     half = 0.5 * (ends[1:] - ends[:-1])[:, None]
-    return GaussValues(
+    return PiecewisePolynomialAtGaussPoints(
         places=ends[:-1, None] + half * (1 + GAUSS),
         values=arrange_nodal_values_by_piece(values, order)
         @ shape_functions_and_derivatives_at_gauss_points(order)[0],
@@ -238,16 +240,17 @@ def arrange_nodal_values_by_piece(values: Floats, order: int) -> Floats:
 
 
 @cache
-def _shape_functions_at_peak_samples(order: int) -> Floats:
-    """The Lagrange shape functions (order + 1, s) at the s points PEAK_SAMPLES."""
-    return lagrange_shape_function_values(order, PEAK_SAMPLES)
+def _shape_functions_at_peak_sample_points(order: int) -> Floats:
+    """The Lagrange shape functions (order + 1, s) at the s points sampled for the peak."""
+    return lagrange_shape_function_values(order, POINTS_OF_POLYNOMIAL_PIECE_SAMPLED_FOR_PEAK)
 
 
-class _Samples(NamedTuple):
+class _PeakSamplePointsOutsideEndZones(NamedTuple):
     """The points at which the largest pressure outside the end zones of a lining is sought.
 
-    Pieces of the pressure outside the end zones have the points PEAK_SAMPLES. A piece that an end
-    zone cuts has points on its uncut part only.
+    Pieces of the pressure outside the end zones have the points
+    POINTS_OF_POLYNOMIAL_PIECE_SAMPLED_FOR_PEAK. A piece that an end zone cuts has points on its
+    uncut part only.
 
     Attributes
     ----------
@@ -280,7 +283,7 @@ class LiningWithoutEndZones:
     theta: Floats
     order: int
     zone: float
-    slots: Slots = ()
+    slots: BeginAndEndOfEachSlot = ()
 
     @cached_property
     def integration_weights_with_and_without_end_zones(self) -> Floats:
@@ -322,7 +325,7 @@ class LiningWithoutEndZones:
         return float(inside / (whole or 1.0))
 
     @cached_property
-    def sample_points_for_largest_value(self) -> _Samples:
+    def sample_points_for_largest_value(self) -> _PeakSamplePointsOutsideEndZones:
         """The points at which the largest pressure on the lining is sought.
 
         They lie outside the end zones, or on the whole lining if the end zones cover it.
@@ -341,10 +344,12 @@ class LiningWithoutEndZones:
         # xi are the sample points between low and high, in the coordinate [-1, 1] of cut pieces.
         low, high = low[pieces[cut], None], high[pieces[cut], None]
         start, end = start[pieces[cut], None], end[pieces[cut], None]
-        xi = (low + high - start - end + (high - low) * PEAK_SAMPLES) / (end - start)
+        xi = (
+            low + high - start - end + (high - low) * POINTS_OF_POLYNOMIAL_PIECE_SAMPLED_FOR_PEAK
+        ) / (end - start)
         shapes = lagrange_shape_function_values(self.order, xi).swapaxes(0, 1)
         in_row = slice(int(pieces[0]), int(pieces[-1]) + 1)
-        return _Samples(pieces if self.slots else in_row, cut, shapes)
+        return _PeakSamplePointsOutsideEndZones(pieces if self.slots else in_row, cut, shapes)
 
     def largest_value_outside_end_zones(self, values: Floats) -> float:
         """The largest value outside the end zones, or on the whole lining if the zones cover it.
@@ -353,14 +358,16 @@ class LiningWithoutEndZones:
         """
         samples = self.sample_points_for_largest_value
         pieces = arrange_nodal_values_by_piece(values, self.order)[samples.pieces]
-        found = pieces @ _shape_functions_at_peak_samples(self.order)
+        found = pieces @ _shape_functions_at_peak_sample_points(self.order)
         if len(samples.cut):
             found[samples.cut] = (pieces[samples.cut, None] @ samples.shapes)[:, 0]
-        piece, sample = divmod(int(found.argmax()), len(PEAK_SAMPLES))
+        piece, sample = divmod(
+            int(found.argmax()), len(POINTS_OF_POLYNOMIAL_PIECE_SAMPLED_FOR_PEAK)
+        )
         # A parabola needs a sample on both sides, which the first and the last sample do not have.
-        if sample in {0, len(PEAK_SAMPLES) - 1}:
+        if sample in {0, len(POINTS_OF_POLYNOMIAL_PIECE_SAMPLED_FOR_PEAK) - 1}:
             return float(found[piece, sample])
-        x = PEAK_SAMPLES[sample - 1 : sample + 2].tolist()
+        x = POINTS_OF_POLYNOMIAL_PIECE_SAMPLED_FOR_PEAK[sample - 1 : sample + 2].tolist()
         return _largest_value_of_parabola(x, found[piece, sample - 1 : sample + 2].tolist())
 
     def peak_pressure_outside_end_zones(self, pressure: Floats) -> float:
@@ -392,7 +399,7 @@ def largest_value_of_piecewise_polynomial(theta: Floats, values: Floats, order: 
 
 
 def length_of_edge_zone_left_out_of_pressure_errors(
-    theta: Floats, pressure: Floats, order: int, zone: float, slots: Slots = ()
+    theta: Floats, pressure: Floats, order: int, zone: float, slots: BeginAndEndOfEachSlot = ()
 ) -> float:
     """The length [rad] of the zone at each end of a lining in which pressure errors do not count.
 
@@ -421,7 +428,7 @@ def resultant_of_pressure_and_friction(
     sign: int,
     drag: float,
     dragging: Floats | None = None,
-) -> Resultant:
+) -> PressureAndFrictionResultant:
     """The resultant of the pressure p and the friction on a lining.
 
     The traction on the lining is -p n + drag p t. The normal n points out of the lining, and t
@@ -453,7 +460,7 @@ def resultant_of_pressure_and_friction(
     )
     lever = surface.moments_of_unit_normal_and_tangential_forces(rule.places, size)
     moment = drag * np.sum(rubbing * lever[1]) - sign * np.sum(load * lever[0])
-    return Resultant(
+    return PressureAndFrictionResultant(
         normal=-sign * np.sum(load * normal, axis=(1, 2)),
         friction=drag * np.sum(rubbing * along, axis=(1, 2)),
         moment=float(moment),

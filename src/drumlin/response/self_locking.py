@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 from drumlin.base.texts import number_as_text
 
-WARNED_SHARE = 2 / 3
+WARNED_FRACTION_OF_LOCKING_FRICTION = 2 / 3
 """Ratio of friction coefficient mu to self-locking limit mu_lock above which drumlin warns.
 
 The torque grows as mu/(mu_lock - mu): at two thirds, friction that is 10 % higher gives 37 % more
@@ -14,7 +14,7 @@ torque. The value is a judgement and changes no result.
 """
 
 
-class LockedShoes(NamedTuple):
+class LockedShoesAndLockingFriction(NamedTuple):
     """Shoes that lock together, and the friction coefficient mu_lock at which they lock.
 
     Attributes
@@ -38,16 +38,16 @@ class SelfLocking(NamedTuple):
         not sought
     sought : friction coefficient up to which the limit by finite elements was sought; 0 if it was
         not sought
-    scaled : key of the first lining with a friction of its own; the limits then hold for the
-        friction of the brake, and the frictions of all linings change in proportion; "" if all
-        linings have the friction of the brake
+    key_of_lining_with_own_friction : key of the first lining with a friction of its own; the limits
+        then hold for the friction of the brake, and the frictions of all linings change in
+        proportion; "" if all linings have the friction of the brake
     """
 
     friction: float
-    law: LockedShoes
-    elastic: LockedShoes | None = None
+    law: LockedShoesAndLockingFriction
+    elastic: LockedShoesAndLockingFriction | None = None
     sought: float = 0.0
-    scaled: str = ""
+    key_of_lining_with_own_friction: str = ""
 
     def as_dict(self) -> dict[str, Any]:
         """The limits as plain data for JSON; a limit that was not found is None."""
@@ -64,19 +64,23 @@ class SelfLocking(NamedTuple):
         known = []
         if self.elastic is not None and math.isfinite(self.elastic.friction):
             known.append(
-                self._friction_as_percentage_of_limit(self.elastic, "for the elastic brake")
+                self._friction_in_percent_of_limit_as_text(self.elastic, "for the elastic brake")
             )
         if math.isfinite(self.law.friction):
-            known.append(self._friction_as_percentage_of_limit(self.law, "by the rigid-shoe law"))
+            known.append(
+                self._friction_in_percent_of_limit_as_text(self.law, "by the rigid-shoe law")
+            )
         if not known:
             known.append("no friction locks the brake by the rigid-shoe law")
         if self.elastic is not None and math.isinf(self.elastic.friction):
             known.append(f"the elastic brake does not lock below {self.sought:.4g}")
-        if self.scaled:
-            known.append(f"all frictions in proportion, {self.scaled} too")
+        if self.key_of_lining_with_own_friction:
+            known.append(f"all frictions in proportion, {self.key_of_lining_with_own_friction} too")
         return f"self-locking: {'; '.join(known)}"
 
-    def _friction_as_percentage_of_limit(self, limit: LockedShoes, whose: str) -> str:
+    def _friction_in_percent_of_limit_as_text(
+        self, limit: LockedShoesAndLockingFriction, whose: str
+    ) -> str:
         """Text such as "friction 0.3 is 60 % of mu_lock = 0.5 for the elastic brake".
 
         `whose` are the last words of the text.
@@ -85,11 +89,17 @@ class SelfLocking(NamedTuple):
         return f"friction {self.friction:g} is {share} of mu_lock = {limit.friction:.4g} {whose}"
 
     def warnings(self) -> Iterator[str]:
-        """Yield a warning for each mu_lock if the friction exceeds WARNED_SHARE times mu_lock."""
-        if self.elastic is not None and self.friction > WARNED_SHARE * self.elastic.friction:
+        """Yield a warning for each mu_lock that the friction comes near.
+
+        It comes near from WARNED_FRACTION_OF_LOCKING_FRICTION times mu_lock on.
+        """
+        if (
+            self.elastic is not None
+            and self.friction > WARNED_FRACTION_OF_LOCKING_FRICTION * self.elastic.friction
+        ):
+            near = self._friction_in_percent_of_limit_as_text(self.elastic, "for the elastic brake")
             yield (
-                f"warning: {_shoe_names_as_text(self.elastic.shoes)}: "
-                f"{self._friction_as_percentage_of_limit(self.elastic, 'for the elastic brake')}, "
+                f"warning: {_shoe_names_as_text(self.elastic.shoes)}: {near}, "
                 "towards which the torque grows without bound"
             )
         shoe = _shoe_names_as_text(self.law.shoes)
@@ -99,10 +109,10 @@ class SelfLocking(NamedTuple):
                 f"mu_lock = {self.law.friction:.4g} of the rigid-shoe law, "
                 "by which the shoe locks itself"
             )
-        elif self.friction > WARNED_SHARE * self.law.friction:
+        elif self.friction > WARNED_FRACTION_OF_LOCKING_FRICTION * self.law.friction:
             yield (
                 f"warning: {shoe}: "
-                f"{self._friction_as_percentage_of_limit(self.law, 'by the rigid-shoe law')}"
+                f"{self._friction_in_percent_of_limit_as_text(self.law, 'by the rigid-shoe law')}"
             )
 
 
@@ -120,7 +130,7 @@ class SelfLockingFactor(NamedTuple):
     """
 
     key: str
-    elastic: LockedShoes | None = None
+    elastic: LockedShoesAndLockingFriction | None = None
     sought: float = 0.0
 
     def as_dict(self) -> dict[str, Any]:
@@ -143,8 +153,14 @@ class SelfLockingFactor(NamedTuple):
         )
 
     def warnings(self) -> Iterator[str]:
-        """Yield a warning if the friction exceeds WARNED_SHARE of that which locks the brake."""
-        if self.elastic is not None and WARNED_SHARE * self.elastic.friction < 1:
+        """Yield a warning if the friction comes near to that which locks the brake.
+
+        It comes near from WARNED_FRACTION_OF_LOCKING_FRICTION of the locking friction on.
+        """
+        if (
+            self.elastic is not None
+            and WARNED_FRACTION_OF_LOCKING_FRICTION * self.elastic.friction < 1
+        ):
             yield (
                 f"warning: {_shoe_names_as_text(self.elastic.shoes)}: the elastic brake locks at "
                 f"{self.elastic.friction:.4g} times its friction ({self.key}), "
@@ -152,7 +168,9 @@ class SelfLockingFactor(NamedTuple):
             )
 
 
-def first_shoes_to_lock(limits: Sequence[LockedShoes]) -> LockedShoes:
+def first_shoes_to_lock(
+    limits: Sequence[LockedShoesAndLockingFriction],
+) -> LockedShoesAndLockingFriction:
     """The shoes that lock first: those with the smallest mu_lock among all `limits`."""
     return min(limits, key=lambda limit: limit.friction)
 

@@ -11,7 +11,7 @@ from drumlin.brake.surface import FrictionSurface
 if TYPE_CHECKING:
     from drumlin.response.response import Response, ShoeResponse
 
-POINTS_PER_PIECE = 20
+DRAWN_POINTS_PER_POLYNOMIAL_PIECE = 20
 """Number of points at which each polynomial piece of the pressure is drawn.
 
 More points do not change a small plot.
@@ -23,7 +23,7 @@ TOP_OVER_PEAK = 1.12
 
 def text_of_contact_arcs(shoe: "ShoeResponse", surface: FrictionSurface) -> str:
     """The contact arcs of a shoe as text, in degrees, on a plane in mm; "none" without contact."""
-    factor = surface.shown
+    factor = surface.si_to_shown_unit_factor
     arcs = [f"{start * factor:.1f} to {end * factor:.1f}" for start, end in shoe.contact_arcs]
     return ", ".join(arcs) or "none"
 
@@ -33,7 +33,7 @@ def rows_of_response_table(response: "Response") -> list[tuple[str, ...]]:
     surface, effects = response.surface, response.effects
     head = (
         "shoe",
-        f"{surface.effect} [{surface.effect_unit}]",
+        f"{surface.word_for_torque_or_brake_force} [{surface.unit_of_torque_or_brake_force}]",
         "normal force [N]",
         "peak pressure [MPa]",
         f"contact [{surface.shown_unit}]",
@@ -84,13 +84,17 @@ def plot_pressure_of_each_shoe(response: "Response", axes: Any = None, prefix: s
     for shoe in response.shoes:
         top = max(top, TOP_OVER_PEAK * shoe.peak_pressure * 1e-6)
         ends = shoe.theta[:: shoe.order]
-        pieces = [np.linspace(a, b, POINTS_PER_PIECE) for a, b in pairwise(ends)]
+        pieces = [np.linspace(a, b, DRAWN_POINTS_PER_POLYNOMIAL_PIECE) for a, b in pairwise(ends)]
         theta = np.unique(np.concatenate(pieces))
         axes.plot(
-            theta * surface.shown, shoe.pressure_at(theta) * 1e-6, label=f"{prefix}{shoe.name}"
+            theta * surface.si_to_shown_unit_factor,
+            shoe.pressure_at(theta) * 1e-6,
+            label=f"{prefix}{shoe.name}",
         )
     axes.set(
-        xlabel=surface.axis, ylabel="pressure p [MPa]", title=_title_line_of_response(response)
+        xlabel=surface.axis_label_in_python,
+        ylabel="pressure p [MPa]",
+        title=_title_line_of_response(response),
     )
     if top > 0:
         axes.set_ylim(0, top)
@@ -102,5 +106,5 @@ def _title_line_of_response(response: "Response") -> str:
     """A line of text with the model of a response and the torque, on a plane the braking force."""
     surface = response.surface
     unconverged = "" if response.converged else ", not converged"
-    effect = f"{response.effect:.6g} {surface.effect_unit}"
-    return f"{response.model}: {surface.effect} {effect}{unconverged}"
+    effect = f"{response.effect:.6g} {surface.unit_of_torque_or_brake_force}"
+    return f"{response.model}: {surface.word_for_torque_or_brake_force} {effect}{unconverged}"

@@ -24,25 +24,29 @@ from drumlin.base.errors import (
     NoAnswer,
     is_failure_of_memory_or_system,
 )
-from drumlin.base.journal import Journal, checksum_of_source_and_libraries, journal_key_of_case
+from drumlin.base.journal import (
+    JournalOfCaseResults,
+    case_data_as_json_line,
+    checksum_of_source_and_libraries,
+)
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import vary
 from drumlin.fem.mesh.content import digest_of_mesh_file
-from drumlin.fem.preparation.cache import Cache
+from drumlin.fem.preparation.cache import CacheOfCondensedBodies
 from drumlin.models import model_with_name_that_applies_to_brake
 from drumlin.response.merit import brake_factor
 from drumlin.response.response import Response, ShoeResponse
 from drumlin.sweeps.certificate import (
-    CERTIFIED,
-    FIRST_LEVEL,
-    Certificate,
-    SampleMember,
+    NAME_OF_COLUMN_WITH_SOURCE_OF_ERRORS,
+    ROW_KEY_OF_FIRST_LEVEL_ERRORS,
+    MarkOfSampleCaseSolvedOnAllLevels,
+    SampleErrorsForCasesOutsideSample,
     kind_and_first_level_errors_of_sample_case_from_responses,
-    response_certified_by_sample,
+    response_with_errors_certified_by_sample,
 )
-from drumlin.sweeps.workers import SayLine, message_on_waiting_for_workers
+from drumlin.sweeps.workers import ShowLineToUser, message_on_waiting_for_workers
 
-Row = dict[str, Any]
+CaseResultsByName = dict[str, Any]
 """The results of a case by name, such as "torque"; "status" is "solved" or says why it failed."""
 
 SECONDS_BEFORE_WAITING_MESSAGE = 20.0
@@ -51,7 +55,7 @@ SECONDS_BEFORE_WAITING_MESSAGE = 20.0
 The limit is a judgement: most cases take far less.
 """
 
-CHUNK_SECONDS = 0.1
+SECONDS_OF_WORK_PER_CHUNK_OF_CASES = 0.1
 """Seconds of work in a chunk: a number of cases that a worker gets in one message.
 
 With longer chunks more work is lost when the sweep is killed. Shorter chunks need more messages
@@ -61,7 +65,7 @@ between the processes.
 MAX_CASES_PER_CHUNK = 64
 """Largest number of cases that a worker gets in one message, however fast they are solved."""
 
-FURTHER_ATTEMPTS = 2
+MOST_FURTHER_ATTEMPTS_AT_CASE_AFTER_WORKER_FAILURE = 2
 """Number of further attempts at a case that failed because memory was short or its worker died."""
 
 DIFFERENT_DRUMLIN_MESSAGE = (
@@ -98,35 +102,37 @@ class SweepCase(NamedTuple):
     changes : new values of the brake, by key of the brake file
     model : name of the model
     options : options of the model
-    certify : SampleMember if the case belongs to the sample that certifies the sweep; Certificate
-        if it takes its errors from this sample; None if it states its own errors
+    certify : MarkOfSampleCaseSolvedOnAllLevels if the case belongs to the sample that certifies the
+        sweep; SampleErrorsForCasesOutsideSample if it takes its errors from this sample; None if it
+        states its own errors
     """
 
     brake: Brake
     changes: Mapping[str, Any]
     model: str = "fem"
     options: Mapping[str, Any] = {}
-    certify: SampleMember | Certificate | None = None
+    certify: MarkOfSampleCaseSolvedOnAllLevels | SampleErrorsForCasesOutsideSample | None = None
 
 
-class CaseAnswer(NamedTuple):
+class ResultOfAttemptAtCase(NamedTuple):
     """The result of one attempt to solve a case.
 
     Attributes
     ----------
     row : results of the case, or the reason of its failure
-    lasting : whether a further attempt would give the same row; only then the journal keeps it
+    is_kept_in_journal : whether a further attempt would give the same row; only then the journal
+        keeps it
     again : whether the case is tried again, because a further attempt may succeed
     """
 
-    row: Row
-    lasting: bool = True
+    row: CaseResultsByName
+    is_kept_in_journal: bool = True
     again: bool = False
 
 
 def solve_case_and_return_brake_and_response(
     case: SweepCase,
-    cache: Cache | None = None,
+    cache: CacheOfCondensedBodies | None = None,
     use_first_level: Callable[[Response], None] | None = None,
 ) -> tuple[Brake, Response]:
     """Solve a case; returns the brake with its changed values, and the response of the model.
@@ -159,7 +165,9 @@ def _brake_of_case(case: SweepCase) -> Brake:
     return vary(case.brake, case.changes) if case.changes else case.brake
 
 
-def solve_case_without_raising(case: SweepCase, cache: Cache | None = None) -> CaseAnswer:
+def solve_case_without_raising(
+    case: SweepCase, cache: CacheOfCondensedBodies | None = None
+) -> ResultOfAttemptAtCase:
     """Solve a case, and say whether its results may be kept. Never raises.
 
     Results are kept, and so are refusals because of the input or the physics. A failure because
@@ -167,39 +175,43 @@ def solve_case_without_raising(case: SweepCase, cache: Cache | None = None) -> C
     error, a fault of drumlin, is not kept and not tried again.
     """
     try:
-        return CaseAnswer(_solve_case_and_return_results(case, cache))
+        return ResultOfAttemptAtCase(_solve_case_and_return_results(case, cache))
     # An error in one case must not end the sweep. It is written into the row of the case.
     except Exception as error:
         return _answer_of_failed_case(case, error)
 
 
-def _solve_case_and_return_results(case: SweepCase, cache: Cache | None) -> Row:
-    """The results of a case by name; CERTIFIED says whether its errors come from a sample."""
+def _solve_case_and_return_results(
+    case: SweepCase, cache: CacheOfCondensedBodies | None
+) -> CaseResultsByName:
+    """The results of a case by name; one of them says whether its errors come from a sample."""
     # A case with a certificate is solved on the first level. If the sample has no case of its kind,
     # it is solved on all levels.
-    if isinstance(case.certify, Certificate):
+    if isinstance(case.certify, SampleErrorsForCasesOutsideSample):
         brake = _brake_of_case(case)
-        by_sample = response_certified_by_sample(
+        by_sample = response_with_errors_certified_by_sample(
             brake, case.changes, case.certify, case.options, cache
         )
         if by_sample is not None:
             row = results_of_response_by_name(brake, by_sample)
-            return {"status": row["status"], CERTIFIED: "sample"} | row
+            return {"status": row["status"], NAME_OF_COLUMN_WITH_SOURCE_OF_ERRORS: "sample"} | row
     first: list[Response] = []
-    use = first.append if isinstance(case.certify, SampleMember) else None
+    use = first.append if isinstance(case.certify, MarkOfSampleCaseSolvedOnAllLevels) else None
     brake, response = solve_case_and_return_brake_and_response(case, cache, use)
     row = results_of_response_by_name(brake, response)
     if case.certify is None:
         return row
-    row = {"status": row["status"], CERTIFIED: "itself"} | row
+    row = {"status": row["status"], NAME_OF_COLUMN_WITH_SOURCE_OF_ERRORS: "itself"} | row
     if first and response.converged:
-        row[FIRST_LEVEL] = kind_and_first_level_errors_of_sample_case_from_responses(
-            brake, case.changes, first[0], response
+        row[ROW_KEY_OF_FIRST_LEVEL_ERRORS] = (
+            kind_and_first_level_errors_of_sample_case_from_responses(
+                brake, case.changes, first[0], response
+            )
         )
     return row
 
 
-def _answer_of_failed_case(case: SweepCase, error: Exception) -> CaseAnswer:
+def _answer_of_failed_case(case: SweepCase, error: Exception) -> ResultOfAttemptAtCase:
     """The answer for a case that ended with an error: a row with the error's text as its status."""
     known = isinstance(error, DrumlinError)
     text = str(error) if known else f"unexpected {type(error).__name__}: {error}"
@@ -207,10 +219,12 @@ def _answer_of_failed_case(case: SweepCase, error: Exception) -> CaseAnswer:
     # If a mesh file cannot be read now (its digest is "none"), a later attempt may succeed.
     readable = "none" not in map(digest_of_mesh_file, paths_of_mesh_files(case.brake, case.changes))
     row = {"status": f"failed: {' '.join(text.split())}"}
-    return CaseAnswer(row, lasting=known and not passing and readable, again=passing)
+    return ResultOfAttemptAtCase(
+        row, is_kept_in_journal=known and not passing and readable, again=passing
+    )
 
 
-def results_of_response_by_name(brake: Brake, response: Response) -> Row:
+def results_of_response_by_name(brake: Brake, response: Response) -> CaseResultsByName:
     """The results of a case by name, in SI; results of the shoe NAME as "NAME.torque" and so on.
 
     Of the brake: "torque" T [N m], on a plane "braking_force" [N]; "brake_factor" T/(F R) with the
@@ -226,9 +240,9 @@ def results_of_response_by_name(brake: Brake, response: Response) -> Row:
     and contact_end, the ends of the contact [rad; on a plane m]; contact_arcs, the number of
     separate arcs in contact.
     """
-    row: Row = {
+    row: CaseResultsByName = {
         "status": "solved" if response.converged else "failed: not converged",
-        brake.surface.key: response.effect,
+        brake.surface.key_of_torque_or_brake_force: response.effect,
         "brake_factor": brake_factor(brake, response),
         "peak_pressure": max(shoe.peak_pressure for shoe in response.shoes),
         "balance": max(response.balance.force, response.balance.moment),
@@ -247,7 +261,9 @@ def results_of_response_by_name(brake: Brake, response: Response) -> Row:
     return {name: _result_as_plain_python_value(value) for name, value in row.items()}
 
 
-def _results_of_shoe_by_name(brake: Brake, number: int, effect: float, shoe: ShoeResponse) -> Row:
+def _results_of_shoe_by_name(
+    brake: Brake, number: int, effect: float, shoe: ShoeResponse
+) -> CaseResultsByName:
     """The results of one shoe by name, in SI.
 
     Parameters
@@ -260,9 +276,9 @@ def _results_of_shoe_by_name(brake: Brake, number: int, effect: float, shoe: Sho
     load = abs(brake.shoes[number].actuation.force)
     arcs = shoe.contact_arcs
     return {
-        brake.surface.key: effect,
+        brake.surface.key_of_torque_or_brake_force: effect,
         "peak_pressure": shoe.peak_pressure,
-        "shoe_factor": effect / (load * brake.scale_factor) if load else None,
+        "shoe_factor": effect / (load * brake.length_per_surface_coordinate) if load else None,
         "hinge_reaction": float(np.linalg.norm(shoe.hinge_reaction)),
         "contact_start": arcs[0][0] if arcs else None,
         "contact_end": arcs[-1][1] if arcs else None,
@@ -280,10 +296,10 @@ def solve_all_cases_of_sweep(
     *,
     executor: Executor | None = None,
     workers: int = 1,
-    journal: Journal | None = None,
+    journal: JournalOfCaseResults | None = None,
     done: Callable[[int, int], None] = lambda finished, of: None,
-    say: SayLine = lambda words: None,
-) -> list[Row]:
+    say: ShowLineToUser = lambda words: None,
+) -> list[CaseResultsByName]:
     """Solve the cases of a sweep; returns the row of results of each case, in the same order.
 
     A failure because of missing memory or a dead worker may not occur again. Such a case is tried
@@ -306,43 +322,43 @@ def solve_all_cases_of_sweep(
     BadInput
         if the workers run another version of drumlin or its libraries
     """
-    journal = Journal() if journal is None else journal
+    journal = JournalOfCaseResults() if journal is None else journal
     keys = list(journal_keys_of_cases(cases))
     missing = _positions_of_unsolved_cases(cases, keys, journal)
     finished = len(cases) - len(missing)
     done(finished, len(cases))
     # `passing` has the rows of cases that failed but may succeed later, by the journal's key of the
     # case. The journal does not keep these rows.
-    passing: dict[str, Row] = {}
+    passing: dict[str, CaseResultsByName] = {}
     # The first round solves all missing cases. Later rounds try again the cases that failed because
     # memory was short or a worker died.
-    for further in reversed(range(FURTHER_ATTEMPTS + 1)):
+    for further in reversed(range(MOST_FURTHER_ATTEMPTS_AT_CASE_AFTER_WORKER_FAILURE + 1)):
         again = []
         if executor is None:
             answers = _solve_cases_in_this_process(cases, missing)
         else:
-            alone = further < FURTHER_ATTEMPTS
+            alone = further < MOST_FURTHER_ATTEMPTS_AT_CASE_AFTER_WORKER_FAILURE
             answers = _solve_cases_by_workers(
                 _ChunkDispatcher(executor, workers, cases, missing, alone), say
             )
         # Store each answer as it comes, and collect the cases that are tried again.
         for i, answer in answers:
-            if answer.lasting:
+            if answer.is_kept_in_journal:
                 journal.add(keys[i], answer.row)
-                passing.pop(journal_key_of_case(keys[i]), None)
+                passing.pop(case_data_as_json_line(keys[i]), None)
             else:
-                passing[journal_key_of_case(keys[i])] = answer.row
+                passing[case_data_as_json_line(keys[i])] = answer.row
             if answer.again and further:
                 again.append(i)
             else:
                 finished += 1
                 done(finished, len(cases))
         missing = again
-    return [passing.get(journal_key_of_case(key)) or journal[key] for key in keys]
+    return [passing.get(case_data_as_json_line(key)) or journal[key] for key in keys]
 
 
 def _positions_of_unsolved_cases(
-    cases: Sequence[SweepCase], keys: Sequence[dict[str, Any]], journal: Journal
+    cases: Sequence[SweepCase], keys: Sequence[dict[str, Any]], journal: JournalOfCaseResults
 ) -> list[int]:
     """The positions of the cases that are not in the journal.
 
@@ -429,9 +445,9 @@ def key_of_cases_with_equal_shoe_stiffness(case: SweepCase) -> str:
 
 def _solve_cases_in_this_process(
     cases: Sequence[SweepCase], missing: Sequence[int]
-) -> Iterator[tuple[int, CaseAnswer]]:
+) -> Iterator[tuple[int, ResultOfAttemptAtCase]]:
     """Solve the cases at the positions `missing` in this process; yields position and answer."""
-    bodies = Cache()
+    bodies = CacheOfCondensedBodies()
     for i in missing:
         yield i, solve_case_without_raising(cases[i], bodies)
 
@@ -443,24 +459,28 @@ class _ChunkAnswer(NamedTuple):
     ----------
     answers : answer for each case of the chunk
     seconds : time that the chunk took [s]
-    stamp : digest of the worker's source of drumlin and of the versions of its libraries
+    digest_of_worker_code : digest of the worker's source of drumlin and of the versions of its
+        libraries
     """
 
-    answers: list[CaseAnswer]
+    answers: list[ResultOfAttemptAtCase]
     seconds: float
-    stamp: str
+    digest_of_worker_code: str
 
 
-_worker_bodies = threading.local()
+_condensed_shoe_cache_of_each_worker_thread = threading.local()
 """The cache of condensed stiffnesses of shoes in a worker, one for each thread of the worker."""
 
 
 def solve_chunk_of_cases(cases: Sequence[SweepCase]) -> _ChunkAnswer:
     """Solve the cases that a worker gets in one message; the worker runs this function."""
-    if not hasattr(_worker_bodies, "cache"):
-        _worker_bodies.cache = Cache()
+    if not hasattr(_condensed_shoe_cache_of_each_worker_thread, "cache"):
+        _condensed_shoe_cache_of_each_worker_thread.cache = CacheOfCondensedBodies()
     start = time.perf_counter()
-    answers = [solve_case_without_raising(case, _worker_bodies.cache) for case in cases]
+    answers = [
+        solve_case_without_raising(case, _condensed_shoe_cache_of_each_worker_thread.cache)
+        for case in cases
+    ]
     return _ChunkAnswer(answers, time.perf_counter() - start, _digest_of_drumlin_and_libraries())
 
 
@@ -471,8 +491,8 @@ def _digest_of_drumlin_and_libraries() -> str:
 
 
 def _solve_cases_by_workers(
-    dispatch: "_ChunkDispatcher", say: SayLine
-) -> Iterator[tuple[int, CaseAnswer]]:
+    dispatch: "_ChunkDispatcher", say: ShowLineToUser
+) -> Iterator[tuple[int, ResultOfAttemptAtCase]]:
     """Solve cases by workers; yields the position and answer of each case as the answer comes."""
     last_answer, told = time.time(), False
     try:
@@ -500,7 +520,7 @@ class _ChunkDispatcher:
     """The distribution of cases to the workers of an executor.
 
     A worker gets several cases, a chunk, in one message. Chunks grow until each takes
-    CHUNK_SECONDS. Cases that are tried again are sent one at a time:
+    SECONDS_OF_WORK_PER_CHUNK_OF_CASES. Cases that are tried again are sent one at a time:
     if a case kills its worker, no other case is lost.
 
     Parameters
@@ -543,7 +563,7 @@ class _ChunkDispatcher:
 
     def answers_of_finished_chunk(
         self, future: "Future[_ChunkAnswer]"
-    ) -> Iterator[tuple[int, CaseAnswer]]:
+    ) -> Iterator[tuple[int, ResultOfAttemptAtCase]]:
         """Yield the position and answer of each case of a chunk that a worker has finished.
 
         If the worker died, the cases of its chunk count as failed, and are tried again.
@@ -552,11 +572,13 @@ class _ChunkDispatcher:
         positions = self.sent.pop(future)
         try:
             chunk = future.result()
-            if chunk.stamp != _digest_of_drumlin_and_libraries():
+            if chunk.digest_of_worker_code != _digest_of_drumlin_and_libraries():
                 raise BadInput(DIFFERENT_DRUMLIN_MESSAGE)
             answers = chunk.answers
-            # The next chunks get as many cases as are solved in CHUNK_SECONDS.
-            size = round(CHUNK_SECONDS * len(positions) / max(chunk.seconds, 1e-6))
+            # The next chunks get as many cases as are solved in SECONDS_OF_WORK_PER_CHUNK_OF_CASES.
+            size = round(
+                SECONDS_OF_WORK_PER_CHUNK_OF_CASES * len(positions) / max(chunk.seconds, 1e-6)
+            )
             self._size = min(max(size, 1), self._max_size)
         except DrumlinError:
             raise
@@ -564,7 +586,7 @@ class _ChunkDispatcher:
             raise BadInput(f"{DIFFERENT_DRUMLIN_MESSAGE} ({error})") from error
         except Exception as error:
             status = f"failed: its worker was lost ({type(error).__name__}: {error})"
-            lost = CaseAnswer({"status": status}, lasting=False, again=True)
+            lost = ResultOfAttemptAtCase({"status": status}, is_kept_in_journal=False, again=True)
             answers = [lost] * len(positions)
         yield from zip(positions, answers, strict=True)
 

@@ -13,38 +13,38 @@ from typing import Any, NamedTuple
 
 from drumlin.base.errors import NoAnswer, is_failure_of_memory_or_system
 from drumlin.brake.brake import Brake
-from drumlin.fem.error_control.estimate import QUANTITIES
+from drumlin.fem.error_control.estimate import QUANTITIES_WITH_STATED_ERROR
 from drumlin.fem.error_control.first_level import (
     errors_of_first_refinement_level,
     first_level_response_with_errors_of_sample,
     text_that_identifies_kind_of_contact,
 )
-from drumlin.fem.preparation.cache import Cache
-from drumlin.fem.preparation.scene import reason_why_brake_is_not_modelled
+from drumlin.fem.preparation.cache import CacheOfCondensedBodies
+from drumlin.fem.preparation.scene import reason_against_finite_element_model
 from drumlin.fem.solve import solve_brake_on_first_level_without_error_estimate
 from drumlin.response.response import Response
 
-CERTIFIED = "certified"
+NAME_OF_COLUMN_WITH_SOURCE_OF_ERRORS = "certified"
 """The name of the column that says where the stated errors of a case come from.
 
 Its value is "itself" if the case was solved on all levels, and "sample" if its errors were taken
 from the sample.
 """
 
-SMALLEST_SAMPLE = 3
+LEAST_SOLVED_CASES_OF_CERTIFYING_SAMPLE = 3
 """Smallest number of solved cases of a sample whose errors may be used for other cases.
 
 The largest error of fewer cases says little about other cases. The limit is a judgement.
 """
 
-FIRST_LEVEL = "first_level"
+ROW_KEY_OF_FIRST_LEVEL_ERRORS = "first_level"
 """The name under which the row of a case in the sample keeps the errors of its first level.
 
 The table of the sweep does not show it.
 """
 
 
-class SampleMember(NamedTuple):
+class MarkOfSampleCaseSolvedOnAllLevels(NamedTuple):
     """The mark of a case in the sample: it is solved on all levels.
 
     The difference between its first and last level gives the errors of the first level.
@@ -55,14 +55,15 @@ class SampleMember(NamedTuple):
         return "sample"
 
 
-class Certificate(NamedTuple):
+class SampleErrorsForCasesOutsideSample(NamedTuple):
     """What the sample tells about the cases that are solved on the first level only.
 
     Attributes
     ----------
     kinds : kinds of cases in the sample, see `_text_that_identifies_kind_of_case`; a case of
         another kind is solved on all levels
-    errors : largest relative errors of the first level in the sample, by the names of QUANTITIES
+    errors : largest relative errors of the first level in the sample, by the names of
+        QUANTITIES_WITH_STATED_ERROR
     """
 
     kinds: tuple[str, ...]
@@ -74,20 +75,24 @@ class Certificate(NamedTuple):
         return hashlib.sha256(text.encode()).hexdigest()[:16]
 
 
-def certificate_of_sample(rows: Iterable[Mapping[str, Any]]) -> Certificate:
+def sample_errors_for_cases_outside_sample(
+    rows: Iterable[Mapping[str, Any]],
+) -> SampleErrorsForCasesOutsideSample:
     """The certificate of a sample, from the rows of its solved cases.
 
-    It has no kinds of cases, and so certifies no case, if fewer than SMALLEST_SAMPLE rows have
-    errors of a first level.
+    It has no kinds of cases, and so certifies no case, if fewer than
+    LEAST_SOLVED_CASES_OF_CERTIFYING_SAMPLE rows have errors of a first level.
     """
-    members = [row[FIRST_LEVEL] for row in rows if FIRST_LEVEL in row]
-    if len(members) < SMALLEST_SAMPLE:
-        return Certificate((), {})
+    members = [
+        row[ROW_KEY_OF_FIRST_LEVEL_ERRORS] for row in rows if ROW_KEY_OF_FIRST_LEVEL_ERRORS in row
+    ]
+    if len(members) < LEAST_SOLVED_CASES_OF_CERTIFYING_SAMPLE:
+        return SampleErrorsForCasesOutsideSample((), {})
     kinds = sorted({str(member["kind"]) for member in members})
     largest = {}
-    for name in QUANTITIES:
+    for name in QUANTITIES_WITH_STATED_ERROR:
         largest[name] = max(float(member[name]) for member in members)
-    return Certificate(tuple(kinds), largest)
+    return SampleErrorsForCasesOutsideSample(tuple(kinds), largest)
 
 
 def kind_and_first_level_errors_of_sample_case_from_responses(
@@ -105,12 +110,12 @@ def kind_and_first_level_errors_of_sample_case_from_responses(
     return {"kind": _text_that_identifies_kind_of_case(brake, changes, first)} | errors
 
 
-def response_certified_by_sample(
+def response_with_errors_certified_by_sample(
     brake: Brake,
     changes: Mapping[str, Any],
-    certificate: Certificate,
+    certificate: SampleErrorsForCasesOutsideSample,
     options: Mapping[str, Any],
-    cache: Cache | None,
+    cache: CacheOfCondensedBodies | None,
 ) -> Response | None:
     """The response of a case on the first level, with the errors of the sample.
 
@@ -130,7 +135,7 @@ def response_certified_by_sample(
     NoAnswer
         if the first level has no solution because memory or a file is missing
     """
-    if reason_why_brake_is_not_modelled(brake) is not None:
+    if reason_against_finite_element_model(brake) is not None:
         return None
     try:
         first = solve_brake_on_first_level_without_error_estimate(brake, **options, cache=cache)

@@ -24,7 +24,7 @@ from drumlin.base.written_numbers import (
     number_without_unit_from_text,
 )
 from drumlin.brake.brake import Brake
-from drumlin.brake.fields import Part, Title
+from drumlin.brake.fields import PartOfInputFile, Title
 from drumlin.brake.file import (
     are_allowed_values_of_key_an_interval,
     make_validated_brake_part,
@@ -33,43 +33,46 @@ from drumlin.brake.file import (
     values_of_brake_key,
     vary,
 )
-from drumlin.brake.plane_brake import make_drum_or_plane_brake_from_data, read_any
+from drumlin.brake.plane_brake import make_drum_or_plane_brake_from_data, read_drum_or_plane_brake
 from drumlin.brake.units import quantity_in_si
 from drumlin.fem.mesh.content import read_bytes_of_mesh_file
 from drumlin.foundation.model import validated_names_of_effects_to_include
 from drumlin.models import MODELS, model_options_given_by_user
 from drumlin.sweeps.cases import SweepCase, is_key_of_mesh_file, paths_of_mesh_files
-from drumlin.sweeps.options import MODEL_OPTIONS
-from drumlin.sweeps.sample import EVERY_CASE, positions_of_sample_cases
+from drumlin.sweeps.options import OPTION_CLASSES_BY_MODEL_NAME
+from drumlin.sweeps.sample import (
+    CERTIFY_VALUE_FOR_OWN_ERRORS_OF_EACH_CASE,
+    positions_of_sample_cases,
+)
 
-MAX_FILE_NESTING = 50
+LARGEST_NESTING_DEPTH_OF_SWEEP_FILE = 50
 """Largest allowed depth of tables and lists within one another in a sweep file.
 
 Sweep files need a depth of some six. A deeper file is refused, since a copy of its data would
 exceed Python's recursion limit.
 """
 
-MOST_CASES = 1_000_000
+MOST_CASES_OF_SWEEP = 1_000_000
 """Largest number of cases in a sweep. The results of a million cases fill some 2 GB of memory."""
 
-VALUES_PER_REPORT = 256
+VALUES_CHECKED_PER_PROGRESS_UPDATE = 256
 """Number of listed values that are checked between two updates of the progress bar.
 
 Checking them takes some 0.1 s.
 """
 
 
-class Range(Part):
+class Range(PartOfInputFile):
     """A number `count` of values from `from` to `to`, at equal distances or at equal factors."""
 
     start: Annotated[float | str, Field(alias="from")]
     to: float | str
-    count: Annotated[int, Field(ge=2, le=MOST_CASES)] = 2
+    count: Annotated[int, Field(ge=2, le=MOST_CASES_OF_SWEEP)] = 2
     scale: Literal["linear", "log"] = "linear"
 
 
-class Distribution(Part):
-    """The keys that all distributions have: a name, and whether each shoe draws its own value."""
+class Distribution(PartOfInputFile):
+    """The keys of every distribution: its kind, and whether each shoe draws a value of its own."""
 
     distribution: str
     each_shoe: bool = False
@@ -108,7 +111,7 @@ class TruncatedNormal(Normal):
     to: float | str = math.inf
 
 
-DISTRIBUTIONS: Mapping[str, type[Distribution]] = {
+DISTRIBUTION_CLASSES_BY_NAME: Mapping[str, type[Distribution]] = {
     "normal": Normal,
     "uniform": Uniform,
     "lognormal": Normal,
@@ -118,16 +121,16 @@ DISTRIBUTIONS: Mapping[str, type[Distribution]] = {
 """The class that reads a distribution, by the distribution's name in sweep files."""
 
 
-class SweepFile(Part):
+class SweepFile(PartOfInputFile):
     """The keys of a sweep file and their values, as the file gives them."""
 
     title: Title | None = None
     brake: Annotated[str, Field(pattern=r"^[^\x00-\x1f]*$")] | dict[str, Any]
     combine: Literal["grid", "zip", "random"] = "grid"
-    cases: Annotated[int, Field(ge=1, le=MOST_CASES)] | None = None
+    cases: Annotated[int, Field(ge=1, le=MOST_CASES_OF_SWEEP)] | None = None
     seed: Annotated[int, Field(ge=0)] = 0
     pressure: Literal["Pa", "MPa"] = "Pa"
-    certify: str | int = EVERY_CASE
+    certify: str | int = CERTIFY_VALUE_FOR_OWN_ERRORS_OF_EACH_CASE
     model: Annotated[
         dict[str, dict[str, Any]], Field(default_factory=lambda: {"fem": {}}, min_length=1)
     ]
@@ -156,11 +159,13 @@ class Sweep(NamedTuple):
     sample: tuple[int, ...] = ()
 
 
-Done = Callable[[int, int], None]
+ShowProgressOfCheckedValues = Callable[[int, int], None]
 """A function that shows progress; it takes the number of checked values and of all values."""
 
 
-def read_sweep_from_toml_file(path: Path, done: Done = lambda judged, of: None) -> Sweep:
+def read_sweep_from_toml_file(
+    path: Path, done: ShowProgressOfCheckedValues = lambda judged, of: None
+) -> Sweep:
     """Read a sweep from the TOML file `path`.
 
     `done` is called with the number of values checked so far, and of all values. Raises BadInput
@@ -178,12 +183,12 @@ def read_sweep_from_toml_file(path: Path, done: Done = lambda judged, of: None) 
 
 
 def _check_integers_and_nesting_depth(data: Any, depth: int = 0) -> None:
-    """Raise ValueError for integers beyond 64 bits and for nesting deeper than MAX_FILE_NESTING.
+    """Raise ValueError for integers beyond 64 bits and for nesting that is too deep.
 
     `depth` is the number of tables and lists that contain `data`.
     """
-    if depth > MAX_FILE_NESTING:
-        raise ValueError(f"nested deeper than {MAX_FILE_NESTING}")
+    if depth > LARGEST_NESTING_DEPTH_OF_SWEEP_FILE:
+        raise ValueError(f"nested deeper than {LARGEST_NESTING_DEPTH_OF_SWEEP_FILE}")
     if isinstance(data, int) and not -(2**63) <= data < 2**63:
         raise ValueError("an integer beyond 64 bits")
     items = list(data.values()) if isinstance(data, dict) else data
@@ -195,7 +200,7 @@ def _check_integers_and_nesting_depth(data: Any, depth: int = 0) -> None:
 def sweep_from_file_data(
     data: Mapping[str, Any],
     base: Path = Path(),
-    done: Done = lambda judged, of: None,
+    done: ShowProgressOfCheckedValues = lambda judged, of: None,
     brake: Brake | None = None,
 ) -> Sweep:
     """Make a sweep from the nested data of a sweep file.
@@ -218,7 +223,7 @@ def sweep_from_file_data(
     # The brake is read first, since allowed keys and models depend on the brake.
     brake = _base_brake_of_sweep(file.brake, base) if brake is None else brake
     models = _validated_model_options(file.model, brake)
-    specs: dict[str, _KeySpec] = {}
+    specs: dict[str, _PossibleValuesOfVariedKey] = {}
     for name, given in file.vary.items():
         specs |= _values_of_keys_in_vary_line(brake, name, given, base)
     # Form the cases from the values of all keys, and check that the brake can have these values.
@@ -242,7 +247,7 @@ def sweep_from_file_data(
 def _base_brake_of_sweep(brake: str | dict[str, Any], base: Path) -> Brake:
     """The base brake of a sweep, read from the path or the table that the sweep file gives."""
     if isinstance(brake, str):
-        return read_any(base / brake)
+        return read_drum_or_plane_brake(base / brake)
     try:
         return make_drum_or_plane_brake_from_data(brake, unit_required=True, base=base)
     except BadInput as error:
@@ -258,7 +263,7 @@ def _validated_model_options(
         if name not in MODELS:
             raise BadInput(f"model.{name}: unknown model; allowed: {', '.join(MODELS)}")
         checked = _validated_table_of_sweep_file(
-            f"model.{name}", MODEL_OPTIONS.get(name, Part), options
+            f"model.{name}", OPTION_CLASSES_BY_MODEL_NAME.get(name, PartOfInputFile), options
         )
         models[name] = model_options_given_by_user(**checked.model_dump())
         # Check the names of effects under the option `lift`. On a plane the whole foundation model
@@ -268,7 +273,7 @@ def _validated_model_options(
     return models
 
 
-class _KeySpec(NamedTuple):
+class _PossibleValuesOfVariedKey(NamedTuple):
     """The values that a varied key can have.
 
     Attributes
@@ -282,22 +287,24 @@ class _KeySpec(NamedTuple):
     at: Callable[[Floats], list[Any]]
 
 
-class _Plan(NamedTuple):
+class _PlanToCombineVariedKeyValues(NamedTuple):
     """The plan by which the values of the varied keys are combined to cases.
 
     Attributes
     ----------
     listed : values of each key whose values (of a list or range) are all taken, one by one
     drawn : names of the keys whose values are drawn at random
-    repeats : number of random draws for each combination of listed values
+    draws_per_combination : number of random draws for each combination of listed values
     """
 
     listed: dict[str, list[Any]]
     drawn: list[str]
-    repeats: int
+    draws_per_combination: int
 
 
-def _plan_of_listed_and_drawn_keys(file: SweepFile, specs: Mapping[str, _KeySpec]) -> _Plan:
+def _plan_of_listed_and_drawn_keys(
+    file: SweepFile, specs: Mapping[str, _PossibleValuesOfVariedKey]
+) -> _PlanToCombineVariedKeyValues:
     """Decide which keys are drawn at random and which take their listed values one by one.
 
     Raises BadInput if `cases` (the number of draws) is missing, or given although no key is drawn.
@@ -315,11 +322,14 @@ def _plan_of_listed_and_drawn_keys(file: SweepFile, specs: Mapping[str, _KeySpec
     for key, spec in specs.items():
         if key not in drawn and spec.values is not None:
             listed[key] = spec.values
-    return _Plan(listed, drawn, file.cases or 1)
+    return _PlanToCombineVariedKeyValues(listed, drawn, file.cases or 1)
 
 
 def _new_values_of_each_case(
-    file: SweepFile, specs: Mapping[str, _KeySpec], plan: _Plan, models: int
+    file: SweepFile,
+    specs: Mapping[str, _PossibleValuesOfVariedKey],
+    plan: _PlanToCombineVariedKeyValues,
+    models: int,
 ) -> list[dict[str, Any]]:
     """The new values of the varied keys, by key, for each case.
 
@@ -333,21 +343,24 @@ def _new_values_of_each_case(
     Raises
     ------
     BadInput
-        for more than MOST_CASES cases, and for lists of unequal lengths under combine = "zip"
+        for more than MOST_CASES_OF_SWEEP cases, and for lists of unequal lengths under combine =
+        "zip"
     """
     draws = {}
     for key in plan.drawn:
-        draws[key] = _draw_random_values_of_key(specs[key], key, file.seed, plan.repeats)
+        draws[key] = _draw_random_values_of_key(
+            specs[key], key, file.seed, plan.draws_per_combination
+        )
     lengths = list(map(len, plan.listed.values()))
     combinations = math.prod(lengths) if file.combine == "grid" else max(lengths, default=1)
-    count = combinations * plan.repeats * models
-    if count > MOST_CASES:
-        raise BadInput(f"vary: makes {count} cases; allowed: {MOST_CASES}")
+    count = combinations * plan.draws_per_combination * models
+    if count > MOST_CASES_OF_SWEEP:
+        raise BadInput(f"vary: makes {count} cases; allowed: {MOST_CASES_OF_SWEEP}")
     # Each combination of listed values gets the same random values of the other keys, so that the
     # combinations can be compared.
     changes = []
     for point in _combinations_of_listed_values(file.combine, plan.listed):
-        for i in range(plan.repeats):
+        for i in range(plan.draws_per_combination):
             changes.append({key: point[key] if key in point else draws[key][i] for key in specs})
     return changes
 
@@ -355,10 +368,10 @@ def _new_values_of_each_case(
 def _require_brake_that_allows_each_value(
     brake: Brake,
     combine: str,
-    specs: Mapping[str, _KeySpec],
-    plan: _Plan,
+    specs: Mapping[str, _PossibleValuesOfVariedKey],
+    plan: _PlanToCombineVariedKeyValues,
     changes: Sequence[Mapping[str, Any]],
-    done: Done,
+    done: ShowProgressOfCheckedValues,
 ) -> None:
     """Raise BadInput for listed values, or medians of distributions, that no brake can have.
 
@@ -379,12 +392,18 @@ def _require_brake_that_allows_each_value(
     medians = {key: spec.at(half)[0] for key, spec in specs.items() if key not in plan.listed}
     vary(brake, medians)
     lengths = list(map(len, plan.listed.values()))
-    steps = _numbers_of_cases_until_next_value_of_each_key(combine, lengths, plan.repeats)
+    steps = _numbers_of_cases_until_next_value_of_each_key(
+        combine, lengths, plan.draws_per_combination
+    )
     for (key, values), step in zip(plan.listed.items(), steps, strict=True):
-        _check_listed_values_of_key(brake, _ListedKey(key, values, changes[::step]), medians, done)
+        _check_listed_values_of_key(
+            brake, _VariedKeyWithListedValues(key, values, changes[::step]), medians, done
+        )
 
 
-def _check_mesh_files_are_readable(brake: Brake, specs: Mapping[str, _KeySpec]) -> None:
+def _check_mesh_files_are_readable(
+    brake: Brake, specs: Mapping[str, _PossibleValuesOfVariedKey]
+) -> None:
     """Raise BadInput or NoAnswer if a mesh file that the sweep names cannot be read."""
     # Collect the mesh files of the base brake and of the varied keys; each is read once.
     meshes = set(paths_of_mesh_files(brake, {}))
@@ -400,7 +419,7 @@ def _check_mesh_files_are_readable(brake: Brake, specs: Mapping[str, _KeySpec]) 
 
 def _values_of_keys_in_vary_line(
     brake: Brake, name: str, given: Any, base: Path
-) -> dict[str, _KeySpec]:
+) -> dict[str, _PossibleValuesOfVariedKey]:
     """The values, by key of the brake file, that one line of the table [vary] gives.
 
     A line gives the values of one key, or, if each shoe draws its own value from a distribution,
@@ -437,7 +456,7 @@ def _values_of_keys_in_vary_line(
 
 def _values_of_key_given_as_list(
     where: str, name: str, given: list[Any], unit: str | None, base: Path
-) -> _KeySpec:
+) -> _PossibleValuesOfVariedKey:
     """The values of a varied key that the sweep file gives as a list.
 
     Parameters
@@ -454,16 +473,16 @@ def _values_of_key_given_as_list(
     if is_key_of_mesh_file(name):
         values = [str(base / value) if isinstance(value, str) else value for value in values]
 
-    def listed_values_at_random_numbers(u: Floats) -> list[Any]:
+    def listed_values_for_random_numbers(u: Floats) -> list[Any]:
         """The values for random numbers u (n,) in (0, 1): each listed value is equally likely."""
         return [values[i] for i in (u * len(values)).astype(int)]
 
-    return _KeySpec(values, listed_values_at_random_numbers)
+    return _PossibleValuesOfVariedKey(values, listed_values_for_random_numbers)
 
 
 def _values_of_key_given_as_distribution(
     brake: Brake, where: str, name: str, given: Mapping[str, Any], unit: str
-) -> dict[str, _KeySpec]:
+) -> dict[str, _PossibleValuesOfVariedKey]:
     """The values of a varied key that the sweep file gives as a distribution.
 
     They are returned by key. If each shoe draws its own value, there is one key for each shoe.
@@ -477,11 +496,12 @@ def _values_of_key_given_as_distribution(
     unit : SI unit of the key
     """
     kind = given["distribution"]
-    if not isinstance(kind, str) or kind not in DISTRIBUTIONS:
+    if not isinstance(kind, str) or kind not in DISTRIBUTION_CLASSES_BY_NAME:
         raise BadInput(
-            f"{where}.distribution = {kind!r}: unknown; allowed: {', '.join(DISTRIBUTIONS)}"
+            f"{where}.distribution = {kind!r}: unknown; allowed: "
+            f"{', '.join(DISTRIBUTION_CLASSES_BY_NAME)}"
         )
-    distribution = _validated_table_of_sweep_file(where, DISTRIBUTIONS[kind], given)
+    distribution = _validated_table_of_sweep_file(where, DISTRIBUTION_CLASSES_BY_NAME[kind], given)
     keys = [name]
     if distribution.each_shoe:
         if not name.startswith("shoe."):
@@ -493,19 +513,19 @@ def _values_of_key_given_as_distribution(
     specs = {}
     for key in keys:
         nominal = values_of_brake_key(brake, key)
-        specs[key] = _KeySpec(
+        specs[key] = _PossibleValuesOfVariedKey(
             None,
             _make_inverse_cumulative_function_that_returns_list(where, distribution, unit, nominal),
         )
     return specs
 
 
-PartKind = TypeVar("PartKind", bound=Part)
+SweepFileTableClass = TypeVar("SweepFileTableClass", bound=PartOfInputFile)
 
 
 def _validated_table_of_sweep_file(
-    where: str, kind: type[PartKind], data: Mapping[str, Any]
-) -> PartKind:
+    where: str, kind: type[SweepFileTableClass], data: Mapping[str, Any]
+) -> SweepFileTableClass:
     """A table of the sweep file, checked and read as an object of the class `kind`.
 
     Raises BadInput with a message that begins with `where`, the place of the table.
@@ -556,16 +576,18 @@ def _value_of_sweep_file_as_number_in_si(where: str, value: Any, unit: str) -> f
     return float(number)
 
 
-def _values_of_key_given_as_range(where: str, start: float, end: float, span: Range) -> _KeySpec:
+def _values_of_key_given_as_range(
+    where: str, start: float, end: float, span: Range
+) -> _PossibleValuesOfVariedKey:
     """The values of a varied key given as a range; its ends `start` and `end` are in SI."""
     if span.scale == "linear":
-        return _KeySpec(
+        return _PossibleValuesOfVariedKey(
             values=np.linspace(start, end, span.count).tolist(),
             at=lambda u: (start + u * (end - start)).tolist(),
         )
     if not min(start, end) > 0:
         raise BadInput(f'{where}.scale = "log": needs from and to greater than 0')
-    return _KeySpec(
+    return _PossibleValuesOfVariedKey(
         values=np.geomspace(start, end, span.count).tolist(),
         at=lambda u: (start * (end / start) ** u).tolist(),
     )
@@ -772,7 +794,9 @@ def _standard_deviation_in_si(where: str, given: float | str, mean: float, unit:
     return value
 
 
-def _draw_random_values_of_key(spec: _KeySpec, key: str, seed: int, count: int) -> list[Any]:
+def _draw_random_values_of_key(
+    spec: _PossibleValuesOfVariedKey, key: str, seed: int, count: int
+) -> list[Any]:
     """Draw `count` random values of a varied key.
 
     The values depend on the seed and on the name of the key only.
@@ -804,7 +828,7 @@ def _combinations_of_listed_values(
 
 
 def _numbers_of_cases_until_next_value_of_each_key(
-    combine: str, lengths: Sequence[int], repeats: int
+    combine: str, lengths: Sequence[int], draws_per_combination: int
 ) -> list[int]:
     """For each listed key, the number m of cases after which its next value comes.
 
@@ -814,31 +838,34 @@ def _numbers_of_cases_until_next_value_of_each_key(
     ----------
     combine : way in which listed values are combined: "grid", "zip" or "random"
     lengths : number of values of each listed key
-    repeats : number of random draws for each combination of listed values
+    draws_per_combination : number of random draws for each combination of listed values
     """
     if combine != "grid":
-        return [repeats] * len(lengths)
-    return [repeats * math.prod(lengths[i + 1 :]) for i in range(len(lengths))]
+        return [draws_per_combination] * len(lengths)
+    return [draws_per_combination * math.prod(lengths[i + 1 :]) for i in range(len(lengths))]
 
 
-class _ListedKey(NamedTuple):
+class _VariedKeyWithListedValues(NamedTuple):
     """A varied key with its listed values.
 
     Attributes
     ----------
     key : the key of the brake file
     values : its listed values
-    firsts : list whose entry i has the new values of all varied keys in the first case with the
-        value number i of this key; the list may be longer than `values`
+    first_cases_by_value : list whose entry i has the new values of all varied keys in the first
+        case with the value number i of this key; the list may be longer than `values`
     """
 
     key: str
     values: Sequence[Any]
-    firsts: Sequence[Mapping[str, Any]]
+    first_cases_by_value: Sequence[Mapping[str, Any]]
 
 
 def _check_listed_values_of_key(
-    brake: Brake, listed: _ListedKey, medians: Mapping[str, Any], done: Done
+    brake: Brake,
+    listed: _VariedKeyWithListedValues,
+    medians: Mapping[str, Any],
+    done: ShowProgressOfCheckedValues,
 ) -> None:
     """Raise BadInput for a listed value of a key that is not allowed.
 
@@ -854,10 +881,10 @@ def _check_listed_values_of_key(
     medians : medians of the keys that are drawn at random
     done : called with the number of values checked so far, and of all values
     """
-    key, values, firsts = listed
+    key, values, first_cases_by_value = listed
     # If a brake can have the extreme numbers of an interval, it can have all numbers between them.
     extremes = (
-        _positions_of_extreme_numbers(values)
+        _positions_of_smallest_and_largest_of_each_sign(values)
         if are_allowed_values_of_key_an_interval(brake, key)
         else []
     )
@@ -872,16 +899,16 @@ def _check_listed_values_of_key(
     except BadInput:
         places = list(dict.fromkeys([*extremes, *range(len(values))]))
     for number, i in enumerate(places):
-        if number % VALUES_PER_REPORT == 0:
+        if number % VALUES_CHECKED_PER_PROGRESS_UPDATE == 0:
             done(number, len(places))
         try:
             vary(brake, {key: values[i]})
         except BadInput:
             # Try the value together with the new values of the other keys in the same case.
-            vary(brake, {**firsts[i], **medians})
+            vary(brake, {**first_cases_by_value[i], **medians})
 
 
-def _positions_of_extreme_numbers(values: Sequence[Any]) -> list[int]:
+def _positions_of_smallest_and_largest_of_each_sign(values: Sequence[Any]) -> list[int]:
     """The positions of the extreme numbers in a list of values, in ascending order.
 
     Extreme numbers are the smallest and largest negative number, 0, and the smallest and largest

@@ -1,21 +1,21 @@
 """What each key of a sweep file means, in words, beside what its type says."""
 
-from drumlin.brake.key_meanings import TableOfKeys
+from drumlin.brake.key_meanings import KeyMeaningsOfPart
 from drumlin.sweeps.file import Normal, Range, SweepFile, Triangular, TruncatedNormal, Uniform
 from drumlin.sweeps.options import FemOptions, FoundationOptions, SolidOptions
 
 # Keys that several distributions share, each with its meaning.
-_DRAW = {
+_MEANINGS_OF_KEYS_SHARED_BY_DISTRIBUTIONS = {
     "distribution": "name of the distribution",
     "each_shoe": "whether each shoe draws a value of its own",
 }
-_ENDS = {"from": "lower end", "to": "upper end"}
-_MEAN = {
+_MEANINGS_OF_RANGE_END_KEYS = {"from": "lower end", "to": "upper end"}
+_MEANINGS_OF_MEAN_AND_DEVIATION_KEYS = {
     "mean": "mean value, by default the value in the brake file",
     "deviation": "standard deviation, as a quantity or in % of the mean",
 }
 
-KEYS_OF_SWEEP_FILE: tuple[TableOfKeys, ...] = (
+MEANINGS_OF_SWEEP_FILE_KEYS: tuple[KeyMeaningsOfPart, ...] = (
     ("The sweep", SweepFile, {
         "title": "title of the sweep, by default the title of the brake",
         "brake": "path of a brake file, or a brake as a table",
@@ -31,13 +31,18 @@ KEYS_OF_SWEEP_FILE: tuple[TableOfKeys, ...] = (
         "vary": "the table `[vary]`: keys of the brake file, such as "
             "`\"shoe[0].lining.thickness\"`, each with a list, a range or a distribution of "
             "values"}),
-    ("A range", Range, {**_ENDS, "count": "number of values",
+    ("A range", Range, {**_MEANINGS_OF_RANGE_END_KEYS, "count": "number of values",
     "scale": "equal steps (`linear`), or equal ratios (`log`)"}),
-    ('`distribution = "uniform"`', Uniform, {**_DRAW, **_ENDS}),
+    ('`distribution = "uniform"`', Uniform, {
+        **_MEANINGS_OF_KEYS_SHARED_BY_DISTRIBUTIONS, **_MEANINGS_OF_RANGE_END_KEYS}),
     ('`distribution = "triangular"`', Triangular, {
-        **_DRAW, **_ENDS, "mode": "most frequent value, by default the value in the brake file"}),
-    ('`distribution = "normal"` or `"lognormal"`', Normal, {**_DRAW, **_MEAN}),
-    ('`distribution = "truncated-normal"`', TruncatedNormal, {**_DRAW, **_MEAN, **_ENDS}),
+        **_MEANINGS_OF_KEYS_SHARED_BY_DISTRIBUTIONS, **_MEANINGS_OF_RANGE_END_KEYS,
+        "mode": "most frequent value, by default the value in the brake file"}),
+    ('`distribution = "normal"` or `"lognormal"`', Normal, {
+        **_MEANINGS_OF_KEYS_SHARED_BY_DISTRIBUTIONS, **_MEANINGS_OF_MEAN_AND_DEVIATION_KEYS}),
+    ('`distribution = "truncated-normal"`', TruncatedNormal, {
+        **_MEANINGS_OF_KEYS_SHARED_BY_DISTRIBUTIONS, **_MEANINGS_OF_MEAN_AND_DEVIATION_KEYS,
+        **_MEANINGS_OF_RANGE_END_KEYS}),
     ("`[model.fem]`", FemOptions, {
         "elements": "number of elements along each lining", "kind": "kind of the elements",
         "penalty": "contact stiffness over E/t of the lining",

@@ -9,25 +9,25 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from drumlin.sweeps.cases import Row, SweepCase, solve_case_without_raising
+from drumlin.sweeps.cases import CaseResultsByName, SweepCase, solve_case_without_raising
 
-MODELS_THAT_USE_ALL_KEYS = {"fem", "solid"}
+MODELS_WHOSE_RESULTS_DEPEND_ON_ALL_KEYS = {"fem", "solid"}
 """Models whose results depend on all geometry, loads and stiffnesses of a brake.
 
 They are not solved anew for the question, because one case takes as long as many cases of a law.
 """
 
-MOST_READ_CASES = 1000
+MOST_CASES_WHOSE_KEY_VALUES_ARE_READ = 1000
 """Largest number of cases whose values of a key are read, evenly among all; reading takes time."""
 
-MOST_TRIED_VALUES = 4
+MOST_KEY_VALUES_TRIED_WITH_LAW = 4
 """Largest number of values of a key with which a law is solved anew.
 
 A key may have an effect only from some value on, such as the threshold of a cylinder. Two values
 could both lie below. More values cost time, some milliseconds each.
 """
 
-SAME_RESULT = 1e-9
+RELATIVE_DIFFERENCE_OF_EQUAL_LAW_RESULTS = 1e-9
 """Relative difference of two results of a law up to which they are equal but for round-off.
 
 Round-off of the laws is some 1e-12. A key with an effect below a billionth has none for a user.
@@ -35,7 +35,7 @@ Round-off of the laws is some 1e-12. A key with an effect below a billionth has 
 
 
 def notes_on_keys_without_effect(
-    cases: Sequence[SweepCase], rows: Sequence[Row]
+    cases: Sequence[SweepCase], rows: Sequence[CaseResultsByName]
 ) -> tuple[str, ...]:
     """A line for each law of a sweep whose results do not depend on some of the varied keys.
 
@@ -45,7 +45,7 @@ def notes_on_keys_without_effect(
     """
     notes = []
     for model in dict.fromkeys(case.model for case in cases):
-        if model in MODELS_THAT_USE_ALL_KEYS:
+        if model in MODELS_WHOSE_RESULTS_DEPEND_ON_ALL_KEYS:
             continue
         numbers = [number for number, case in enumerate(cases) if case.model == model]
         own, own_rows = [cases[number] for number in numbers], [rows[number] for number in numbers]
@@ -65,10 +65,10 @@ def _has_key_no_effect_in_first_and_last_case(cases: Sequence[SweepCase], key: s
 
     The result is False if in both cases fewer than two of the values have an answer.
     """
-    read = cases[:: max(len(cases) // MOST_READ_CASES, 1)]
+    read = cases[:: max(len(cases) // MOST_CASES_WHOSE_KEY_VALUES_ARE_READ, 1)]
     values = {json.dumps(case.changes[key], default=str): case.changes[key] for case in read}
-    step = max(len(values) // MOST_TRIED_VALUES, 1)
-    tried = list(values.values())[::step][:MOST_TRIED_VALUES]
+    step = max(len(values) // MOST_KEY_VALUES_TRIED_WITH_LAW, 1)
+    tried = list(values.values())[::step][:MOST_KEY_VALUES_TRIED_WITH_LAW]
     is_known = False
     for base in (cases[0], cases[-1]):
         rows = []
@@ -84,14 +84,14 @@ def _has_key_no_effect_in_first_and_last_case(cases: Sequence[SweepCase], key: s
 
 
 def _have_cases_that_differ_in_key_equal_results(
-    cases: Sequence[SweepCase], rows: Sequence[Row], key: str
+    cases: Sequence[SweepCase], rows: Sequence[CaseResultsByName], key: str
 ) -> bool:
     """Whether all solved cases of a law that differ in one key alone have equal results.
 
     `rows` are the results of the cases. The key may have an effect only with some values of other
     keys: the direction of a force has none where the force is zero.
     """
-    first_rows: dict[str, Row] = {}
+    first_rows: dict[str, CaseResultsByName] = {}
     for case, row in zip(cases, rows, strict=True):
         if row["status"] == "solved":
             others = {name: value for name, value in case.changes.items() if name != key}
@@ -101,7 +101,7 @@ def _have_cases_that_differ_in_key_equal_results(
     return True
 
 
-def _are_results_equal(row: Row, other: Row) -> bool:
+def _are_results_equal(row: CaseResultsByName, other: CaseResultsByName) -> bool:
     """Whether two cases have the same results but for round-off; their balances are round-off."""
     return row.keys() == other.keys() and all(
         _are_values_equal(row, other, name) for name in row if name != "balance"
@@ -112,5 +112,5 @@ def _are_values_equal(row: Mapping[str, Any], other: Mapping[str, Any], name: st
     """Whether two cases have the same value of a result, but for round-off."""
     one, two = row[name], other[name]
     if isinstance(one, float) and isinstance(two, float):
-        return math.isclose(one, two, rel_tol=SAME_RESULT)
+        return math.isclose(one, two, rel_tol=RELATIVE_DIFFERENCE_OF_EQUAL_LAW_RESULTS)
     return bool(one == two)

@@ -5,16 +5,16 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from drumlin.brake.fields import Part
-from drumlin.fem.preparation.meshes import MOST_LINING_ELEMENTS
-from drumlin.fem.width.ladder import LARGEST_STATED_DEGREE
+from drumlin.brake.fields import PartOfInputFile
+from drumlin.fem.preparation.meshes import MOST_ELEMENTS_ALONG_LINING
+from drumlin.fem.width.ladder import LARGEST_WIDTH_DEGREE_WITH_STATED_ERROR
 
 
-class ContactOptions(Part):
+class ContactOptions(PartOfInputFile):
     """Options of models that may use a penalty stiffness in contact, as on the command line."""
 
     # An infinite penalty stiffness means contact without penetration.
-    model_config = Part.model_config | {"allow_inf_nan": True}
+    model_config = PartOfInputFile.model_config | {"allow_inf_nan": True}
 
     penalty: Annotated[float, Field(gt=0)] | None = None
 
@@ -22,7 +22,7 @@ class ContactOptions(Part):
 class FemOptions(ContactOptions):
     """Options of the finite elements, as on the command line."""
 
-    elements: Annotated[int, Field(ge=1, le=MOST_LINING_ELEMENTS)] | None = None
+    elements: Annotated[int, Field(ge=1, le=MOST_ELEMENTS_ALONG_LINING)] | None = None
     kind: Literal["quad2", "quad1", "tri2", "tri1"] | None = None
     tolerance: Annotated[float, Field(gt=0, lt=1)] | None = None
     finite_width: bool | None = None
@@ -39,7 +39,7 @@ class FemOptions(ContactOptions):
 class SolidOptions(ContactOptions):
     """Options of solid shoes, as on the command line."""
 
-    across: Annotated[int, Field(ge=1, le=LARGEST_STATED_DEGREE)] | None = None
+    across: Annotated[int, Field(ge=1, le=LARGEST_WIDTH_DEGREE_WITH_STATED_ERROR)] | None = None
     tolerance: Annotated[float, Field(gt=0, lt=1)] | None = None
 
     @model_validator(mode="after")
@@ -50,14 +50,14 @@ class SolidOptions(ContactOptions):
         return self
 
 
-class FoundationOptions(Part):
+class FoundationOptions(PartOfInputFile):
     """Options of the foundation model, as on the command line."""
 
     sections: Annotated[int, Field(ge=2)] | None = None
     lift: list[str] | None = None
 
 
-MODEL_OPTIONS: Mapping[str, type[Part]] = {
+OPTION_CLASSES_BY_MODEL_NAME: Mapping[str, type[PartOfInputFile]] = {
     "fem": FemOptions,
     "solid": SolidOptions,
     "foundation": FoundationOptions,

@@ -13,7 +13,7 @@ from drumlin.base.errors import BadInput
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import si_unit_of_brake_key, values_of_brake_key, vary
 
-KEYS_WITH_QUANTITIES = ("from", "to", "mean", "mode", "deviation")
+RANGE_AND_DISTRIBUTION_KEYS_IN_UNIT_OF_VARIED_KEY = ("from", "to", "mean", "mode", "deviation")
 """Keys of a range or distribution that hold a quantity in the unit of the varied key."""
 
 
@@ -72,7 +72,9 @@ def _sweep_values_of_key_with_units(brake: Brake, key: str, given: Any) -> Any:
         raise BadInput(f"vary: {error}") from error
     if isinstance(given, Mapping):
         return {
-            name: _value_with_unit(value, unit) if name in KEYS_WITH_QUANTITIES else value
+            name: _value_with_unit(value, unit)
+            if name in RANGE_AND_DISTRIBUTION_KEYS_IN_UNIT_OF_VARIED_KEY
+            else value
             for name, value in given.items()
         }
     if isinstance(given, str) or not isinstance(given, Sequence | np.ndarray):
@@ -90,7 +92,7 @@ def _listed_value_with_unit(brake: Brake, key: str, value: Any, unit: str | None
     tables = values_of_brake_key(vary(brake, {key: value}), key)
     if len(set(tables)) > 1:
         raise BadInput(f"vary[{key!r}]: a function gives each shoe its own table; name one shoe")
-    place = "rad" if brake.surface.unit == "rad" else "m"
+    place = "rad" if brake.surface.coordinate_unit == "rad" else "m"
     return [[f"{at!r} {place}", f"{gap!r} {unit}"] for at, gap in tables[0]]
 
 

@@ -8,10 +8,14 @@ from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 from typing import TypeVar
 
-from drumlin.base.errors import BadInput, NoAnswer, Stopped
-from drumlin.base.journal import Journal, checksum_of_source_and_libraries, journal_key_of_case
-from drumlin.models import BUILT_IN_MODELS
-from drumlin.sweeps.cases import Row, SweepCase, journal_keys_of_cases
+from drumlin.base.errors import BadInput, NoAnswer, StoppedBySignal
+from drumlin.base.journal import (
+    JournalOfCaseResults,
+    case_data_as_json_line,
+    checksum_of_source_and_libraries,
+)
+from drumlin.models import NAMES_OF_BUILT_IN_MODELS
+from drumlin.sweeps.cases import CaseResultsByName, SweepCase, journal_keys_of_cases
 from drumlin.sweeps.file import Sweep
 from drumlin.sweeps.keys_without_effect import notes_on_keys_without_effect
 from drumlin.sweeps.sample import solve_sample_cases_and_then_all_others
@@ -19,17 +23,17 @@ from drumlin.sweeps.sweep_table import SweepTable
 from drumlin.sweeps.table import table_lines_of_cases
 from drumlin.sweeps.workers import provide_workers_for_cases_of_sweep
 
-Say = Callable[[str], None]
+ShowSweepMessage = Callable[[str], None]
 """A function that shows a line of text to the user."""
 
-Progress = Callable[[str], AbstractContextManager[Callable[[int, int], None]]]
+MakeProgressBar = Callable[[str], AbstractContextManager[Callable[[int, int], None]]]
 """A function that makes a context manager, which shows a progress bar with the given title.
 
 The `with` statement gives a function, to be called with the number of finished cases and the number
 of all cases.
 """
 
-Written = TypeVar("Written")
+TableWriterReturnType = TypeVar("TableWriterReturnType")
 """The type of the value that the function returns which writes the table of a sweep."""
 
 
@@ -57,7 +61,7 @@ def solve_sweep_in_memory(
         if no worker can be started, or all are lost
     """
     # A worker process imports drumlin anew, without the laws that the user has registered here.
-    own_laws = sorted({case.model for case in prepared.cases} - BUILT_IN_MODELS)
+    own_laws = sorted({case.model for case in prepared.cases} - NAMES_OF_BUILT_IN_MODELS)
     if own_laws and jobs != 1:
         raise BadInput(
             f"--jobs = {jobs}: a law of your own ({', '.join(own_laws)}) is solved with jobs=1"
@@ -69,7 +73,9 @@ def solve_sweep_in_memory(
     return table_of_solved_sweep(prepared, solved.rows, folder)
 
 
-def table_of_solved_sweep(prepared: Sweep, rows: list[Row], folder: Path) -> SweepTable:
+def table_of_solved_sweep(
+    prepared: Sweep, rows: list[CaseResultsByName], folder: Path
+) -> SweepTable:
     """The table of a sweep, with the changed keys and the results of each case.
 
     `rows` holds the results of the cases. Paths of mesh files are relative to the folder.
@@ -87,14 +93,14 @@ def _progress_bar_that_shows_nothing(_: str) -> AbstractContextManager[Callable[
 def solve_sweep_with_journal(
     prepared: Sweep,
     table_file: Path,
-    write_table: Callable[[list[Row]], Written],
+    write_table: Callable[[list[CaseResultsByName]], TableWriterReturnType],
     *,
     jobs: int | None = None,
     scheduler: str | None = None,
     keep_journal: bool = False,
-    progress: Progress = _progress_bar_that_shows_nothing,
-    say: Say = lambda line: None,
-) -> Written:
+    progress: MakeProgressBar = _progress_bar_that_shows_nothing,
+    say: ShowSweepMessage = lambda line: None,
+) -> TableWriterReturnType:
     """Solve a sweep and write its table; a journal beside the table keeps each finished case.
 
     If the sweep was stopped, the next call of this function solves the missing cases only. The
@@ -124,7 +130,7 @@ def solve_sweep_with_journal(
     NoAnswer
         if no worker can be started, or all are lost; the message names the journal
     """
-    with Journal(
+    with JournalOfCaseResults(
         table_file.with_name(table_file.name + ".journal"), checksum_of_source_and_libraries()
     ) as journal:
         kept = f"finished cases are kept in {journal.path}; the same command goes on"
@@ -148,7 +154,7 @@ def solve_sweep_with_journal(
         # Each message about a stopped sweep says in which file the finished cases are.
         except NoAnswer as error:
             raise NoAnswer(f"{error}; {len(journal)} {kept}") from error
-        except (KeyboardInterrupt, Stopped) as stop:
+        except (KeyboardInterrupt, StoppedBySignal) as stop:
             stop.add_note(f"{len(journal)} {kept}")
             raise
         _say_why_journal_stays_or_delete_it(journal, solved.cases, keep_journal, say)
@@ -156,7 +162,7 @@ def solve_sweep_with_journal(
 
 
 def _say_why_journal_stays_or_delete_it(
-    journal: Journal, cases: list[SweepCase], keep: bool, say: Say
+    journal: JournalOfCaseResults, cases: list[SweepCase], keep: bool, say: ShowSweepMessage
 ) -> None:
     """Delete the journal of a complete sweep, or say why it stays.
 
@@ -180,7 +186,7 @@ def _say_why_journal_stays_or_delete_it(
         return
     # The journal belongs to the name of the table. It may have cases of another sweep file with
     # this name, or of an earlier state of the sweep file.
-    others = len(journal) - len({journal_key_of_case(key) for key in keys})
+    others = len(journal) - len({case_data_as_json_line(key) for key in keys})
     if others:
         say(
             f"{journal.path}: is kept, since it has {others} finished cases that are not of this "

@@ -15,31 +15,31 @@ from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 from drumlin.base.errors import BadInput
-from drumlin.base.journal import Journal
+from drumlin.base.journal import JournalOfCaseResults
 from drumlin.base.texts import value_as_text
 from drumlin.sweeps.cases import (
-    Row,
+    CaseResultsByName,
     SweepCase,
     journal_keys_of_cases,
     paths_of_mesh_files,
     solve_all_cases_of_sweep,
 )
 from drumlin.sweeps.certificate import (
-    FIRST_LEVEL,
-    SMALLEST_SAMPLE,
-    Certificate,
-    SampleMember,
-    certificate_of_sample,
+    LEAST_SOLVED_CASES_OF_CERTIFYING_SAMPLE,
+    ROW_KEY_OF_FIRST_LEVEL_ERRORS,
+    MarkOfSampleCaseSolvedOnAllLevels,
+    SampleErrorsForCasesOutsideSample,
     is_varied_value_a_number,
+    sample_errors_for_cases_outside_sample,
 )
 
-EVERY_CASE = "every case"
+CERTIFY_VALUE_FOR_OWN_ERRORS_OF_EACH_CASE = "every case"
 """The value of the key `certify` with which each case states its own errors."""
 
-EVERY_NTH = "every [0-9]{1,6}(st|[nr]d|th)"
+PATTERN_OF_CERTIFY_VALUE_EVERY_NTH = "every [0-9]{1,6}(st|[nr]d|th)"
 """The pattern of values of the key `certify` such as "every 10th": a case of each 10 is drawn."""
 
-OPTIONS_WITH_SAMPLE = {"penalty", "model_error"}
+FEM_OPTIONS_ALLOWED_WITH_SAMPLE = {"penalty", "model_error"}
 """Options of the finite elements that a sweep certified by sample may have.
 
 All other options choose the elements, or correct the answer of the last level.
@@ -64,12 +64,12 @@ def positions_of_sample_cases(
     BadInput
         if `certify` has another value, or if a sample cannot state the errors of the sweep
     """
-    if certify == EVERY_CASE:
+    if certify == CERTIFY_VALUE_FOR_OWN_ERRORS_OF_EACH_CASE:
         return ()
     shown = f"certify = {value_as_text(certify)}"
     own = [i for i, case in enumerate(cases) if case.model == "fem"]
-    _require_levels_that_sample_can_certify(cases, own, shown)
-    drawn = _number_of_cases_to_draw(certify, len(own), shown)
+    _check_sample_can_state_errors_of_cases(cases, own, shown)
+    drawn = _number_of_cases_to_draw_for_sample(certify, len(own), shown)
     rng = random.Random(seed)
     positions = set()
     for k in range(drawn):
@@ -78,20 +78,24 @@ def positions_of_sample_cases(
     return tuple(sorted(positions | _positions_of_cases_with_extreme_varied_values(cases, own)))
 
 
-def _number_of_cases_to_draw(certify: str | int, count: int, shown: str) -> int:
+def _number_of_cases_to_draw_for_sample(certify: str | int, count: int, shown: str) -> int:
     """How many of `count` cases to draw; `shown` is the key as an error message shows it."""
     allowed = 'allowed: "every case", "every 10th" or another number, or a number of cases'
     drawn = certify
     if isinstance(certify, str):
         # The pattern allows at most six digits from 0 to 9, so that `int` can read them.
-        is_step = re.fullmatch(EVERY_NTH, certify) is not None
+        is_step = re.fullmatch(PATTERN_OF_CERTIFY_VALUE_EVERY_NTH, certify) is not None
         step = int("".join(filter(str.isdigit, certify))) if is_step else 0
         if step < 2:
             raise BadInput(f"{shown}: {allowed}")
         drawn = -(-count // step)
-    # A sweep with fewer than SMALLEST_SAMPLE cases cannot have a sample.
-    allowed_numbers = f"{SMALLEST_SAMPLE} to {count}" if count >= SMALLEST_SAMPLE else "none"
-    if not SMALLEST_SAMPLE <= int(drawn) <= count:
+    # A sweep with fewer than LEAST_SOLVED_CASES_OF_CERTIFYING_SAMPLE cases cannot have a sample.
+    allowed_numbers = (
+        f"{LEAST_SOLVED_CASES_OF_CERTIFYING_SAMPLE} to {count}"
+        if count >= LEAST_SOLVED_CASES_OF_CERTIFYING_SAMPLE
+        else "none"
+    )
+    if not LEAST_SOLVED_CASES_OF_CERTIFYING_SAMPLE <= int(drawn) <= count:
         raise BadInput(
             f"{shown}: is a sample of {value_as_text(drawn)} of {count} cases by finite elements; "
             f"allowed: {allowed_numbers}"
@@ -99,17 +103,18 @@ def _number_of_cases_to_draw(certify: str | int, count: int, shown: str) -> int:
     return int(drawn)
 
 
-def _require_levels_that_sample_can_certify(
+def _check_sample_can_state_errors_of_cases(
     cases: Sequence[SweepCase], own: Sequence[int], shown: str
 ) -> None:
     """Raise BadInput if a sample cannot state the errors of the cases by finite elements.
 
-    It cannot for a mesh from a file and for other options than OPTIONS_WITH_SAMPLE. `own` are the
-    positions of the cases by finite elements, and `shown` is the key in the error message.
+    It cannot for a mesh from a file and for other options than FEM_OPTIONS_ALLOWED_WITH_SAMPLE.
+    `own` are the positions of the cases by finite elements, and `shown` is the key in the error
+    message.
     """
     if not own:
         raise BadInput(f"{shown}: is for [model.fem], which this sweep does not have")
-    others = sorted(set(cases[own[0]].options) - OPTIONS_WITH_SAMPLE)
+    others = sorted(set(cases[own[0]].options) - FEM_OPTIONS_ALLOWED_WITH_SAMPLE)
     if others:
         raise BadInput(
             f"{shown}: does not go with model.fem.{others[0]} = {cases[own[0]].options[others[0]]}"
@@ -145,7 +150,7 @@ class SolvedSweep(NamedTuple):
     The attribute `certify` of a case tells whether its errors come from the sample.
     """
 
-    rows: list[Row]
+    rows: list[CaseResultsByName]
     cases: list[SweepCase]
 
 
@@ -153,7 +158,7 @@ def solve_sample_cases_and_then_all_others(
     cases: Sequence[SweepCase],
     sample: Sequence[int],
     *,
-    journal: Journal | None = None,
+    journal: JournalOfCaseResults | None = None,
     done: Callable[[int, int], None] = lambda finished, of: None,
     say: Callable[[str], None] = lambda line: None,
     **options: Any,
@@ -172,11 +177,11 @@ def solve_sample_cases_and_then_all_others(
     say : called with a line when the sweep waits for workers, and if the sample is useless
     options : further arguments of `solve_all_cases_of_sweep`, which also says what is raised
     """
-    journal = Journal() if journal is None else journal
+    journal = JournalOfCaseResults() if journal is None else journal
     options |= {"journal": journal, "say": say}
     if not sample:
         return SolvedSweep(solve_all_cases_of_sweep(cases, done=done, **options), list(cases))
-    members = [cases[i]._replace(certify=SampleMember()) for i in sample]
+    members = [cases[i]._replace(certify=MarkOfSampleCaseSolvedOnAllLevels()) for i in sample]
     rows_of_sample = solve_all_cases_of_sweep(
         members, done=lambda finished, _: done(finished, len(cases)), **options
     )
@@ -185,7 +190,9 @@ def solve_sample_cases_and_then_all_others(
         reason = "a case of the sample failed for a reason that may pass"
     if reason:
         say(f"no case is certified by the sample, each states its own errors: {reason}")
-    certificate = Certificate((), {}) if reason else certificate_of_sample(rows_of_sample)
+    certificate = SampleErrorsForCasesOutsideSample((), {})
+    if not reason:
+        certificate = sample_errors_for_cases_outside_sample(rows_of_sample)
     rest = sorted(set(range(len(cases))) - set(sample))
     others = []
     for i in rest:
@@ -204,7 +211,7 @@ def solve_sample_cases_and_then_all_others(
 
 
 def _reason_why_sample_must_not_certify_cases(
-    cases: Sequence[SweepCase], sample: Sequence[int], rows_of_sample: Sequence[Row]
+    cases: Sequence[SweepCase], sample: Sequence[int], rows_of_sample: Sequence[CaseResultsByName]
 ) -> str:
     """Why other cases must not take their errors from a solved sample; "" if they may.
 
@@ -217,16 +224,20 @@ def _reason_why_sample_must_not_certify_cases(
     sample : positions of the cases in the sample
     rows_of_sample : results of the cases in the sample
     """
-    solved = {i for i, row in zip(sample, rows_of_sample, strict=True) if FIRST_LEVEL in row}
+    solved = {
+        i
+        for i, row in zip(sample, rows_of_sample, strict=True)
+        if ROW_KEY_OF_FIRST_LEVEL_ERRORS in row
+    }
     own = [i for i, case in enumerate(cases) if case.model == "fem"]
     missing = sorted(_positions_of_cases_with_extreme_varied_values(cases, own) - solved)
     if missing:
         return f"case {missing[0]}, which has an extreme value, has no errors of its first level"
-    if len(solved) < SMALLEST_SAMPLE:
+    if len(solved) < LEAST_SOLVED_CASES_OF_CERTIFYING_SAMPLE:
         return f"only {len(solved)} of its cases have errors of their first level"
     return ""
 
 
-def _row_without_first_level_errors(row: Row) -> Row:
+def _row_without_first_level_errors(row: CaseResultsByName) -> CaseResultsByName:
     """A copy of a row without the errors of its first level, which the table does not show."""
-    return {name: value for name, value in row.items() if name != FIRST_LEVEL}
+    return {name: value for name, value in row.items() if name != ROW_KEY_OF_FIRST_LEVEL_ERRORS}

@@ -5,13 +5,20 @@ from typing import Any
 from pydantic import TypeAdapter
 
 from drumlin.brake.key_meanings import add_key_meanings_to_json_schema
-from drumlin.brake.schema import DIALECT, UnitSchema, json_schema_without_entries_unfit_for_toml
+from drumlin.brake.schema import (
+    JSON_SCHEMA_DIALECT,
+    JsonSchemaGeneratorWithUnits,
+    json_schema_without_entries_unfit_for_toml,
+)
 from drumlin.models import MODELS
-from drumlin.sweeps.certificate import SMALLEST_SAMPLE
-from drumlin.sweeps.file import DISTRIBUTIONS, Range, SweepFile
-from drumlin.sweeps.key_meanings import KEYS_OF_SWEEP_FILE
-from drumlin.sweeps.options import MODEL_OPTIONS
-from drumlin.sweeps.sample import EVERY_CASE, EVERY_NTH
+from drumlin.sweeps.certificate import LEAST_SOLVED_CASES_OF_CERTIFYING_SAMPLE
+from drumlin.sweeps.file import DISTRIBUTION_CLASSES_BY_NAME, Range, SweepFile
+from drumlin.sweeps.key_meanings import MEANINGS_OF_SWEEP_FILE_KEYS
+from drumlin.sweeps.options import OPTION_CLASSES_BY_MODEL_NAME
+from drumlin.sweeps.sample import (
+    CERTIFY_VALUE_FOR_OWN_ERRORS_OF_EACH_CASE,
+    PATTERN_OF_CERTIFY_VALUE_EVERY_NTH,
+)
 
 
 def json_schema_of_sweep_file() -> dict[str, Any]:
@@ -21,15 +28,15 @@ def json_schema_of_sweep_file() -> dict[str, Any]:
     schema["properties"]["model"] = _json_schema_of_model_table()
     schema["properties"]["certify"] = {
         "description": "which cases by finite elements are solved on all levels for their errors",
-        "default": EVERY_CASE,
+        "default": CERTIFY_VALUE_FOR_OWN_ERRORS_OF_EACH_CASE,
         "anyOf": [
-            {"const": EVERY_CASE},
-            {"type": "string", "pattern": f"^{EVERY_NTH}$"},
-            {"type": "integer", "minimum": SMALLEST_SAMPLE},
+            {"const": CERTIFY_VALUE_FOR_OWN_ERRORS_OF_EACH_CASE},
+            {"type": "string", "pattern": f"^{PATTERN_OF_CERTIFY_VALUE_EVERY_NTH}$"},
+            {"type": "integer", "minimum": LEAST_SOLVED_CASES_OF_CERTIFYING_SAMPLE},
         ],
     }
     return {
-        "$schema": DIALECT,
+        "$schema": JSON_SCHEMA_DIALECT,
         "title": "drumlin sweep file",
         **json_schema_without_entries_unfit_for_toml(schema),
     }
@@ -39,7 +46,7 @@ def _json_schema_of_vary_table() -> dict[str, Any]:
     """The JSON schema of the table [vary]: each key takes a list, a range or a distribution."""
     listed = {"type": "array", "minItems": 1, "description": "values, each with its unit, or words"}
     distributions = []
-    for name, kind in DISTRIBUTIONS.items():
+    for name, kind in DISTRIBUTION_CLASSES_BY_NAME.items():
         distribution = _json_schema_of_class(kind)
         distribution["properties"]["distribution"] = {"const": name}
         distributions.append(distribution)
@@ -57,7 +64,7 @@ def _json_schema_of_model_table() -> dict[str, Any]:
     """The JSON schema of the table [model]: the options of each model, by the model's name."""
     options = {}
     for name in MODELS:
-        kind = MODEL_OPTIONS.get(name)
+        kind = OPTION_CLASSES_BY_MODEL_NAME.get(name)
         options[name] = {"type": "object"} if kind is None else _json_schema_of_class(kind)
     return {
         "description": "the models that answer, each with its options; default: fem",
@@ -69,8 +76,8 @@ def _json_schema_of_model_table() -> dict[str, Any]:
 
 def _json_schema_of_class(kind: type[Any]) -> dict[str, Any]:
     """The JSON schema of a class that reads a part of the sweep file."""
-    made = dict(TypeAdapter(kind).json_schema(schema_generator=UnitSchema))
+    made = dict(TypeAdapter(kind).json_schema(schema_generator=JsonSchemaGeneratorWithUnits))
     add_key_meanings_to_json_schema(
-        {kind.__name__: made, **made.get("$defs", {})}, KEYS_OF_SWEEP_FILE
+        {kind.__name__: made, **made.get("$defs", {})}, MEANINGS_OF_SWEEP_FILE_KEYS
     )
     return made

@@ -14,18 +14,18 @@ from drumlin.base.arrays import Floats
 from drumlin.base.errors import BadInput
 from drumlin.base.shown_tables import html_table_with_caption, text_lines_of_aligned_columns
 from drumlin.base.texts import did_you_mean_hint
-from drumlin.brake.units import USUAL_UNITS
-from drumlin.sweeps.cases import Row
+from drumlin.brake.units import PRINTED_UNIT_AND_FACTOR_BY_SI_UNIT
+from drumlin.sweeps.cases import CaseResultsByName
 from drumlin.sweeps.table import check_table_file_is_writable, write_table_file
 
-MOST_SHOWN_ROWS = 10
+MOST_SHOWN_ROWS_OF_SWEEP_TABLE = 10
 """Number of cases that are shown of a table. All of them would fill the screen."""
 
-MOST_SHOWN_REASONS = 3
+MOST_SHOWN_REASONS_OF_FAILED_CASES = 3
 """Number of reasons for failed cases that are shown, the most frequent first."""
 
 
-class Statistics(NamedTuple):
+class ColumnStatistics(NamedTuple):
     """Statistics of one column of a sweep's table, over the solved cases with a number in it.
 
     Attributes
@@ -54,7 +54,7 @@ class Statistics(NamedTuple):
 
         The cells have the order of STATISTICS_HEADINGS. The name of the model is not among them.
         """
-        shown = ShownColumn.column_with_heading(self.column)
+        shown = HeadingAndUnitFactorOfShownColumn.shown_column_for_heading(self.column)
         return (shown.heading, *(shown.text(value, 4) for value in self[3:]))
 
 
@@ -62,7 +62,7 @@ STATISTICS_HEADINGS = ("", "mean", "spread", "5 %", "95 %", "least", "most")
 """Headings of the shown statistics. The spread is the standard deviation."""
 
 
-class ShownColumn(NamedTuple):
+class HeadingAndUnitFactorOfShownColumn(NamedTuple):
     """A column of the table as people read it.
 
     Attributes
@@ -75,11 +75,12 @@ class ShownColumn(NamedTuple):
     factor: float
 
     @classmethod
-    def column_with_heading(cls, heading: str) -> "ShownColumn":
+    def shown_column_for_heading(cls, heading: str) -> "HeadingAndUnitFactorOfShownColumn":
         """The shown column for a heading of the table, such as "peak_pressure [Pa]"."""
         name, unit = name_and_unit_of_column(heading)
-        shown, factor = USUAL_UNITS.get(unit, (unit, 1.0))
-        # Keys of the brake file stay as they are; names of results get spaces.
+        shown, factor = PRINTED_UNIT_AND_FACTOR_BY_SI_UNIT.get(unit, (unit, 1.0))
+        # Keys of shoes, such as "shoe[0].lining.thickness", stay as they are. In all other names a
+        # point or an underscore becomes a space.
         words = name if name.startswith("shoe") else name.replace(".", " ").replace("_", " ")
         return cls(f"{words} [{shown}]" if shown else words, factor)
 
@@ -98,7 +99,7 @@ def name_and_unit_of_column(heading: str) -> tuple[str, str]:
     return name, unit.removesuffix("]") if bracket else ""
 
 
-class SweepTable(Sequence[Row]):
+class SweepTable(Sequence[CaseResultsByName]):
     """The table of a solved sweep: a sequence of rows, one for each case, with columns by name.
 
     `table[0]` is the first row, with values by heading. `table["torque"]` is a column: an array of
@@ -116,7 +117,11 @@ class SweepTable(Sequence[Row]):
     """
 
     def __init__(
-        self, title: str, rows: Sequence[Row], varied: Sequence[str], notes: Sequence[str] = ()
+        self,
+        title: str,
+        rows: Sequence[CaseResultsByName],
+        varied: Sequence[str],
+        notes: Sequence[str] = (),
     ) -> None:
         self.title, self.rows, self.varied = title, list(rows), tuple(varied)
         self.notes = tuple(notes)
@@ -124,13 +129,13 @@ class SweepTable(Sequence[Row]):
     def __len__(self) -> int:
         return len(self.rows)
 
-    def __iter__(self) -> Iterator[Row]:
+    def __iter__(self) -> Iterator[CaseResultsByName]:
         return iter(self.rows)
 
     @overload
-    def __getitem__(self, which: int) -> Row: ...
+    def __getitem__(self, which: int) -> CaseResultsByName: ...
     @overload
-    def __getitem__(self, which: slice) -> list[Row]: ...
+    def __getitem__(self, which: slice) -> list[CaseResultsByName]: ...
     @overload
     def __getitem__(self, which: str) -> Any: ...
     def __getitem__(self, which: int | slice | str) -> Any:
@@ -138,7 +143,7 @@ class SweepTable(Sequence[Row]):
         if not isinstance(which, str):
             return self.rows[which]
         heading = self.heading_of_column(which)
-        given = self._headings_of_given_values()
+        given = self._headings_of_case_inputs()
         values = [_value_unless_result_of_unsolved_case(row, heading, given) for row in self.rows]
         if any(isinstance(value, str) for value in values):
             return values
@@ -169,7 +174,7 @@ class SweepTable(Sequence[Row]):
             raise BadInput(f"column {name!r}: unknown{hint}; allowed: {', '.join(names)}")
         return names[name]
 
-    def _headings_of_given_values(self) -> set[str]:
+    def _headings_of_case_inputs(self) -> set[str]:
         """The headings of the columns that are given for each case, and are no results."""
         return {"case", *map(self.heading_of_column, self.varied)}
 
@@ -179,7 +184,7 @@ class SweepTable(Sequence[Row]):
         statuses = [row["status"] for row in self.rows]
         return Counter(s.removeprefix("failed: ") for s in statuses if s != "solved")
 
-    def statistics(self, *columns: str) -> list[Statistics]:
+    def statistics(self, *columns: str) -> list[ColumnStatistics]:
         """Statistics of columns, for each model: mean, spread, 5 % and 95 %, and extremes.
 
         Parameters
@@ -209,7 +214,7 @@ class SweepTable(Sequence[Row]):
         values = [row.get(heading) for row in self._solved_rows_of_model(model)]
         return np.array([value for value in values if isinstance(value, int | float)], dtype=float)
 
-    def _solved_rows_of_model(self, model: str) -> list[Row]:
+    def _solved_rows_of_model(self, model: str) -> list[CaseResultsByName]:
         """The rows of the solved cases of a model.
 
         A case that has not converged has numbers, too, but they are not its answer.
@@ -244,7 +249,7 @@ class SweepTable(Sequence[Row]):
         failures = self.failures
         count, failed = len(self.rows), failures.total()
         lines = [f"{count} cases: {count - failed} solved, {failed} failed"]
-        for reason, number in failures.most_common(MOST_SHOWN_REASONS):
+        for reason, number in failures.most_common(MOST_SHOWN_REASONS_OF_FAILED_CASES):
             lines.append(f"  failed, {number}: {reason}")
         return [*lines, *self.notes]
 
@@ -272,7 +277,7 @@ class SweepTable(Sequence[Row]):
             pandas = importlib.import_module("pandas")
         except ImportError as error:
             raise BadInput("to_pandas: needs the package pandas, which is not installed") from error
-        given = self._headings_of_given_values()
+        given = self._headings_of_case_inputs()
         records = []
         for row in self.rows:
             record = {}
@@ -329,10 +334,13 @@ class SweepTable(Sequence[Row]):
         keys = [self.heading_of_column(key) for key in self.varied]
         main = [heading for heading in self._headings_of_main_results() if "." not in heading]
         headings = ["case", *keys, "model", *main, "status"]
-        columns = {heading: ShownColumn.column_with_heading(heading) for heading in headings}
+        columns = {
+            heading: HeadingAndUnitFactorOfShownColumn.shown_column_for_heading(heading)
+            for heading in headings
+        }
         rows = [tuple(column.heading for column in columns.values())]
-        given = self._headings_of_given_values()
-        for row in self.rows[:MOST_SHOWN_ROWS]:
+        given = self._headings_of_case_inputs()
+        for row in self.rows[:MOST_SHOWN_ROWS_OF_SWEEP_TABLE]:
             cells = {}
             for heading in headings:
                 cells[heading] = _value_unless_result_of_unsolved_case(row, heading, given)
@@ -345,8 +353,8 @@ class SweepTable(Sequence[Row]):
         """The title, the outcome, the first rows and the statistics as text."""
         lines = [self.title, *self.text_lines_on_outcome_of_cases()]
         lines += text_lines_of_aligned_columns(self._cells_of_displayed_table())
-        if len(self.rows) > MOST_SHOWN_ROWS:
-            lines.append(f"... {len(self.rows) - MOST_SHOWN_ROWS} further cases")
+        if len(self.rows) > MOST_SHOWN_ROWS_OF_SWEEP_TABLE:
+            lines.append(f"... {len(self.rows) - MOST_SHOWN_ROWS_OF_SWEEP_TABLE} further cases")
         return "\n".join([*lines, *text_lines_of_aligned_columns(self.cells_of_statistics())])
 
     def _repr_html_(self) -> str:
@@ -358,7 +366,9 @@ class SweepTable(Sequence[Row]):
         return first + html_table_with_caption("statistics", self.cells_of_statistics())
 
 
-def _value_unless_result_of_unsolved_case(row: Row, heading: str, given: Collection[str]) -> Any:
+def _value_unless_result_of_unsolved_case(
+    row: CaseResultsByName, heading: str, given: Collection[str]
+) -> Any:
     """The value of a row under a heading; None for a number that is no answer of the case.
 
     A case that has not converged has numbers as results, too. `given` are the headings of values
@@ -369,10 +379,10 @@ def _value_unless_result_of_unsolved_case(row: Row, heading: str, given: Collect
     return None if is_result and row["status"] != "solved" else value
 
 
-def _statistics_of_values(heading: str, model: str, values: Floats) -> Statistics:
+def _statistics_of_values(heading: str, model: str, values: Floats) -> ColumnStatistics:
     """The statistics of the values (n,) of a column."""
     low, high = np.quantile(values, [0.05, 0.95]).tolist()
-    return Statistics(
+    return ColumnStatistics(
         heading,
         model,
         len(values),

@@ -12,9 +12,9 @@ from drumlin.base.errors import BadInput
 from drumlin.base.files import temporary_file_replacing_output, write_text
 from drumlin.brake.file import si_unit_of_brake_key
 from drumlin.comparison import table_as_csv_text
-from drumlin.sweeps.cases import Row, SweepCase, is_key_of_mesh_file
+from drumlin.sweeps.cases import CaseResultsByName, SweepCase, is_key_of_mesh_file
 
-ROW_UNITS = {
+UNITS_OF_CASE_RESULTS_BY_LAST_NAME_PART = {
     "torque": "N m",
     "braking_force": "N",
     "peak_pressure": "Pa",
@@ -28,10 +28,10 @@ Other results have no unit, except the ends of a contact: rad on a drum, m on a 
 
 def table_lines_of_cases(
     cases: Sequence[SweepCase],
-    rows: Sequence[Row],
+    rows: Sequence[CaseResultsByName],
     base: Path | None = None,
     pressure: str = "Pa",
-) -> list[Row]:
+) -> list[CaseResultsByName]:
     """The lines of a sweep's table, with headings such as "shoe.lining.thickness [m]".
 
     Parameters
@@ -50,7 +50,7 @@ def table_lines_of_cases(
     headings: dict[str, str] = {}
     lines = []
     for number, (case, row) in enumerate(zip(cases, rows, strict=True)):
-        line: Row = {"case": number}
+        line: CaseResultsByName = {"case": number}
         for key, value in case.changes.items():
             if key not in headings:
                 headings[key] = _column_heading_with_unit(
@@ -79,13 +79,13 @@ def _unit_of_result(case: SweepCase, name: str) -> str | None:
     # Results of a shoe have the name of the shoe in front, such as "leading.torque".
     quantity = name.rpartition(".")[2]
     if quantity in {"contact_start", "contact_end"}:
-        return case.brake.surface.unit
-    return ROW_UNITS.get(quantity)
+        return case.brake.surface.coordinate_unit
+    return UNITS_OF_CASE_RESULTS_BY_LAST_NAME_PART.get(quantity)
 
 
-def _table_line_with_stresses_in_mpa(line: Row) -> Row:
+def _table_line_with_stresses_in_mpa(line: CaseResultsByName) -> CaseResultsByName:
     """A copy of a line of the table, with stresses in MPa instead of Pa."""
-    converted: Row = {}
+    converted: CaseResultsByName = {}
     for name, value in line.items():
         if not name.endswith(" [Pa]"):
             converted[name] = value
@@ -100,7 +100,7 @@ def _column_heading_with_unit(name: str, unit: str | None) -> str:
     return f"{name} [{unit}]" if unit else name
 
 
-def write_table_file(lines: Sequence[Row], path: Path) -> None:
+def write_table_file(lines: Sequence[CaseResultsByName], path: Path) -> None:
     """Write the lines of a table into a file, whole or not at all.
 
     The file is Parquet if its name ends in .parquet, else CSV.

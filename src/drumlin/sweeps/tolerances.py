@@ -20,9 +20,9 @@ from drumlin.brake.file import numerical_value_of_brake_key, vary
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.lining_wear import archard, run_in
 from drumlin.lining_wear.linings import wear_setup_by_finite_elements
-from drumlin.sweeps.cases import Row, SweepCase
+from drumlin.sweeps.cases import CaseResultsByName, SweepCase
 
-PERCENTILES = (1, 5, 50, 95, 99)
+REPORTED_PERCENTILES = (1, 5, 50, 95, 99)
 """The percentiles [%] of a result's random values that are reported."""
 
 
@@ -35,12 +35,12 @@ class ManufacturingTolerance(NamedTuple):
     ----------
     name : name of the tolerance in tables
     distribution : distribution of the deviation, a frozen distribution of scipy.stats
-    moves : change of each key's value, in its SI unit, if the deviation is 1
+    key_changes_per_deviation : change of each key's value, in its SI unit, if the deviation is 1
     """
 
     name: str
     distribution: Any
-    moves: Mapping[str, float]
+    key_changes_per_deviation: Mapping[str, float]
 
 
 def truncated_normal_distribution(limit: float) -> Any:
@@ -60,7 +60,7 @@ def uniform_distribution(low: float, high: float) -> Any:
     return uniform(low, high - low)
 
 
-def draw_random_deviations_in_all_samples(
+def draw_deviations_for_all_sobol_samples(
     tolerances: Sequence[ManufacturingTolerance], n: int, seed: int
 ) -> Floats:
     """Draw the deviations of all brakes of the samples A, B, AB_1 ... AB_d.
@@ -110,7 +110,7 @@ def cases_with_random_deviations(
     ----------
     brake : the base brake, without deviations
     tolerances : the d tolerances
-    deviates : deviations (..., d), as `draw_random_deviations_in_all_samples` returns them
+    deviates : deviations (..., d), as `draw_deviations_for_all_sobol_samples` returns them
     model, options : model that solves the cases, and its options
 
     Raises
@@ -123,14 +123,17 @@ def cases_with_random_deviations(
     nominal: dict[str, Any] = {}
     changed_keys: set[str] = set()
     for tolerance in tolerances:
-        changed_keys.update(tolerance.moves)
+        changed_keys.update(tolerance.key_changes_per_deviation)
     _check_keys_mean_different_numbers(changed_keys)
     for tolerance in tolerances:
-        nominal |= {key: numerical_value_of_brake_key(brake, key) for key in tolerance.moves}
+        nominal |= {
+            key: numerical_value_of_brake_key(brake, key)
+            for key in tolerance.key_changes_per_deviation
+        }
     # Row i holds the change of each key per unit of deviation of tolerance i.
     slopes = np.zeros((len(tolerances), len(nominal)))
     for i, tolerance in enumerate(tolerances):
-        slopes[i] = [tolerance.moves.get(key, 0.0) for key in nominal]
+        slopes[i] = [tolerance.key_changes_per_deviation.get(key, 0.0) for key in nominal]
     values = np.array([*nominal.values()]) + deviates.reshape(-1, len(tolerances)) @ slopes
     made = []
     for row in values.tolist():
@@ -154,7 +157,7 @@ def _check_keys_mean_different_numbers(keys: set[str]) -> None:
             )
 
 
-def one_result_of_all_cases(rows: Sequence[Row], name: str) -> Floats:
+def values_of_named_result_in_all_cases(rows: Sequence[CaseResultsByName], name: str) -> Floats:
     """The result called `name`, such as "torque", of all cases as an array (cases,).
 
     `rows` holds the results of each case. Raises NoAnswer if a case was not solved, since the
@@ -168,10 +171,10 @@ def one_result_of_all_cases(rows: Sequence[Row], name: str) -> Floats:
     return np.array([row[name] for row in rows], dtype=float)
 
 
-class SampleSpread(NamedTuple):
+class MeanDeviationAndPercentilesOfSample(NamedTuple):
     """Mean, standard deviation and percentiles of the values of a sample, in the values' unit.
 
-    The percentiles belong to the percentages in PERCENTILES.
+    The percentiles belong to the percentages in REPORTED_PERCENTILES.
     """
 
     mean: float
@@ -184,16 +187,16 @@ class SampleSpread(NamedTuple):
         return self.deviation / self.mean
 
 
-def mean_and_percentiles_of_sample(values: Floats) -> SampleSpread:
+def mean_and_percentiles_of_sample(values: Floats) -> MeanDeviationAndPercentilesOfSample:
     """The mean, standard deviation and percentiles of the values (n,) of a sample."""
-    return SampleSpread(
+    return MeanDeviationAndPercentilesOfSample(
         mean=float(values.mean()),
         deviation=float(values.std(ddof=1)),
-        percentiles=tuple(np.percentile(values, PERCENTILES).tolist()),
+        percentiles=tuple(np.percentile(values, REPORTED_PERCENTILES).tolist()),
     )
 
 
-class SobolIndex(NamedTuple):
+class SobolIndexWithInterval(NamedTuple):
     """A Sobol index (share of a tolerance in a variance), and its confidence interval's limits."""
 
     value: float
@@ -201,7 +204,7 @@ class SobolIndex(NamedTuple):
     high: float
 
 
-class SobolIndices(NamedTuple):
+class FirstAndTotalSobolIndexOfTolerance(NamedTuple):
     """The shares of one tolerance in the variance of a result.
 
     Attributes
@@ -212,8 +215,8 @@ class SobolIndices(NamedTuple):
     """
 
     name: str
-    first: SobolIndex
-    total: SobolIndex
+    first: SobolIndexWithInterval
+    total: SobolIndexWithInterval
 
 
 def sobol_indices_of_tolerances(
@@ -223,7 +226,7 @@ def sobol_indices_of_tolerances(
     seed: int,
     confidence: float = 0.95,
     resamples: int = 400,
-) -> list[SobolIndices]:
+) -> list[FirstAndTotalSobolIndexOfTolerance]:
     """The shares of each tolerance in the variance of a result, with confidence intervals.
 
     The estimators are (b) and (f) of table 2 in Saltelli et al. (2010), as
@@ -234,7 +237,7 @@ def sobol_indices_of_tolerances(
     ----------
     tolerances : the d tolerances
     values : the result (d + 2, n) of each brake in each sample of
-        `draw_random_deviations_in_all_samples`
+        `draw_deviations_for_all_sobol_samples`
     seed : seed of the bootstrap
     confidence : probability of the confidence intervals
     resamples : number of bootstrap samples
@@ -250,12 +253,14 @@ def sobol_indices_of_tolerances(
     tails = [(1 - confidence) / 2, (1 + confidence) / 2]
     low, high = np.quantile(np.array(resampled), tails, axis=0)
 
-    def sobol_index_with_interval(kind: int, i: int) -> SobolIndex:
+    def sobol_index_with_interval(kind: int, i: int) -> SobolIndexWithInterval:
         """The first-order (`kind` 0) or total (1) Sobol index of tolerance i, with its interval."""
-        return SobolIndex(float(indices[kind, i]), float(low[kind, i]), float(high[kind, i]))
+        return SobolIndexWithInterval(
+            float(indices[kind, i]), float(low[kind, i]), float(high[kind, i])
+        )
 
     return [
-        SobolIndices(
+        FirstAndTotalSobolIndexOfTolerance(
             tolerance.name,
             first=sobol_index_with_interval(0, i),
             total=sobol_index_with_interval(1, i),

@@ -24,35 +24,35 @@ from typing import Any, NamedTuple
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.base.garbage import search_memory_for_garbage_seldom
 
-OLDEST_DASK = "2025.4"
+OLDEST_ALLOWED_DASK_VERSION = "2025.4"
 """The oldest version of Dask whose scheduler can list all its workers."""
 
-CONNECT_SECONDS = 5.0
+SECONDS_TO_CONNECT_TO_DASK_SCHEDULER = 5.0
 """Seconds within which a Dask scheduler must accept a connection.
 
 Until then the connection is tried again, since the scheduler may still be starting.
 """
 
-ANSWER_SECONDS = 30.0
+SECONDS_TO_ANSWER_OF_SCHEDULER_OR_NEW_PROCESS = 30.0
 """Seconds within which a Dask scheduler must answer a question, and a new process must start.
 
 A scheduler or process that takes longer counts as lost. The limit is a judgement: both take far
 less on a machine that is not overloaded.
 """
 
-HEARTBEAT_SECONDS = 300.0
+SILENT_SECONDS_UNTIL_DASK_WORKERS_COUNT_AS_LOST = 300.0
 """Seconds without a sign of life from any Dask worker after which all workers count as lost.
 
 The factorisation of a large matrix can silence a worker for minutes.
 """
 
-FIRST_WORKER_SECONDS = 60.0
+SECONDS_TO_WAIT_FOR_FIRST_DASK_WORKER = 60.0
 """Seconds that a sweep waits for the first worker of a Dask scheduler without workers."""
 
-MAX_PROCESS_STARTS = 3
+MOST_ATTEMPTS_TO_START_WORKER_PROCESS = 3
 """Number of attempts to start a worker process before the sweep gives up."""
 
-MAX_JOBS = 1000
+MOST_WORKER_PROCESSES_OF_JOBS_OPTION = 1000
 """Largest number of worker processes that --jobs may ask for."""
 
 DASK_LOGGERS = ("distributed", "tornado", "asyncio")
@@ -61,18 +61,18 @@ DASK_LOGGERS = ("distributed", "tornado", "asyncio")
 If a cluster is lost, their messages would fill the screen.
 """
 
-WORKER_THREADS = {"OPENBLAS_NUM_THREADS": "1"}
+WORKER_THREAD_LIMIT_VARIABLES = {"OPENBLAS_NUM_THREADS": "1"}
 """Environment variables of each worker, which limit its threads for linear algebra to one.
 
 A solve factorises many small dense matrices. More threads make each of them slower, above all where
 several processes share the cores.
 """
 
-SayLine = Callable[[str], None]
+ShowLineToUser = Callable[[str], None]
 """A function that shows a line of text to the user."""
 
 
-class Workers(NamedTuple):
+class WorkersOfSweep(NamedTuple):
     """The workers that solve the cases of a sweep.
 
     Attributes
@@ -87,8 +87,8 @@ class Workers(NamedTuple):
 
 @contextmanager
 def provide_workers_for_cases_of_sweep(
-    jobs: int | None = None, scheduler: str | None = None, say: SayLine = lambda _: None
-) -> Iterator[Workers]:
+    jobs: int | None = None, scheduler: str | None = None, say: ShowLineToUser = lambda _: None
+) -> Iterator[WorkersOfSweep]:
     """Provide workers for the cases of a sweep while the block of the `with` statement runs.
 
     Parameters
@@ -114,17 +114,21 @@ def provide_workers_for_cases_of_sweep(
         with _provide_dask_workers(scheduler, say) as workers:
             yield workers
         return
-    jobs = min(_number_of_usable_cores(), MAX_JOBS) if jobs is None else jobs
-    if not 1 <= jobs <= MAX_JOBS:
-        raise BadInput(f"--jobs = {jobs}: must be from 1 to {MAX_JOBS}")
+    jobs = (
+        min(_number_of_usable_cores(), MOST_WORKER_PROCESSES_OF_JOBS_OPTION)
+        if jobs is None
+        else jobs
+    )
+    if not 1 <= jobs <= MOST_WORKER_PROCESSES_OF_JOBS_OPTION:
+        raise BadInput(f"--jobs = {jobs}: must be from 1 to {MOST_WORKER_PROCESSES_OF_JOBS_OPTION}")
     if jobs == 1:
-        yield Workers(None, 1)
+        yield WorkersOfSweep(None, 1)
         return
     # After an error in the `with` block the processes are ended at once, otherwise after their
     # work.
     pool = _ProcessPool(jobs)
     try:
-        yield Workers(pool, jobs)
+        yield WorkersOfSweep(pool, jobs)
     except BaseException:
         pool.shutdown(wait=False, cancel_futures=True)
         raise
@@ -198,14 +202,17 @@ class _ProcessPool(Executor):
     def _start_worker_process(self) -> "_WorkerProcess":
         """Start a new worker process and wait for its first answer.
 
-        Raises NoAnswer after MAX_PROCESS_STARTS failed attempts, or if the pool has been ended.
+        Raises NoAnswer after MOST_ATTEMPTS_TO_START_WORKER_PROCESS failed attempts, or if the pool
+        has been ended.
         """
         reason = "stopped"
-        for _ in range(0 if self._ended else MAX_PROCESS_STARTS):
+        for _ in range(0 if self._ended else MOST_ATTEMPTS_TO_START_WORKER_PROCESS):
             try:
                 process = _WorkerProcess()
                 self._all.append(process)
-                process.call_function_in_process((os.getpid, (), {}), ANSWER_SECONDS)
+                process.call_function_in_process(
+                    (os.getpid, (), {}), SECONDS_TO_ANSWER_OF_SCHEDULER_OR_NEW_PROCESS
+                )
                 return process
             # If the process does not answer in time, TimeoutError is raised, which is an OSError.
             except (EOFError, OSError, MemoryError, RuntimeError) as error:
@@ -216,7 +223,7 @@ class _ProcessPool(Executor):
         )
 
 
-class _Outcome(NamedTuple):
+class _OutcomeOfWorkerProcessCall(NamedTuple):
     """The outcome of a function call in a worker process.
 
     Attributes
@@ -244,7 +251,9 @@ class _WorkerProcess:
         # the pipe ends when the process dies.
         far_end.close()
 
-    def call_function_in_process(self, work: Any, limit: float | None = None) -> _Outcome:
+    def call_function_in_process(
+        self, work: Any, limit: float | None = None
+    ) -> _OutcomeOfWorkerProcessCall:
         """Call a function in the worker process and return the outcome, within `limit` [s].
 
         `work` is the function, its arguments and its keyword arguments. Any exception that this
@@ -253,7 +262,7 @@ class _WorkerProcess:
         self._pipe.send(work)
         if not self._pipe.poll(limit):
             raise TimeoutError(f"no answer within {limit:g} s")
-        return _Outcome(*self._pipe.recv())
+        return _OutcomeOfWorkerProcessCall(*self._pipe.recv())
 
     def kill(self) -> None:
         """End the worker process at once, even during a call."""
@@ -278,7 +287,7 @@ def _call_functions_from_pipe(pipe: Any) -> None:
             pipe.send(answer)
 
 
-_environment_lock = threading.Lock()
+_lock_for_changing_environment_variables = threading.Lock()
 """A lock held by the thread that changes the environment variables of this process."""
 
 
@@ -288,8 +297,12 @@ def _limit_threads_of_new_processes() -> Iterator[None]:
 
     A new process inherits the environment variables of this process, which are changed meanwhile.
     """
-    with _environment_lock:
-        added = {name: value for name, value in WORKER_THREADS.items() if name not in os.environ}
+    with _lock_for_changing_environment_variables:
+        added = {
+            name: value
+            for name, value in WORKER_THREAD_LIMIT_VARIABLES.items()
+            if name not in os.environ
+        }
         os.environ.update(added)
         try:
             yield
@@ -313,7 +326,7 @@ def _end_process_when_parent_ends() -> None:
 
 
 @contextmanager
-def _provide_dask_workers(address: str, say: SayLine) -> Iterator[Workers]:
+def _provide_dask_workers(address: str, say: ShowLineToUser) -> Iterator[WorkersOfSweep]:
     """Provide the workers of the Dask scheduler at an address while the `with` block runs."""
     try:
         distributed: Any = importlib.import_module("distributed")
@@ -325,7 +338,7 @@ def _provide_dask_workers(address: str, say: SayLine) -> Iterator[Workers]:
             threads = _wait_for_first_dask_workers(client, address, say)
             pool = _DaskPool(client, address, distributed)
             try:
-                yield Workers(pool, threads)
+                yield WorkersOfSweep(pool, threads)
             finally:
                 pool.shutdown()
         finally:
@@ -337,11 +350,11 @@ def _provide_dask_workers(address: str, say: SayLine) -> Iterator[Workers]:
 def _connected_dask_client(distributed: Any, address: str) -> Any:
     """Connect to the Dask scheduler at an address and return the client.
 
-    Raises BadInput if no scheduler answers within CONNECT_SECONDS.
+    Raises BadInput if no scheduler answers within SECONDS_TO_CONNECT_TO_DASK_SCHEDULER.
     """
     connected: Future[Any] = Future()
 
-    class Client(distributed.Client):  # type: ignore[misc]
+    class ExplicitlyClosedDaskClient(distributed.Client):  # type: ignore[misc]
         """A Dask client that is closed explicitly, not when Python deletes it."""
 
         def __del__(self) -> None:
@@ -350,7 +363,9 @@ def _connected_dask_client(distributed: Any, address: str) -> Any:
     def connect_client_to_scheduler() -> None:
         """Connect the client, and put the client or the error into the future `connected`."""
         try:
-            client = Client(address, timeout=CONNECT_SECONDS, set_as_default=False)
+            client = ExplicitlyClosedDaskClient(
+                address, timeout=SECONDS_TO_CONNECT_TO_DASK_SCHEDULER, set_as_default=False
+            )
             connected.set_result(client)
         except BaseException as error:
             connected.set_exception(error)
@@ -360,12 +375,12 @@ def _connected_dask_client(distributed: Any, address: str) -> Any:
     # only this thread is blocked for ever.
     threading.Thread(target=connect_client_to_scheduler, daemon=True).start()
     try:
-        return connected.result(CONNECT_SECONDS)
+        return connected.result(SECONDS_TO_CONNECT_TO_DASK_SCHEDULER)
     except Exception as error:
         connected.add_done_callback(_close_client_connected_too_late)
         reason = ""
-        if time.monotonic() - start > 0.9 * CONNECT_SECONDS:
-            reason = f" (tried for {CONNECT_SECONDS:g} s)"
+        if time.monotonic() - start > 0.9 * SECONDS_TO_CONNECT_TO_DASK_SCHEDULER:
+            reason = f" (tried for {SECONDS_TO_CONNECT_TO_DASK_SCHEDULER:g} s)"
         elif isinstance(error, ValueError):
             reason = f" ({error})"
         raise BadInput(
@@ -379,11 +394,11 @@ def _close_client_connected_too_late(connected: "Future[Any]") -> None:
         connected.result().close(timeout=2)
 
 
-def _wait_for_first_dask_workers(client: Any, address: str, say: SayLine) -> int:
+def _wait_for_first_dask_workers(client: Any, address: str, say: ShowLineToUser) -> int:
     """Wait for the first workers of a scheduler; returns the number of all their threads.
 
     Each thread solves one case at a time. Raises NoAnswer if no worker comes within
-    FIRST_WORKER_SECONDS.
+    SECONDS_TO_WAIT_FOR_FIRST_DASK_WORKER.
     """
     start, told = time.time(), False
     while True:
@@ -392,14 +407,15 @@ def _wait_for_first_dask_workers(client: Any, address: str, say: SayLine) -> int
         )
         if threads:
             return threads
-        if time.time() - start > FIRST_WORKER_SECONDS:
+        if time.time() - start > SECONDS_TO_WAIT_FOR_FIRST_DASK_WORKER:
             raise NoAnswer(
-                f"--scheduler = {address!r}: it has had no workers for {FIRST_WORKER_SECONDS:g} s"
+                f"--scheduler = {address!r}: it has had no workers for "
+                f"{SECONDS_TO_WAIT_FOR_FIRST_DASK_WORKER:g} s"
             )
         if not told:
             say(message_on_waiting_for_workers(start))
             told = True
-        time.sleep(min(1.0, FIRST_WORKER_SECONDS / 4))
+        time.sleep(min(1.0, SECONDS_TO_WAIT_FOR_FIRST_DASK_WORKER / 4))
 
 
 def _workers_of_dask_scheduler(client: Any, address: str) -> dict[str, Any]:
@@ -409,20 +425,23 @@ def _workers_of_dask_scheduler(client: Any, address: str) -> dict[str, Any]:
     """
     try:
         identity = client.sync(
-            client.scheduler.identity, n_workers=-1, callback_timeout=ANSWER_SECONDS
+            client.scheduler.identity,
+            n_workers=-1,
+            callback_timeout=SECONDS_TO_ANSWER_OF_SCHEDULER_OR_NEW_PROCESS,
         )
         workers: dict[str, Any] = identity["workers"]
     # A scheduler of an older Dask does not know the argument n_workers and raises TypeError.
     except TypeError as error:
         raise NoAnswer(
-            f"--scheduler = {address!r}: is of a Dask older than {OLDEST_DASK} ({error})"
+            f"--scheduler = {address!r}: is of a Dask older than "
+            f"{OLDEST_ALLOWED_DASK_VERSION} ({error})"
         ) from error
     except Exception as error:
-        raise _lost_scheduler_error(address) from error
+        raise _no_answer_error_on_lost_dask_scheduler(address) from error
     return workers
 
 
-def _lost_scheduler_error(address: str) -> NoAnswer:
+def _no_answer_error_on_lost_dask_scheduler(address: str) -> NoAnswer:
     """The exception to raise for a Dask scheduler that is lost."""
     return NoAnswer(f"--scheduler = {address!r}: the scheduler was lost, or does not answer")
 
@@ -460,8 +479,10 @@ class _DaskPool(Executor):
         try:
             inner = self._inner.submit(call_pickled_function, pickle.dumps((fn, args, kwargs)))
         except Exception as error:
-            raise _lost_scheduler_error(self._address) from error
-        inner.add_done_callback(lambda done: self._pass_result_to_sweep(future, done))
+            raise _no_answer_error_on_lost_dask_scheduler(self._address) from error
+        inner.add_done_callback(
+            lambda done: self._copy_dask_result_or_error_to_future(future, done)
+        )
         return future
 
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
@@ -470,7 +491,9 @@ class _DaskPool(Executor):
         with self._lock:
             self._waiting.clear()
 
-    def _pass_result_to_sweep(self, future: "Future[Any]", inner: "Future[Any]") -> None:
+    def _copy_dask_result_or_error_to_future(
+        self, future: "Future[Any]", inner: "Future[Any]"
+    ) -> None:
         """Copy result or error of Dask's future `inner` to `future`, which the sweep waits for."""
         with self._lock:
             if future not in self._waiting:
@@ -479,7 +502,7 @@ class _DaskPool(Executor):
             try:
                 future.set_result(inner.result())
             except CancelledError:
-                future.set_exception(_lost_scheduler_error(self._address))
+                future.set_exception(_no_answer_error_on_lost_dask_scheduler(self._address))
             except self._dask.KilledWorker as error:
                 future.set_exception(
                     BrokenExecutor(f"its workers died again and again ({type(error).__name__})")
@@ -494,7 +517,7 @@ class _DaskPool(Executor):
         """
         last_seen: dict[str, Any] = {}
         last_sign = time.monotonic()
-        while not self._end.wait(min(1.0, ANSWER_SECONDS / 4)):
+        while not self._end.wait(min(1.0, SECONDS_TO_ANSWER_OF_SCHEDULER_OR_NEW_PROCESS / 4)):
             try:
                 workers = _workers_of_dask_scheduler(self._client, self._address)
                 # A worker is alive if it has sent the scheduler a sign of life since the last
@@ -503,7 +526,11 @@ class _DaskPool(Executor):
                 if any(last_seen.get(name) != moment for name, moment in seen.items()):
                     last_sign = time.monotonic()
                 last_seen = seen
-                limit = HEARTBEAT_SECONDS if workers else FIRST_WORKER_SECONDS
+                limit = (
+                    SILENT_SECONDS_UNTIL_DASK_WORKERS_COUNT_AS_LOST
+                    if workers
+                    else SECONDS_TO_WAIT_FOR_FIRST_DASK_WORKER
+                )
                 if time.monotonic() - last_sign > limit:
                     raise NoAnswer(
                         f"--scheduler = {self._address!r}: "
@@ -529,7 +556,7 @@ def call_pickled_function(work: bytes) -> Any:
     numpy, which reads the limit only while it is loaded.
     """
     if "numpy" not in sys.modules:
-        for name, value in WORKER_THREADS.items():
+        for name, value in WORKER_THREAD_LIMIT_VARIABLES.items():
             os.environ.setdefault(name, value)
     fn, args, kwargs = pickle.loads(work)
     return fn(*args, **kwargs)

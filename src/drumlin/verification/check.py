@@ -20,18 +20,18 @@ from drumlin.base.texts import error_text_in_percent, number_as_text
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.file import first_key_in_which_two_brakes_differ
 from drumlin.brake.friction import require_friction_independent_of_pressure
-from drumlin.brake.plane_brake import read_any
-from drumlin.brake.surface import DRUM, FrictionSurface
-from drumlin.brake.units import LARGEST_NUMBER_SI, quantity_in_si
+from drumlin.brake.plane_brake import read_drum_or_plane_brake
+from drumlin.brake.surface import FRICTION_SURFACE_OF_DRUM, FrictionSurface
+from drumlin.brake.units import LARGEST_ALLOWED_NUMBER_IN_SI, quantity_in_si
 from drumlin.comparison import table_as_csv_text
 from drumlin.response.response import Response
-from drumlin.verification.reference import Reference, ShoeReference
-from drumlin.verification.reference_file import LARGEST_REFERENCE_FILE
+from drumlin.verification.reference import ReferenceValuesOfBrake, ReferenceValuesOfShoe
+from drumlin.verification.reference_file import LARGEST_BYTES_OF_REFERENCE_FILE
 
 
 def _heading_of_column_of_angles_or_places(surface: FrictionSurface) -> str:
     """The heading of the column of angles or places, with its unit: "theta [deg]" or "x [mm]"."""
-    return f"{surface.coordinate} [{surface.shown_unit}]"
+    return f"{surface.coordinate_name} [{surface.shown_unit}]"
 
 
 def _columns_allowed_in_pressure_table_as_text(surface: FrictionSurface) -> str:
@@ -40,7 +40,7 @@ def _columns_allowed_in_pressure_table_as_text(surface: FrictionSurface) -> str:
     return f"columns 'shoe', {place!r} and 'p [MPa]', or other units"
 
 
-class PressureTable(NamedTuple):
+class PressureCurveOfShoe(NamedTuple):
     """The pressure of a shoe along its lining.
 
     Attributes
@@ -53,7 +53,7 @@ class PressureTable(NamedTuple):
     p: Floats
 
 
-class Verdict(NamedTuple):
+class DeviationOfCurveFromReference(NamedTuple):
     """How far a pressure curve p(theta) of a shoe is from the reference values of this shoe.
 
     The pressures are compared at the angles that the reference lists, without angles in the edge
@@ -69,8 +69,8 @@ class Verdict(NamedTuple):
         braking force [N]; between the curve's last point and the lining's end p is constant
     torque_error : torque that the differences of p give by the trapezoidal rule, relative to the
         torque of the reference
-    floor : relative uncertainty of the pressure curve in the reference
-    torque_floor : relative uncertainty of the torque in the reference
+    reference_pressure_uncertainty : relative uncertainty of the pressure curve in the reference
+    reference_torque_uncertainty : relative uncertainty of the torque in the reference
     """
 
     shoe: str
@@ -79,34 +79,36 @@ class Verdict(NamedTuple):
     at: str
     torque: float
     torque_error: float
-    floor: float
-    torque_floor: float
+    reference_pressure_uncertainty: float
+    reference_torque_uncertainty: float
 
 
-def pressure_curves_as_csv(response: Response, surface: FrictionSurface = DRUM) -> str:
+def pressure_curves_as_csv(
+    response: Response, surface: FrictionSurface = FRICTION_SURFACE_OF_DRUM
+) -> str:
     """The pressures of all shoes as a CSV table, which `read_pressure_curves` can read."""
     heading = _heading_of_column_of_angles_or_places(surface)
     rows = []
     for shoe in response.shoes:
         places, p = shoe.curve()
-        for x, mpa in zip(places * surface.shown, p * 1e-6, strict=True):
+        for x, mpa in zip(places * surface.si_to_shown_unit_factor, p * 1e-6, strict=True):
             rows.append({"shoe": shoe.name, heading: f"{x:.12g}", "p [MPa]": f"{mpa:.12g}"})
     return table_as_csv_text(rows)
 
 
-def read_pressure_curves(path: Path, brake: Brake) -> dict[str, PressureTable]:
+def read_pressure_curves(path: Path, brake: Brake) -> dict[str, PressureCurveOfShoe]:
     """Read the pressure curve of each shoe, by its name, from a CSV file.
 
     Raises BadInput for a table that cannot be used. The message is one line, which names the file,
     the line and the allowed content.
     """
-    text = read_text(path, LARGEST_REFERENCE_FILE, "a table of p(theta)")
+    text = read_text(path, LARGEST_BYTES_OF_REFERENCE_FILE, "a table of p(theta)")
     try:
         lines = split_text_table_into_cell_rows(text)
     except csv.Error as error:
         raise BadInput(f"{path}: is not a CSV file ({error})") from error
     surface = brake.surface
-    wanted = {surface.coordinate: surface.unit, "p": "Pa"}
+    wanted = {surface.coordinate_name: surface.coordinate_unit, "p": "Pa"}
     if not lines:
         raise BadInput(
             f"{path}: is empty; must have {_columns_allowed_in_pressure_table_as_text(surface)}"
@@ -122,18 +124,15 @@ def read_pressure_curves(path: Path, brake: Brake) -> dict[str, PressureTable]:
         # An empty line is skipped, but it counts in the line numbers of the messages.
         if not "".join(line).strip():
             continue
+        place = f"{path}: line {number}: "
         if len(line) != len(lines[0]):
             raise BadInput(
-                f"{path}: line {number}: {len(line)} cells; "
-                f"must have {len(lines[0])} as the heading"
+                f"{place}{len(line)} cells; must have {len(lines[0])} as the heading"
                 f"{_hint_about_comma_between_cells(line, len(lines[0]))}"
             )
         name = line[columns["shoe"].position].strip() if "shoe" in columns else names[0]
         if name not in points:
-            raise BadInput(
-                f"{path}: line {number}: shoe = {name!r}: unknown; allowed: {', '.join(names)}"
-            )
-        place = f"{path}: line {number}: "
+            raise BadInput(f"{place}shoe = {name!r}: unknown; allowed: {', '.join(names)}")
         point = [
             _value_of_table_cell_in_si(place, line, key, columns[key], decimal_sign)
             for key in wanted
@@ -144,7 +143,7 @@ def read_pressure_curves(path: Path, brake: Brake) -> dict[str, PressureTable]:
     }
 
 
-class _NumberColumn(NamedTuple):
+class _PositionAndSiFactorOfColumn(NamedTuple):
     """A column of a table: its position, counted from 0, and the factor from its unit to SI."""
 
     position: int
@@ -153,7 +152,7 @@ class _NumberColumn(NamedTuple):
 
 def _columns_of_pressure_table_from_heading(
     path: Path, heading: Sequence[str], wanted: Mapping[str, str], surface: FrictionSurface
-) -> dict[str, _NumberColumn]:
+) -> dict[str, _PositionAndSiFactorOfColumn]:
     """The columns of a table of pressures by name, read from cells such as 'theta [deg]'.
 
     Parameters
@@ -168,16 +167,16 @@ def _columns_of_pressure_table_from_heading(
     BadInput
         for a missing column or an unknown unit
     """
-    columns: dict[str, _NumberColumn] = {}
+    columns: dict[str, _PositionAndSiFactorOfColumn] = {}
     for position, cell in enumerate(heading):
         name, _, unit = cell.strip().removesuffix("]").partition("[")
         name = name.strip()
         if name == "shoe":
-            columns[name] = _NumberColumn(position, 1.0)
+            columns[name] = _PositionAndSiFactorOfColumn(position, 1.0)
         if name in wanted:
             try:
                 factor = quantity_in_si(f"1 {unit.strip()}", wanted[name], unit_required=True)
-                columns[name] = _NumberColumn(position, factor)
+                columns[name] = _PositionAndSiFactorOfColumn(position, factor)
             except ValueError as error:
                 raise BadInput(f"{path}: line 1: {cell.strip()!r}: {error}") from error
     for name in wanted:
@@ -192,7 +191,7 @@ def _columns_of_pressure_table_from_heading(
 def _decimal_sign_of_pressure_table(
     path: Path,
     lines: Sequence[Sequence[str]],
-    columns: Mapping[str, _NumberColumn],
+    columns: Mapping[str, _PositionAndSiFactorOfColumn],
     wanted: Iterable[str],
 ) -> str:
     """The decimal sign of the numbers in a table: "," or "."; "" if all numbers are whole.
@@ -227,7 +226,11 @@ def _hint_about_comma_between_cells(line: Sequence[str], columns: int) -> str:
 
 
 def _value_of_table_cell_in_si(
-    place: str, line: Sequence[str], key: str, column: _NumberColumn, decimal_sign: str
+    place: str,
+    line: Sequence[str],
+    key: str,
+    column: _PositionAndSiFactorOfColumn,
+    decimal_sign: str,
 ) -> float:
     """The number in a cell of a table, in SI.
 
@@ -251,15 +254,17 @@ def _value_of_table_cell_in_si(
         value = number_in_table_cell(cell, decimal_sign) * column.factor
     except ValueError as error:
         value, cause = math.nan, f" ({error})" if "," in cell else ""
-    if not abs(value) <= LARGEST_NUMBER_SI:
+    if not abs(value) <= LARGEST_ALLOWED_NUMBER_IN_SI:
         raise BadInput(
             f"{place}{key} = {cell!r}: must be a finite number, "
-            f"up to {LARGEST_NUMBER_SI:g} in SI units{cause}"
+            f"up to {LARGEST_ALLOWED_NUMBER_IN_SI:g} in SI units{cause}"
         )
     return value
 
 
-def _sorted_pressure_curve(path: Path, shoe: Shoe, points: list[list[float]]) -> PressureTable:
+def _sorted_pressure_curve(
+    path: Path, shoe: Shoe, points: list[list[float]]
+) -> PressureCurveOfShoe:
     """The pressure curve of a shoe from the points (theta, p) of a table, in any order.
 
     Raises BadInput for fewer than two points, and for two points at one place.
@@ -267,7 +272,7 @@ def _sorted_pressure_curve(path: Path, shoe: Shoe, points: list[list[float]]) ->
     if len(points) < 2:
         raise BadInput(f"{path}: shoe {shoe.name!r}: {len(points)} points; must be 2 or more")
     theta, p = np.array(points).T
-    if not shoe.flat:
+    if not shoe.is_on_plane:
         # 350 and -10 degrees are one angle: each angle is shifted by whole turns until it is
         # within 180 degrees of the lining's middle.
         middle = shoe.lining.middle
@@ -279,17 +284,17 @@ def _sorted_pressure_curve(path: Path, shoe: Shoe, points: list[list[float]]) ->
     if same.any():
         place = _angle_or_place_in_words_with_unit(shoe, theta[:-1][same][0])
         raise BadInput(f"{path}: shoe {shoe.name!r}: {place} stands twice")
-    return PressureTable(theta, p)
+    return PressureCurveOfShoe(theta, p)
 
 
 def _angle_or_place_in_words_with_unit(shoe: Shoe, at: float) -> str:
     """An angle [rad] on a shoe, or a place [m] on a flat shoe, in words with its unit."""
-    return f"{shoe.surface.coordinate} = {shoe.surface.place(at)}"
+    return f"{shoe.surface.coordinate_name} = {shoe.surface.coordinate_as_text(at)}"
 
 
 def compare_curves_with_reference(
-    brake: Brake, known: Reference, curves: dict[str, PressureTable]
-) -> list[Verdict]:
+    brake: Brake, known: ReferenceValuesOfBrake, curves: dict[str, PressureCurveOfShoe]
+) -> list[DeviationOfCurveFromReference]:
     """Compare the pressure curve of each shoe with the reference values of a brake.
 
     Raises BadInput if the reference values belong to another brake, or if a curve ends before it
@@ -299,18 +304,22 @@ def compare_curves_with_reference(
         said = ", ".join(shoe.name for shoe in known.shoes)
         raise BadInput(f"the reference is of another brake, with the shoes {said}")
     # The reference keeps the text of its brake file, which is compared with this brake.
-    key = first_key_in_which_two_brakes_differ(brake, read_any(Path("brake_file"), known.text))
+    key = first_key_in_which_two_brakes_differ(
+        brake, read_drum_or_plane_brake(Path("brake_file"), known.text)
+    )
     if key is not None:
         raise BadInput(f"the reference is of another brake: {key} is not the same")
     verdicts = []
     for spec, shoe in zip(brake.shoes, known.shoes, strict=True):
-        verdicts.append(_verdict_on_pressure_curve(brake, spec, shoe, curves[shoe.name]))
+        verdicts.append(
+            _deviation_of_pressure_curve_from_reference(brake, spec, shoe, curves[shoe.name])
+        )
     return verdicts
 
 
-def _verdict_on_pressure_curve(
-    brake: Brake, spec: Shoe, known: ShoeReference, curve: PressureTable
-) -> Verdict:
+def _deviation_of_pressure_curve_from_reference(
+    brake: Brake, spec: Shoe, known: ReferenceValuesOfShoe, curve: PressureCurveOfShoe
+) -> DeviationOfCurveFromReference:
     """How far the pressure curve of one shoe is from the reference values of the shoe.
 
     Parameters
@@ -326,7 +335,7 @@ def _verdict_on_pressure_curve(
         for a curve that ends before it reaches the edge zones, or a lining that is shorter than
         its two edge zones
     """
-    inside = known.inside
+    inside = known.mask_of_angles_outside_edge_zones
     theta, p = known.theta[inside], known.pressure[inside]
     if not len(theta):
         raise BadInput(
@@ -344,27 +353,28 @@ def _verdict_on_pressure_curve(
     worst = int(np.abs(off).argmax())
     require_friction_independent_of_pressure(brake, "check")
     # The torque is mu b R^2 times the integral of p over theta; `lever` is the factor mu b R^2.
-    lever = (
-        brake.friction_coefficient_of_shoe_at_zero_pressure(spec)
-        * spec.lining.width
-        * brake.scale_factor**2
-    )
+    mu = brake.friction_coefficient_of_shoe_at_zero_pressure(spec)
+    lever = mu * spec.lining.width * brake.length_per_surface_coordinate**2
     pieces = _slices_of_angles_on_each_lining(spec, theta)
     force_off = math.fsum(float(np.trapezoid(off[own], theta[own])) for own in pieces)
     torque_off, torque = abs(lever * force_off), known.torque.value
-    return Verdict(
+    return DeviationOfCurveFromReference(
         shoe=known.name,
-        distance=_difference_relative_to_size(math.sqrt(float(off @ off)), math.sqrt(float(p @ p))),
-        largest=_difference_relative_to_size(abs(float(off[worst])), known.peak_pressure.value),
+        distance=_difference_over_size_or_infinity(
+            math.sqrt(float(off @ off)), math.sqrt(float(p @ p))
+        ),
+        largest=_difference_over_size_or_infinity(
+            abs(float(off[worst])), known.peak_pressure.value
+        ),
         at=_angle_or_place_in_words_with_unit(spec, float(theta[worst])),
-        torque=lever * _pressure_integral_along_lining(spec, curve),
+        torque=lever * _integral_of_pressure_over_theta_on_linings(spec, curve),
         torque_error=torque_off / torque if torque else 0.0,
-        floor=known.distance,
-        torque_floor=known.torque.relative,
+        reference_pressure_uncertainty=known.distance,
+        reference_torque_uncertainty=known.torque.relative_uncertainty,
     )
 
 
-def _difference_relative_to_size(difference: float, size: float) -> float:
+def _difference_over_size_or_infinity(difference: float, size: float) -> float:
     """A difference divided by a size; if the size is 0, the result is infinite, or 0 for 0/0."""
     return difference / size if size else math.inf if difference else 0.0
 
@@ -378,7 +388,7 @@ def _slices_of_angles_on_each_lining(shoe: Shoe, theta: Floats) -> list[slice]:
     return slices
 
 
-def _pressure_integral_along_lining(shoe: Shoe, curve: PressureTable) -> float:
+def _integral_of_pressure_over_theta_on_linings(shoe: Shoe, curve: PressureCurveOfShoe) -> float:
     """The integral of p over theta along all linings [Pa rad], by the trapezoidal rule.
 
     The points of the rule are the curve's points inside each lining, and the two ends of the
@@ -398,28 +408,35 @@ def _pressure_integral_along_lining(shoe: Shoe, curve: PressureTable) -> float:
     return total
 
 
-def are_verdicts_within_tolerance(verdicts: Sequence[Verdict], tolerance: float) -> bool:
+def are_curve_deviations_within_tolerance(
+    verdicts: Sequence[DeviationOfCurveFromReference], tolerance: float
+) -> bool:
     """Whether the L2 distance of p and the torque error of each shoe are within a tolerance."""
     return all(max(each.distance, each.torque_error) <= tolerance for each in verdicts)
 
 
 def text_lines_on_errors_of_pressure_table(
-    verdicts: Sequence[Verdict], tolerance: float, surface: FrictionSurface = DRUM
+    verdicts: Sequence[DeviationOfCurveFromReference],
+    tolerance: float,
+    surface: FrictionSurface = FRICTION_SURFACE_OF_DRUM,
 ) -> list[str]:
     """The verdicts as text: one line for each shoe, then whether all are within the tolerance.
 
     The friction surface of the brake, drum or plane, gives the name and the unit of the torque.
     """
-    effect, unit = surface.effect, surface.effect_unit
+    effect, unit = surface.word_for_torque_or_brake_force, surface.unit_of_torque_or_brake_force
     text = []
     for verdict in verdicts:
         text.append(
             f"shoe {verdict.shoe!r}: p off by {number_as_text(verdict.distance, '.2%')} in L2 "
-            f"(reference known to {error_text_in_percent(verdict.floor)}), "
+            "(reference known to "
+            f"{error_text_in_percent(verdict.reference_pressure_uncertainty)}), "
             f"at most by {number_as_text(verdict.largest, '.2%')} of the peak, at {verdict.at}; "
             f"that is {number_as_text(verdict.torque_error, '.2%')} of the {effect} "
-            f"(known to {error_text_in_percent(verdict.torque_floor)}); "
+            f"(known to {error_text_in_percent(verdict.reference_torque_uncertainty)}); "
             f"{effect} of its points {verdict.torque:.7g} {unit}"
         )
-    is_within = "within" if are_verdicts_within_tolerance(verdicts, tolerance) else "NOT within"
+    is_within = (
+        "within" if are_curve_deviations_within_tolerance(verdicts, tolerance) else "NOT within"
+    )
     return [*text, f"{is_within} {number_as_text(100 * tolerance, '.3g')} % of the reference"]

@@ -19,11 +19,11 @@ from drumlin.base.arrays import Floats
 from drumlin.base.errors import BadInput
 from drumlin.base.resource_use import peak_memory_of_process
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.fem.error_control.levels import LEVELS
+from drumlin.fem.error_control.levels import REFINEMENT_LEVELS_FROM_COARSE_TO_FINE
 from drumlin.fem.mesh.arc import parametric_mesh_of_shoe
 from drumlin.fem.mesh.degree import nodal_basis_of_mesh
 from drumlin.fem.mesh.grading import LiningDivision, divide_lining_into_elements
-from drumlin.fem.model import PENALTY, solve_prepared_model
+from drumlin.fem.model import DEFAULT_PENALTY_FACTOR, solve_prepared_model
 from drumlin.fem.preparation.bodies import ShoeSubstructure
 from drumlin.fem.preparation.meshes import Mesher
 from drumlin.fem.preparation.prepare import make_prepared_model
@@ -36,27 +36,27 @@ from drumlin.fem.substructure.elasticity import elastic_layers_of_shoe
 from drumlin.fem.width.prepare import prepare_model_with_shoe_widths
 from drumlin.models import model_with_name_that_applies_to_brake
 
-COST_ELEMENTS = 140
+DEFAULT_ELEMENTS_PER_LINING_FOR_COST = 140
 """Default number of elements along each lining of a brake whose cost is measured.
 
 A shoe of a car's brake then has some 20 000 unknowns.
 """
 
-TIMING_REPEATS = 7
+NUMBER_OF_TIMINGS_OF_EACH_TASK = 7
 """Number of times that each task, such as a factorisation, is timed; the median is reported."""
 
-COST_TABLE_UNKNOWNS = (20_000, 50_000, 100_000, 200_000, 500_000, 1_000_000)
+UNKNOWNS_OF_SHOE_BY_ROW_OF_COST_TABLE = (20_000, 50_000, 100_000, 200_000, 500_000, 1_000_000)
 """Number of unknowns of a shoe for each row of the table of cost by size."""
 
-SOLID_COST_DEGREES = (1, 2, 3, 4, 5)
+DEGREES_ACROSS_WIDTH_BY_ROW_OF_COST_TABLE = (1, 2, 3, 4, 5)
 """Degree across the width for each row of the table of cost of solid shoes."""
 
-LARGEST_FITTED_UNKNOWNS = 600_000
+MOST_UNKNOWNS_OF_ROW_IN_FIT_OF_TIME = 600_000
 """Number of unknowns above which a row of the cost table is not used to fit time ~ unknowns^k.
 """
 
 
-class Cost(NamedTuple):
+class TimesAndMemoryOfSolve(NamedTuple):
     """The time and memory of solving a brake. All times are medians of repeated runs, in seconds.
 
     Shoes of equal shape share one finite-element model, which counts once.
@@ -97,11 +97,11 @@ class Cost(NamedTuple):
 def measure_time_and_memory_of_fem(
     brake: Brake,
     *,
-    elements: int = COST_ELEMENTS,
-    penalty: float = PENALTY,
-    repeats: int = TIMING_REPEATS,
+    elements: int = DEFAULT_ELEMENTS_PER_LINING_FOR_COST,
+    penalty: float = DEFAULT_PENALTY_FACTOR,
+    repeats: int = NUMBER_OF_TIMINGS_OF_EACH_TASK,
     mesher: Mesher | None = None,
-) -> Cost:
+) -> TimesAndMemoryOfSolve:
     """Measure the time and memory of solving a brake by finite elements.
 
     Parameters
@@ -122,14 +122,17 @@ def measure_time_and_memory_of_fem(
     bodies = list({id(body): body for body in scene.bodies}.values())
     parts = np.zeros(3)
     for body in bodies:
-        parts += _seconds_to_assemble_and_factorise_stiffness(body, shoe_of[id(body)], repeats)
+        parts += _seconds_to_assemble_factorise_and_substitute(body, shoe_of[id(body)], repeats)
     assembly, factorisation, substitution = parts.tolist()
     if repeats > 1:
         solve = _median_seconds_of_call(mesh_and_solve, repeats)
     further_case = partial(
-        solve_prepared_model, scene, _brake_with_less_friction(brake), penalty=penalty
+        solve_prepared_model,
+        scene,
+        _brake_with_friction_of_further_load_case(brake),
+        penalty=penalty,
     )
-    return Cost(
+    return TimesAndMemoryOfSolve(
         unknowns=sum(body.unknowns for body in bodies),
         contact_nodes=sum(len(body.line.nodes) for body in bodies),
         memory=memory,
@@ -154,12 +157,12 @@ def _mesh_and_solve_brake(
     return scene
 
 
-def _brake_with_less_friction(brake: Brake) -> Brake:
+def _brake_with_friction_of_further_load_case(brake: Brake) -> Brake:
     """A copy of the brake with 0.9 times its friction coefficient, used as a further load case."""
     return brake.brake_with_new_friction_coefficient(0.9 * brake.friction)
 
 
-def _seconds_to_assemble_and_factorise_stiffness(
+def _seconds_to_assemble_factorise_and_substitute(
     body: ShoeSubstructure, shoe: Shoe, repeats: int
 ) -> Floats:
     """The times (3,) [s] of assembling, factorising and back-substituting one shoe's stiffness.
@@ -216,7 +219,7 @@ def _result_of_call_in_new_process(task: Callable[..., Any], *arguments: Any) ->
 
 
 def table_lines_of_cost_by_number_of_unknowns(
-    brake: Brake, sizes: tuple[int, ...] = COST_TABLE_UNKNOWNS
+    brake: Brake, sizes: tuple[int, ...] = UNKNOWNS_OF_SHOE_BY_ROW_OF_COST_TABLE
 ) -> Iterator[str]:
     """Yield the lines of a table of cost, with a row for each number of unknowns in `sizes`.
 
@@ -226,20 +229,24 @@ def table_lines_of_cost_by_number_of_unknowns(
     yield "unknowns  contact nodes  solve [s]  of its parts  further [ms]  memory [GiB]"
     costs = []
     for size in sizes:
-        repeats = TIMING_REPEATS if size <= 2 * COST_TABLE_UNKNOWNS[0] else 1
+        repeats = (
+            NUMBER_OF_TIMINGS_OF_EACH_TASK
+            if size <= 2 * UNKNOWNS_OF_SHOE_BY_ROW_OF_COST_TABLE[0]
+            else 1
+        )
         task = partial(
             measure_time_and_memory_of_fem,
             brake,
             mesher=partial(shoe_mesh_with_given_number_of_unknowns, size),
             repeats=repeats,
         )
-        row: Cost = _result_of_call_in_new_process(task)
+        row: TimesAndMemoryOfSolve = _result_of_call_in_new_process(task)
         yield (
             f"{row.unknowns:8d}  {row.contact_nodes:13d}  {row.solve:9.3f}  "
             f"{row.solve_time_over_sum_of_its_parts:12.2f}  {row.further * 1e3:12.1f}  "
             f"{row.memory / 2**30:12.2f}"
         )
-        if row.unknowns <= LARGEST_FITTED_UNKNOWNS:
+        if row.unknowns <= MOST_UNKNOWNS_OF_ROW_IN_FIT_OF_TIME:
             costs.append((row.unknowns, row.solve))
     if len(costs) > 1:
         # The exponent is the slope of a straight line through log(time) against log(unknowns).
@@ -248,7 +255,7 @@ def table_lines_of_cost_by_number_of_unknowns(
         yield f"solve ~ N^{exponent:.2f} up to {costs[-1][0]} unknowns"
 
 
-class _SolidCost(NamedTuple):
+class _TimesAndMemoryOfSolidSolve(NamedTuple):
     """The size, memory and processor time of solving a brake with three-dimensional shoes.
 
     Attributes
@@ -268,7 +275,7 @@ class _SolidCost(NamedTuple):
 
 
 def table_lines_of_solid_shoe_cost_by_degree(
-    brake: Brake, degrees: Sequence[int] = SOLID_COST_DEGREES
+    brake: Brake, degrees: Sequence[int] = DEGREES_ACROSS_WIDTH_BY_ROW_OF_COST_TABLE
 ) -> Iterator[str]:
     """Yield the lines of a table of the cost of three-dimensional (solid) shoes.
 
@@ -278,7 +285,7 @@ def table_lines_of_solid_shoe_cost_by_degree(
     """
     yield "degree  unknowns  contact nodes  solve [s]  further [s]  peak memory [GiB]"
     for degree in degrees:
-        row: _SolidCost = _result_of_call_in_new_process(
+        row: _TimesAndMemoryOfSolidSolve = _result_of_call_in_new_process(
             _measure_time_and_memory_of_solid, brake, degree
         )
         yield (
@@ -287,20 +294,20 @@ def table_lines_of_solid_shoe_cost_by_degree(
         )
 
 
-def _measure_time_and_memory_of_solid(brake: Brake, degree: int) -> _SolidCost:
+def _measure_time_and_memory_of_solid(brake: Brake, degree: int) -> _TimesAndMemoryOfSolidSolve:
     """Measure the cost of solving a brake with solid shoes of a degree across the width."""
     start = time.process_time()
-    scene = prepare_model_with_shoe_widths(brake, LEVELS[0], degree)
+    scene = prepare_model_with_shoe_widths(brake, REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[0], degree)
     solve_prepared_model(scene, brake)
     first = time.process_time() - start
     memory, start = peak_memory_of_process(), time.process_time()
-    solve_prepared_model(scene, _brake_with_less_friction(brake))
+    solve_prepared_model(scene, _brake_with_friction_of_further_load_case(brake))
     further = time.process_time() - start
     # Shoes of equal shape share one body, which counts once.
     bodies = {id(body): body for body in scene.bodies}.values()
     unknowns = sum(body.unknowns for body in bodies)
     nodes = sum(len(body.line.nodes) for body in bodies)
-    return _SolidCost(unknowns, nodes, memory, first, further)
+    return _TimesAndMemoryOfSolidSolve(unknowns, nodes, memory, first, further)
 
 
 def time_and_memory_report_lines(
@@ -333,17 +340,18 @@ def time_and_memory_report_lines(
     elif by_size:
         yield from table_lines_of_cost_by_number_of_unknowns(brake)
     else:
-        yield from measured_time_and_memory_lines(brake, **options)
+        yield from time_and_memory_lines_of_one_brake(brake, **options)
 
 
-def measured_time_and_memory_lines(brake: Brake, **options: Any) -> list[str]:
+def time_and_memory_lines_of_one_brake(brake: Brake, **options: Any) -> list[str]:
     """Lines of text on the cost of one brake.
 
     The `options` are arguments of `measure_time_and_memory_of_fem`.
     """
     found = measure_time_and_memory_of_fem(brake, **options)
     return [
-        f"{found.unknowns} unknowns; medians of {TIMING_REPEATS} repeats in one run",
+        f"{found.unknowns} unknowns; medians of {NUMBER_OF_TIMINGS_OF_EACH_TASK} repeats in "
+        f"one run",
         f"assembly {found.assembly * 1e3:.1f} ms, "
         f"factorisation {found.factorisation * 1e3:.1f} ms, "
         f"substitution {found.substitution * 1e3:.1f} ms",

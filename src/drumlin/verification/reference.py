@@ -24,11 +24,11 @@ from drumlin.base.errors import BadInput
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.friction import require_friction_independent_of_pressure
 from drumlin.brake.further_loads import brake_with_springs_of_constant_pull
-from drumlin.brake.surface import DRUM, FrictionSurface
+from drumlin.brake.surface import FRICTION_SURFACE_OF_DRUM, FrictionSurface
 from drumlin.comparison import length_of_uncompared_zone_at_lining_end
 from drumlin.fem.error_control.levels import solve_brake_on_finer_and_finer_mesh_levels
 from drumlin.fem.error_control.singular_points import singular_points_of_each_shoe_shape
-from drumlin.fem.hp.division import Level
+from drumlin.fem.hp.division import RefinementLevel
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.response.balance import resultant_of_contact_on_shoe
@@ -40,29 +40,31 @@ from drumlin.response.response import (
     response_of_pressed_elastic_shoe,
     which_angles_are_outside_end_zones,
 )
-from drumlin.response.resultants import Slots
+from drumlin.response.resultants import BeginAndEndOfEachSlot
 from drumlin.verification import triangles
 
-STATED_PACKAGES = ("numpy", "scipy", "scikit-fem")
+PACKAGES_WITH_VERSION_IN_REFERENCE_VALUES = ("numpy", "scipy", "scikit-fem")
 """Packages whose versions are stored with reference values, beside drumlin's own version."""
 
-PROBLEM_SOLVED = (
+FIRST_WORDS_OF_REFERENCE_METHOD_TEXT = (
     "2D plane stress, unilateral contact, full-slip Coulomb friction, exact contact; value: "
     "columns of elements of high degree; uncertainty: the "
 )
 """First words of the description of the method that is stored with reference values."""
 
-METHOD_WITH_TRIANGLES = PROBLEM_SOLVED + (
+REFERENCE_METHOD_TEXT_WITH_TRIANGLES = FIRST_WORDS_OF_REFERENCE_METHOD_TEXT + (
     "larger of the distances from another division of them and "
     "from curved triangles with contact node by node"
 )
 """Description of the method for a brake that the curved triangles have solved, too."""
 
-METHOD_WITHOUT_TRIANGLES = PROBLEM_SOLVED + "distance from another division of them"
+REFERENCE_METHOD_TEXT_WITHOUT_TRIANGLES = (
+    FIRST_WORDS_OF_REFERENCE_METHOD_TEXT + "distance from another division of them"
+)
 """Description of the method for a brake that the curved triangles cannot solve."""
 
 
-class Refinement(NamedTuple):
+class MeshesOfReferenceValues(NamedTuple):
     """The meshes on which reference values are computed.
 
     Attributes
@@ -75,22 +77,26 @@ class Refinement(NamedTuple):
     """
 
     first: int
-    levels: tuple[Level, Level]
-    triangles: tuple[triangles.TriangleLevel, ...]
+    levels: tuple[RefinementLevel, RefinementLevel]
+    triangles: tuple[triangles.DegreeAndGradingOfTriangleMesh, ...]
 
 
-ONE_DEGREE = math.pi / 180
+ONE_DEGREE_IN_RADIANS = math.pi / 180
 """One degree [rad]: the step of the angles at which reference values list the pressure."""
 
-REFERENCE_REFINEMENT = Refinement(
+MESHES_OF_PUBLISHED_REFERENCE_VALUES = MeshesOfReferenceValues(
     3,
     (
-        # The arguments of Level are: degree, zone, edge, end, ratio, opening, largest, back, hinge,
-        # through.
-        Level(7, 0.02, 0.01, 0.002, 0.45, 0.45, 15 * ONE_DEGREE, 0.01, 0.01, 0.3),
-        Level(8, 0.01, 0.006, 0.001, 0.5, 0.5, 15 * ONE_DEGREE, 0.003, 0.01, 0.4),
+        # The arguments of RefinementLevel are: degree, zone, edge, end, ratio, opening, largest,
+        # back, hinge, through.
+        RefinementLevel(
+            7, 0.02, 0.01, 0.002, 0.45, 0.45, 15 * ONE_DEGREE_IN_RADIANS, 0.01, 0.01, 0.3
+        ),
+        RefinementLevel(
+            8, 0.01, 0.006, 0.001, 0.5, 0.5, 15 * ONE_DEGREE_IN_RADIANS, 0.003, 0.01, 0.4
+        ),
     ),
-    triangles.TRIANGLE_LEVELS,
+    triangles.TRIANGLE_MESH_LEVELS_FROM_COARSE_TO_FINE,
 )
 """The meshes of the reference values that are published.
 
@@ -101,7 +107,7 @@ discretisation error.
 """
 
 
-class ReferenceResponses(NamedTuple):
+class ResponsesBehindReferenceValues(NamedTuple):
     """The solutions of a brake from which its reference values and their uncertainty come.
 
     Attributes
@@ -122,8 +128,8 @@ class ReferenceResponses(NamedTuple):
 
 
 def solve_brake_for_reference_values(
-    brake: Brake, refinement: Refinement = REFERENCE_REFINEMENT
-) -> ReferenceResponses:
+    brake: Brake, refinement: MeshesOfReferenceValues = MESHES_OF_PUBLISHED_REFERENCE_VALUES
+) -> ResponsesBehindReferenceValues:
     """Solve a brake for its reference values: on two hp meshes, and by curved triangles.
 
     Raises BadInput if finite elements cannot solve the brake or a shoe has a mesh file, and
@@ -149,13 +155,13 @@ def solve_brake_for_reference_values(
         last = solve_exactly(make_prepared_model(brake, level, singular_points), brake, start=last)
         found.append(last)
     before, value = found
-    return ReferenceResponses(
+    return ResponsesBehindReferenceValues(
         value, before, _brake_response_by_curved_triangle_elements(brake, value, refinement)
     )
 
 
 def _brake_response_by_curved_triangle_elements(
-    brake: Brake, like: Response, refinement: Refinement
+    brake: Brake, like: Response, refinement: MeshesOfReferenceValues
 ) -> Response | None:
     """The response by the finest mesh of curved triangles, or None if they cannot solve the brake.
 
@@ -178,7 +184,7 @@ def _brake_response_by_curved_triangle_elements(
     for shoe, solution, own in zip(brake.shoes, solutions, like.shoes, strict=True):
         response = response_of_pressed_elastic_shoe(
             shoe,
-            brake.scale_factor,
+            brake.length_per_surface_coordinate,
             solution.theta,
             solution.pressure,
             order=solution.order,
@@ -228,14 +234,14 @@ class UncertainValue:
     uncertainty: float
 
     @property
-    def relative(self) -> float:
+    def relative_uncertainty(self) -> float:
         """The uncertainty divided by the norm of the value; 0 if the uncertainty is 0."""
         size = float(np.linalg.norm(self.value))
         return self.uncertainty / size if size else math.inf if self.uncertainty else 0.0
 
 
 @dataclass(frozen=True)
-class ShoeReference:
+class ReferenceValuesOfShoe:
     """The reference values of one shoe.
 
     On a plane surface the angles are places x [m], and the torque is the braking force [N].
@@ -254,7 +260,8 @@ class ShoeReference:
     pressure : pressures (n,) [Pa] at these angles
     uncertainty : uncertainties (n,) [Pa] of these pressures
     distance : relative uncertainty of the pressure curve: the larger of its L2 distances from the
-        pressures of the two other solutions, without the zones EDGE_ZONE at the lining's ends
+        pressures of the two other solutions, without the zones UNCOMPARED_EDGE_ZONE_IN_RADIANS at
+        the lining's ends
     slots : first and last angle [rad] of each slot between two linings
     """
 
@@ -270,22 +277,26 @@ class ShoeReference:
     pressure: Floats
     uncertainty: Floats
     distance: float
-    slots: Slots = ()
+    slots: BeginAndEndOfEachSlot = ()
 
     @property
-    def inside(self) -> Bools:
+    def mask_of_angles_outside_edge_zones(self) -> Bools:
         """Whether each of the listed angles (n,) is on a lining and outside the edge zones."""
         return which_angles_are_outside_end_zones(self.theta, *self.ends, self.edge, self.slots)
 
     @property
-    def pressure_uncertainty(self) -> float:
+    def relative_pressure_uncertainty_outside_edge_zones(self) -> float:
         """The largest uncertainty of p outside the edge zones, relative to the peak pressure."""
         peak = self.peak_pressure.value
-        return float(self.uncertainty[self.inside].max() / peak) if peak else 0.0
+        return (
+            float(self.uncertainty[self.mask_of_angles_outside_edge_zones].max() / peak)
+            if peak
+            else 0.0
+        )
 
 
 @dataclass(frozen=True)
-class Reference:
+class ReferenceValuesOfBrake:
     """The reference values of a brake.
 
     Attributes
@@ -306,13 +317,13 @@ class Reference:
     method: str
     versions: dict[str, str]
     torque: UncertainValue
-    shoes: tuple[ShoeReference, ...]
-    surface: FrictionSurface = DRUM
+    shoes: tuple[ReferenceValuesOfShoe, ...]
+    surface: FrictionSurface = FRICTION_SURFACE_OF_DRUM
 
 
 def compute_reference_values(
-    brake: Brake, text: str, command: str, trio: ReferenceResponses | None = None
-) -> Reference:
+    brake: Brake, text: str, command: str, trio: ResponsesBehindReferenceValues | None = None
+) -> ReferenceValuesOfBrake:
     """Compute the reference values of a brake.
 
     Raises the errors of `solve_brake_for_reference_values`.
@@ -328,14 +339,20 @@ def compute_reference_values(
     brake.check_shoes_can_be_meshed()
     trio = trio or solve_brake_for_reference_values(brake)
     versions = {"drumlin": drumlin.__version__}
-    for name in STATED_PACKAGES:
+    for name in PACKAGES_WITH_VERSION_IN_REFERENCE_VALUES:
         versions[name] = importlib.metadata.version(name)
     shoes = tuple(_reference_values_of_shoe(brake, i, trio) for i in range(len(brake.shoes)))
     # The errors of the shoes may have the same sign, so that the uncertainties of their torques are
     # added.
     torque = UncertainValue(trio.value.torque, math.fsum(shoe.torque.uncertainty for shoe in shoes))
-    method = METHOD_WITHOUT_TRIANGLES if trio.other is None else METHOD_WITH_TRIANGLES
-    return Reference(brake.title, text, command, method, versions, torque, shoes, brake.surface)
+    method = (
+        REFERENCE_METHOD_TEXT_WITHOUT_TRIANGLES
+        if trio.other is None
+        else REFERENCE_METHOD_TEXT_WITH_TRIANGLES
+    )
+    return ReferenceValuesOfBrake(
+        brake.title, text, command, method, versions, torque, shoes, brake.surface
+    )
 
 
 def _value_with_largest_distance_as_uncertainty(values: Sequence[Any]) -> UncertainValue:
@@ -352,10 +369,10 @@ def _value_with_largest_distance_as_uncertainty(values: Sequence[Any]) -> Uncert
     return UncertainValue(cited.tolist(), distance)
 
 
-def _contact_force_on_lining(brake: Brake, index: int, response: ShoeResponse) -> Floats:
+def _force_of_drum_or_plane_on_lining(brake: Brake, index: int, response: ShoeResponse) -> Floats:
     """The force (2,) [N] of the drum or the plane on the lining of the shoe number `index`."""
     shoe = brake.shoes[index]
-    if not shoe.flat:
+    if not shoe.is_on_plane:
         return resultant_of_contact_on_shoe(brake, index, response).force
     # On a plane surface the contact force follows from equilibrium of the shoe: contact force,
     # hinge reaction and actuation add up to zero.
@@ -365,10 +382,12 @@ def _contact_force_on_lining(brake: Brake, index: int, response: ShoeResponse) -
     return -response.hinge_reaction - pushed.sum_of_forces_of_all_loads
 
 
-def _reference_values_of_shoe(brake: Brake, index: int, trio: ReferenceResponses) -> ShoeReference:
+def _reference_values_of_shoe(
+    brake: Brake, index: int, trio: ResponsesBehindReferenceValues
+) -> ReferenceValuesOfShoe:
     """The reference values of the shoe number `index` from the responses of the brake."""
     spec = brake.shoes[index]
-    edge = length_of_edge_zone_left_out_of_peak_search(spec, brake.scale_factor)
+    edge = length_of_edge_zone_left_out_of_peak_search(spec, brake.length_per_surface_coordinate)
     theta = _whole_degree_angles_or_millimetre_positions_on_lining(spec)
     answers = [
         response.shoes[index] for response in (trio.value, *trio.responses_that_give_uncertainty)
@@ -383,11 +402,11 @@ def _reference_values_of_shoe(brake: Brake, index: int, trio: ReferenceResponses
         """A quantity of the shoe in the reference solution, with its uncertainty."""
         return _value_with_largest_distance_as_uncertainty([quantity(answer) for answer in answers])
 
-    return ShoeReference(
+    return ReferenceValuesOfShoe(
         name=spec.name,
         torque=reference_quantity_of_shoe_with_uncertainty(attrgetter("torque")),
         contact_force=reference_quantity_of_shoe_with_uncertainty(
-            partial(_contact_force_on_lining, brake, index)
+            partial(_force_of_drum_or_plane_on_lining, brake, index)
         ),
         hinge_reaction=reference_quantity_of_shoe_with_uncertainty(attrgetter("hinge_reaction")),
         peak_pressure=reference_quantity_of_shoe_with_uncertainty(
@@ -401,19 +420,19 @@ def _reference_values_of_shoe(brake: Brake, index: int, trio: ReferenceResponses
         theta=theta,
         pressure=pressure,
         uncertainty=np.max(differences, axis=0),
-        distance=_largest_relative_distance_of_pressures(brake, cited, others),
+        distance=_largest_relative_distance_from_cited_pressure(brake, cited, others),
         slots=spec.lining.slots,
     )
 
 
 def _whole_degree_angles_or_millimetre_positions_on_lining(shoe: Shoe) -> Floats:
     """The whole degrees (n,) [rad] on a lining, on a plane the whole millimetres [m]."""
-    step = 1e-3 if shoe.flat else ONE_DEGREE
+    step = 1e-3 if shoe.is_on_plane else ONE_DEGREE_IN_RADIANS
     first, last = shoe.lining.start / step, shoe.lining.end / step
     return np.arange(math.ceil(first + 1e-6), last - 1e-6) * step
 
 
-def _largest_relative_distance_of_pressures(
+def _largest_relative_distance_from_cited_pressure(
     brake: Brake, cited: ShoeResponse, others: Sequence[ShoeResponse]
 ) -> float:
     """The largest relative L2 distance of pressure curves `others` of a shoe from the cited one.

@@ -17,28 +17,28 @@ import meshio
 import numpy as np
 
 from drumlin.brake.file import make_drum_brake_from_data
-from drumlin.fem.mesh.file import FORMATS, write_shoe_mesh_to_file
+from drumlin.fem.mesh.file import MESH_FILE_SUFFIXES, write_shoe_mesh_to_file
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin_studies.fuzzing.inputs import (
-    SOUND_BRAKES,
-    BrokenInput,
+    NAMES_OF_VALID_BRAKE_FILES_TO_BREAK,
+    FilesAndCommandLineOfBrokenInput,
     content_of_brake_file,
     data_as_toml,
 )
 
-MESH_SUFFIXES = (".msh", ".inp", ".vtu")
+SUFFIXES_OF_BROKEN_MESH_FILES = (".msh", ".inp", ".vtu")
 """Suffixes of the mesh files that are broken: Gmsh, Abaqus and VTK."""
 
 
 @cache
 def valid_mesh_files_by_suffix() -> dict[str, bytes]:
     """Valid mesh files of a small shoe, by suffix; "brake" is the brake file that uses them."""
-    data = tomllib.loads(content_of_brake_file(SOUND_BRAKES[0]).decode())
+    data = tomllib.loads(content_of_brake_file(NAMES_OF_VALID_BRAKE_FILES_TO_BREAK[0]).decode())
     data["shoe"] = data["shoe"][:1]
     brake = make_drum_brake_from_data(data, unit_required=True)
     mesh = make_prepared_model(brake, elements=6, kind="tri2").bodies[0].mesh
     with tempfile.TemporaryDirectory() as folder:
-        paths = [Path(folder) / f"shoe{suffix}" for suffix in FORMATS]
+        paths = [Path(folder) / f"shoe{suffix}" for suffix in MESH_FILE_SUFFIXES]
         for path in paths:
             write_shoe_mesh_to_file(path, mesh, brake.shoes[0])
         return {path.suffix: path.read_bytes() for path in paths} | {"brake": data_as_toml(data)}
@@ -53,7 +53,7 @@ def brake_file_that_refers_to_mesh_file(brake_file: bytes, name: str) -> bytes:
 
 def input_with_mesh_file(
     kind: str, mesh: bytes, suffix: str, *, must_fail: bool = True
-) -> BrokenInput:
+) -> FilesAndCommandLineOfBrokenInput:
     """An input of `drumlin solve`: a brake whose shoe has a mesh file.
 
     Parameters
@@ -73,10 +73,10 @@ def input_with_mesh_file(
         name: mesh,
     }
     words = ["solve", "b.toml", "--json", "r.json"]
-    return BrokenInput(kind, files, words, must_fail=must_fail)
+    return FilesAndCommandLineOfBrokenInput(kind, files, words, must_fail=must_fail)
 
 
-def make_input_with_impossible_mesh(rng: random.Random) -> BrokenInput:
+def make_input_with_impossible_mesh(rng: random.Random) -> FilesAndCommandLineOfBrokenInput:
     """An input with a mesh file that is broken in one of four ways.
 
     The file is cut off, has the suffix of another format, states wrong counts, or is no valid shoe.
@@ -93,22 +93,22 @@ def make_input_with_impossible_mesh(rng: random.Random) -> BrokenInput:
     return maker(rng)
 
 
-def _input_with_cut_off_mesh(rng: random.Random) -> BrokenInput:
+def _input_with_cut_off_mesh(rng: random.Random) -> FilesAndCommandLineOfBrokenInput:
     """An input whose mesh file is cut off after less than three quarters of its bytes."""
-    suffix = rng.choice(MESH_SUFFIXES)
+    suffix = rng.choice(SUFFIXES_OF_BROKEN_MESH_FILES)
     text = valid_mesh_files_by_suffix()[suffix]
     left = text[: rng.randrange(3 * len(text) // 4)]
     return input_with_mesh_file(f"mesh {suffix}: cut off", left, suffix)
 
 
-def _input_with_mesh_suffix_of_other_format(rng: random.Random) -> BrokenInput:
+def _input_with_mesh_suffix_of_other_format(rng: random.Random) -> FilesAndCommandLineOfBrokenInput:
     """An input whose mesh file has the suffix of another format, or is no mesh at all."""
-    suffix, other = rng.sample(MESH_SUFFIXES, 2)
+    suffix, other = rng.sample(SUFFIXES_OF_BROKEN_MESH_FILES, 2)
     noise = bytes(rng.randrange(256) for _ in range(99))
     text = rng.choice(
         [
             valid_mesh_files_by_suffix()[other],
-            content_of_brake_file(rng.choice(SOUND_BRAKES)),
+            content_of_brake_file(rng.choice(NAMES_OF_VALID_BRAKE_FILES_TO_BREAK)),
             b"",
             noise,
         ]
@@ -116,7 +116,7 @@ def _input_with_mesh_suffix_of_other_format(rng: random.Random) -> BrokenInput:
     return input_with_mesh_file(f"mesh {suffix}: another format", text, suffix)
 
 
-def _input_with_wrong_mesh_counts(rng: random.Random) -> BrokenInput:
+def _input_with_wrong_mesh_counts(rng: random.Random) -> FilesAndCommandLineOfBrokenInput:
     """An input whose mesh file states a wrong number of nodes, elements or named groups."""
     text = valid_mesh_files_by_suffix()[".msh"].decode()
     keyword = rng.choice(["$Nodes\n", "$Elements\n", "$PhysicalNames\n"])
@@ -126,13 +126,13 @@ def _input_with_wrong_mesh_counts(rng: random.Random) -> BrokenInput:
     return input_with_mesh_file("mesh .msh: false counts", false.encode(), ".msh")
 
 
-def _input_with_spoiled_shoe_mesh(rng: random.Random) -> BrokenInput:
+def _input_with_spoiled_shoe_mesh(rng: random.Random) -> FilesAndCommandLineOfBrokenInput:
     """An input whose mesh file is readable but no valid shoe: torn, folded, or without groups."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "shoe.vtu"
         path.write_bytes(valid_mesh_files_by_suffix()[".vtu"])
         mesh = meshio.read(path)
-        name, spoil = rng.choice(list(MESH_SPOILERS.items()))
+        name, spoil = rng.choice(list(MESH_SPOILING_FUNCTIONS_BY_FAULT.items()))
         # The mesh is taken apart into arrays, spoiled, and written again.
         points, cells = mesh.points.copy(), mesh.cells[0].data.copy()
         cell_data = {key: values[0].copy() for key, values in mesh.cell_data.items()}
@@ -147,7 +147,7 @@ def _input_with_spoiled_shoe_mesh(rng: random.Random) -> BrokenInput:
         return input_with_mesh_file(f"mesh: {name}", path.read_bytes(), ".vtu")
 
 
-SpoiledMesh = tuple[Any, Any, dict[str, Any], dict[str, Any]]
+PointsCellsAndDataOfSpoiledMesh = tuple[Any, Any, dict[str, Any], dict[str, Any]]
 """A spoiled mesh: its points, its cells, the data of its cells and the data of its points.
 
 Each function below takes these four values of a valid mesh and returns them for a spoiled mesh. The
@@ -157,14 +157,16 @@ argument `at` holds data of cells, and `on` data of points, both by the name of 
 
 def _mesh_with_inverted_element(
     rng: random.Random, points: Any, cells: Any, at: Any, on: Any
-) -> SpoiledMesh:
+) -> PointsCellsAndDataOfSpoiledMesh:
     """The mesh with two corners of a random element exchanged."""
     i = rng.randrange(len(cells))
     cells[i, [0, 1]] = cells[i, [1, 0]]
     return points, cells, at, on
 
 
-def _mesh_torn_in_two(rng: random.Random, points: Any, cells: Any, at: Any, on: Any) -> SpoiledMesh:
+def _mesh_torn_in_two(
+    rng: random.Random, points: Any, cells: Any, at: Any, on: Any
+) -> PointsCellsAndDataOfSpoiledMesh:
     """The mesh without the elements that cross a ray at a random angle, which leaves two parts."""
     # An element stays if all of its corners are on one side of the ray.
     theta = np.arctan2(points[:, 1], points[:, 0])[cells[:, :3]]
@@ -175,7 +177,7 @@ def _mesh_torn_in_two(rng: random.Random, points: Any, cells: Any, at: Any, on: 
 
 def _mesh_with_doubled_node(
     rng: random.Random, points: Any, cells: Any, at: Any, on: Any
-) -> SpoiledMesh:
+) -> PointsCellsAndDataOfSpoiledMesh:
     """The mesh with a node doubled, so that an element does not share it with its neighbours."""
     i, k = rng.randrange(len(cells)), rng.randrange(3)
     points = np.vstack([points, points[cells[i, k]]])
@@ -190,7 +192,7 @@ def _mesh_with_doubled_node(
 
 def _mesh_with_infinite_coordinate(
     rng: random.Random, points: Any, cells: Any, at: Any, on: Any
-) -> SpoiledMesh:
+) -> PointsCellsAndDataOfSpoiledMesh:
     """The mesh with one coordinate of a random corner set to NaN or infinity."""
     points[cells[rng.randrange(len(cells)), rng.randrange(3)], rng.randrange(2)] = rng.choice(
         [math.nan, math.inf]
@@ -200,7 +202,7 @@ def _mesh_with_infinite_coordinate(
 
 def _mesh_with_corner_node_moved_far_away(
     rng: random.Random, points: Any, cells: Any, at: Any, on: Any
-) -> SpoiledMesh:
+) -> PointsCellsAndDataOfSpoiledMesh:
     """The mesh with a random corner moved by 0.3 m, far across the neighbouring elements."""
     points[cells[rng.randrange(len(cells)), rng.randrange(3)], :2] += rng.choice([-1, 1]) * 0.3
     return points, cells, at, on
@@ -208,7 +210,7 @@ def _mesh_with_corner_node_moved_far_away(
 
 def _mesh_with_doubled_element(
     rng: random.Random, points: Any, cells: Any, at: Any, on: Any
-) -> SpoiledMesh:
+) -> PointsCellsAndDataOfSpoiledMesh:
     """The mesh with a random element listed twice."""
     i = rng.randrange(len(cells))
     return (
@@ -221,7 +223,7 @@ def _mesh_with_doubled_element(
 
 def _mesh_with_missing_group(
     rng: random.Random, points: Any, cells: Any, at: Any, on: Any
-) -> SpoiledMesh:
+) -> PointsCellsAndDataOfSpoiledMesh:
     """The mesh with one of its groups removed or emptied."""
     data, name = rng.choice(
         [(at, "lining"), (at, "shoe"), (on, "contact"), (on, "hinge"), (on, "actuation")]
@@ -235,7 +237,7 @@ def _mesh_with_missing_group(
 
 def _mesh_with_wrong_groups(
     rng: random.Random, points: Any, cells: Any, at: Any, on: Any
-) -> SpoiledMesh:
+) -> PointsCellsAndDataOfSpoiledMesh:
     """The mesh with a random element in no group of elements, or in all of them."""
     i, value = rng.randrange(len(cells)), rng.randrange(2)
     for values in at.values():
@@ -245,14 +247,14 @@ def _mesh_with_wrong_groups(
 
 def _mesh_in_other_length_unit(
     rng: random.Random, points: Any, cells: Any, at: Any, on: Any
-) -> SpoiledMesh:
+) -> PointsCellsAndDataOfSpoiledMesh:
     """The mesh with its coordinates in another unit of length: mm, km or inches for metres."""
     return points * rng.choice([1e3, 1e-3, 25.4]), cells, at, on
 
 
 def _mesh_with_point_off_plane(
     rng: random.Random, points: Any, cells: Any, at: Any, on: Any
-) -> SpoiledMesh:
+) -> PointsCellsAndDataOfSpoiledMesh:
     """The mesh with a random point moved off the plane by 0.01 m."""
     points[rng.randrange(len(points)), 2] = 0.01
     return points, cells, at, on
@@ -260,7 +262,7 @@ def _mesh_with_point_off_plane(
 
 def _mesh_with_element_of_nonexistent_node(
     rng: random.Random, points: Any, cells: Any, at: Any, on: Any
-) -> SpoiledMesh:
+) -> PointsCellsAndDataOfSpoiledMesh:
     """The mesh with a random element that refers to a node that does not exist."""
     cells[rng.randrange(len(cells)), rng.randrange(cells.shape[1])] = rng.choice(
         [-1, len(points), 2**40]
@@ -268,15 +270,15 @@ def _mesh_with_element_of_nonexistent_node(
     return points, cells, at, on
 
 
-def _mesh_with_far_middle_node(
+def _mesh_with_middle_node_moved_far_away(
     rng: random.Random, points: Any, cells: Any, at: Any, on: Any
-) -> SpoiledMesh:
+) -> PointsCellsAndDataOfSpoiledMesh:
     """The mesh with the middle node of an edge moved far away, so that an element folds over."""
     points[cells[rng.randrange(len(cells)), rng.randrange(3, 6)], :2] += 0.2
     return points, cells, at, on
 
 
-MESH_SPOILERS: dict[str, Callable[..., SpoiledMesh]] = {
+MESH_SPOILING_FUNCTIONS_BY_FAULT: dict[str, Callable[..., PointsCellsAndDataOfSpoiledMesh]] = {
     "inverted element": _mesh_with_inverted_element,
     "disconnected parts": _mesh_torn_in_two,
     "doubled node": _mesh_with_doubled_node,
@@ -288,6 +290,6 @@ MESH_SPOILERS: dict[str, Callable[..., SpoiledMesh]] = {
     "another unit": _mesh_in_other_length_unit,
     "not plane": _mesh_with_point_off_plane,
     "undefined node": _mesh_with_element_of_nonexistent_node,
-    "middle node far off": _mesh_with_far_middle_node,
+    "middle node far off": _mesh_with_middle_node_moved_far_away,
 }
 """The functions that spoil a mesh, by a short name of the fault that they cause."""

@@ -12,30 +12,30 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from drumlin.studies import REPOSITORY
+from drumlin.studies import FOLDER_OF_INSTALLED_OR_SOURCE_STUDIES_AND_MESHES
 from drumlin_studies.fuzzing.broken_meshes import valid_mesh_files_by_suffix
 from drumlin_studies.fuzzing.inputs import (
-    FEW_ELEMENTS,
-    SOUND_BRAKES,
-    BrokenInput,
+    NAMES_OF_VALID_BRAKE_FILES_TO_BREAK,
+    WORD_FOR_FEW_ELEMENTS_PER_LINING,
+    FilesAndCommandLineOfBrokenInput,
     bytes_with_random_noise,
     content_of_brake_file,
     data_as_toml,
 )
 from drumlin_studies.fuzzing.wrong_values import (
-    WRONG_NUMBERS,
-    WRONG_QUANTITIES,
-    WRONG_WORDS,
+    ODD_TEXTS_FOR_KEYS_AND_OPTIONS,
+    USUAL_TO_IMPOSSIBLE_NUMBERS,
+    USUAL_TO_IMPOSSIBLE_QUANTITIES,
     random_toml_value,
 )
 
-SWEEP_TABLE = "t.csv"
+SWEEP_TABLE_FILE_NAME = "t.csv"
 """Name of the table that a sweep writes."""
-SWEEP_JOURNAL = f"{SWEEP_TABLE}.journal"
+SWEEP_JOURNAL_FILE_NAME = f"{SWEEP_TABLE_FILE_NAME}.journal"
 """Name of the journal of a sweep, beside its table."""
-SWEEP_WORDS = ["sweep", "s.toml", "--jobs", "1", "--output", SWEEP_TABLE]
+SWEEP_COMMAND_WORDS = ["sweep", "s.toml", "--jobs", "1", "--output", SWEEP_TABLE_FILE_NAME]
 """Words of the command line, after "drumlin", that runs a sweep."""
-SOUND_SWEEP = """
+TEXT_OF_VALID_SWEEP_FILE = """
 brake = "b.toml"
 [model.fem]
 elements = 6
@@ -44,7 +44,7 @@ friction = [0.1, 0.2, 0.3, 0.4]
 "shoe[0].actuation.force" = ["1 kN", "2 kN"]
 """
 """Text of a valid sweep file with eight cases."""
-WRONG_SWEEP_KEYS = (
+MOSTLY_WRONG_SWEEP_KEYS = (
     "friction",
     "rotation",
     "shoe.lining.thickness",
@@ -77,11 +77,16 @@ WRONG_SWEEP_KEYS = (
     f"shoe[{'9' * 5000}].hinge.x",
 )
 """Keys under `vary` of a sweep file: some are allowed, most are not."""
-PLAIN_KEYS = ("friction", "shoe[0].actuation.force", "shoe.lining.thickness", "drum.radius") * 4
+ALLOWED_SWEEP_KEYS_REPEATED = (
+    "friction",
+    "shoe[0].actuation.force",
+    "shoe.lining.thickness",
+    "drum.radius",
+) * 4
 """Allowed keys under `vary`. Each stands four times in the list, so that a third of all drawn keys
 is allowed.
 """
-DISTRIBUTION_NAMES = (
+VALID_AND_WRONG_DISTRIBUTION_NAMES = (
     "normal",
     "uniform",
     "lognormal",
@@ -96,7 +101,7 @@ DISTRIBUTION_NAMES = (
 
 @cache
 def table_and_journal_of_valid_sweep() -> tuple[bytes, bytes]:
-    """The table and the journal that the valid sweep SOUND_SWEEP writes."""
+    """The table and the journal that the valid sweep TEXT_OF_VALID_SWEEP_FILE writes."""
     from drumlin.cli.process import run_command_line  # noqa: PLC0415
 
     with tempfile.TemporaryDirectory() as name:
@@ -111,23 +116,30 @@ def table_and_journal_of_valid_sweep() -> tuple[bytes, bytes]:
                     "--jobs",
                     "1",
                     "--output",
-                    str(folder / SWEEP_TABLE),
+                    str(folder / SWEEP_TABLE_FILE_NAME),
                     "--keep-journal",
                 ]
             )
-        return (folder / SWEEP_TABLE).read_bytes(), (folder / SWEEP_JOURNAL).read_bytes()
+        return (folder / SWEEP_TABLE_FILE_NAME).read_bytes(), (
+            folder / SWEEP_JOURNAL_FILE_NAME
+        ).read_bytes()
 
 
 def files_of_valid_sweep() -> dict[str, bytes]:
-    """The valid sweep file SOUND_SWEEP and its brake file, by file name."""
-    return {"b.toml": content_of_brake_file(SOUND_BRAKES[0]), "s.toml": SOUND_SWEEP.encode()}
+    """The valid sweep file TEXT_OF_VALID_SWEEP_FILE and its brake file, by file name."""
+    return {
+        "b.toml": content_of_brake_file(NAMES_OF_VALID_BRAKE_FILES_TO_BREAK[0]),
+        "s.toml": TEXT_OF_VALID_SWEEP_FILE.encode(),
+    }
 
 
-def make_input_with_broken_sweep(rng: random.Random) -> BrokenInput:
+def make_input_with_broken_sweep(rng: random.Random) -> FilesAndCommandLineOfBrokenInput:
     """An input of `drumlin sweep` whose file has wrong values or keys, or broken bytes."""
     # Three in ten files have broken bytes; the others are valid TOML with wrong keys or values.
     if rng.random() < 0.3:
-        text = bytes_with_random_noise(rng, SOUND_SWEEP.encode(), WRONG_WORDS)
+        text = bytes_with_random_noise(
+            rng, TEXT_OF_VALID_SWEEP_FILE.encode(), ODD_TEXTS_FOR_KEYS_AND_OPTIONS
+        )
     else:
         data: dict[str, Any] = {
             "brake": "b.toml",
@@ -137,7 +149,7 @@ def make_input_with_broken_sweep(rng: random.Random) -> BrokenInput:
             "vary": {"friction": rng.choice([[0.1, 0.3], {"from": 0.1, "to": 0.4, "count": 3}])},
         }
         if rng.random() < 0.7:
-            data["vary"][rng.choice([*WRONG_SWEEP_KEYS, *PLAIN_KEYS])] = (
+            data["vary"][rng.choice([*MOSTLY_WRONG_SWEEP_KEYS, *ALLOWED_SWEEP_KEYS_REPEATED])] = (
                 _random_values_for_varied_sweep_key(rng)
             )
         if rng.random() < 0.4:
@@ -145,14 +157,14 @@ def make_input_with_broken_sweep(rng: random.Random) -> BrokenInput:
                 rng.choice([random_toml_value(rng), 3, "zip", "grid", 1])
             )
         text = data_as_toml(data)
-    return BrokenInput(
+    return FilesAndCommandLineOfBrokenInput(
         "sweep file",
-        {"b.toml": content_of_brake_file(SOUND_BRAKES[0]), "s.toml": text},
-        SWEEP_WORDS,
+        {"b.toml": content_of_brake_file(NAMES_OF_VALID_BRAKE_FILES_TO_BREAK[0]), "s.toml": text},
+        SWEEP_COMMAND_WORDS,
     )
 
 
-def make_input_with_changed_sweep(rng: random.Random) -> BrokenInput:
+def make_input_with_changed_sweep(rng: random.Random) -> FilesAndCommandLineOfBrokenInput:
     """An input of `drumlin sweep`: a small sweep file of the studies with one to three errors."""
     data = _random_small_sweep_data(rng)
     for _ in range(rng.choice([1, 1, 2, 3])):
@@ -162,24 +174,24 @@ def make_input_with_changed_sweep(rng: random.Random) -> BrokenInput:
         if kind < 0.1:
             table.pop(key, None)
         elif kind < 0.5 and isinstance(data.get("vary"), dict):
-            data["vary"][rng.choice([*WRONG_SWEEP_KEYS, *PLAIN_KEYS])] = (
+            data["vary"][rng.choice([*MOSTLY_WRONG_SWEEP_KEYS, *ALLOWED_SWEEP_KEYS_REPEATED])] = (
                 _random_values_for_varied_sweep_key(rng)
             )
-        elif key in SWEEP_LENGTH_KEYS:
-            table[key] = rng.choice(WRONG_LENGTHS)
+        elif key in KEYS_THAT_SET_SWEEP_DURATION:
+            table[key] = rng.choice(SMALL_AND_WRONG_VALUES_OF_DURATION_KEYS)
         else:
             table[key] = random_toml_value(rng)
     files = {
-        "b.toml": content_of_brake_file(SOUND_BRAKES[0]),
+        "b.toml": content_of_brake_file(NAMES_OF_VALID_BRAKE_FILES_TO_BREAK[0]),
         "m.msh": valid_mesh_files_by_suffix()[".msh"],
         "s.toml": data_as_toml(data),
     }
-    return BrokenInput("sweep file of a study", files, SWEEP_WORDS)
+    return FilesAndCommandLineOfBrokenInput("sweep file of a study", files, SWEEP_COMMAND_WORDS)
 
 
-SWEEP_LENGTH_KEYS = {"cases", "count", "elements"}
+KEYS_THAT_SET_SWEEP_DURATION = {"cases", "count", "elements"}
 """Keys of a sweep file whose numbers decide how long the sweep takes."""
-WRONG_LENGTHS: tuple[Any, ...] = (
+SMALL_AND_WRONG_VALUES_OF_DURATION_KEYS: tuple[Any, ...] = (
     0,
     -1,
     1,
@@ -194,7 +206,7 @@ WRONG_LENGTHS: tuple[Any, ...] = (
     float("nan"),
     float("inf"),
 )
-"""Values for the keys SWEEP_LENGTH_KEYS: small numbers, wrong types, and too large numbers."""
+"""Values for the keys KEYS_THAT_SET_SWEEP_DURATION: small, wrong and too large numbers."""
 
 
 def _random_small_sweep_data(rng: random.Random) -> dict[str, Any]:
@@ -202,7 +214,9 @@ def _random_small_sweep_data(rng: random.Random) -> dict[str, Any]:
 
     One of the choices is a sweep over mesh files, which no study has.
     """
-    paths = sorted((REPOSITORY / "studies" / "sweeps").glob("*.toml"))
+    paths = sorted(
+        (FOLDER_OF_INSTALLED_OR_SOURCE_STUDIES_AND_MESHES / "studies" / "sweeps").glob("*.toml")
+    )
     path = rng.choice([*paths, None])
     if path is None:
         meshes = {"shoe.mesh": ["m.msh", "none.msh"], "shoe[0].mesh_unit": ["m", "mm"]}
@@ -215,7 +229,10 @@ def _random_small_sweep_data(rng: random.Random) -> dict[str, Any]:
             spec["count"] = 2
     if "cases" in data:
         data["cases"] = 3
-    return data | {"brake": "b.toml", "model": {"fem": {"elements": int(FEW_ELEMENTS)}, "sine": {}}}
+    return data | {
+        "brake": "b.toml",
+        "model": {"fem": {"elements": int(WORD_FOR_FEW_ELEMENTS_PER_LINING)}, "sine": {}},
+    }
 
 
 def _random_table_in_sweep_data(rng: random.Random, data: dict[str, Any]) -> dict[str, Any]:
@@ -237,24 +254,24 @@ def _random_values_for_varied_sweep_key(rng: random.Random) -> Any:
             (0.1, 0.2, 0.3, 0.35),
             ("1 kN", "2 kN", "30 N"),
             ("1 mm", "8 mm"),
-            (*WRONG_NUMBERS, *WRONG_QUANTITIES[:20]),
+            (*USUAL_TO_IMPOSSIBLE_NUMBERS, *USUAL_TO_IMPOSSIBLE_QUANTITIES[:20]),
         ]
     )
     numbers = [rng.choice(pool) for _ in range(4)]
     return rng.choice(
         [
             numbers[:2],
-            [rng.choice(WRONG_WORDS)],
+            [rng.choice(ODD_TEXTS_FOR_KEYS_AND_OPTIONS)],
             random_toml_value(rng),
             {"from": numbers[0], "to": numbers[1], "count": rng.choice([1, 3, 0, -1, 10**7, "3"])},
             {
-                "distribution": rng.choice(DISTRIBUTION_NAMES),
+                "distribution": rng.choice(VALID_AND_WRONG_DISTRIBUTION_NAMES),
                 "from": numbers[0],
                 "to": numbers[1],
                 "deviation": numbers[2],
             },
             {
-                "distribution": rng.choice(DISTRIBUTION_NAMES),
+                "distribution": rng.choice(VALID_AND_WRONG_DISTRIBUTION_NAMES),
                 "mean": numbers[0],
                 "deviation": "5 %",
                 "each_shoe": rng.random() < 0.5,
@@ -263,14 +280,14 @@ def _random_values_for_varied_sweep_key(rng: random.Random) -> Any:
     )
 
 
-def make_input_with_damaged_journal(rng: random.Random) -> BrokenInput:
+def make_input_with_damaged_journal(rng: random.Random) -> FilesAndCommandLineOfBrokenInput:
     """An input of `drumlin sweep`: the valid sweep, beside which lies a damaged journal."""
     return input_with_random_journal_damage(rng, *table_and_journal_of_valid_sweep())
 
 
 def input_with_random_journal_damage(
     rng: random.Random, table: bytes, journal: bytes
-) -> BrokenInput:
+) -> FilesAndCommandLineOfBrokenInput:
     """An input of `drumlin sweep` with a journal in which bytes are flipped, lost or doubled.
 
     The sweep must write the same table as without a journal, whatever the damage is.
@@ -299,9 +316,9 @@ def input_with_random_journal_damage(
                 del data[at : at + length]
         if not data:
             break
-    return BrokenInput(
+    return FilesAndCommandLineOfBrokenInput(
         "journal",
-        files_of_valid_sweep() | {SWEEP_JOURNAL: bytes(data)},
-        SWEEP_WORDS,
-        {SWEEP_TABLE: table},
+        files_of_valid_sweep() | {SWEEP_JOURNAL_FILE_NAME: bytes(data)},
+        SWEEP_COMMAND_WORDS,
+        {SWEEP_TABLE_FILE_NAME: table},
     )

@@ -2,7 +2,8 @@
 
 A run ends well with exit status 0 and finite numbers, or with status 2 or 3 and one line of text.
 Faults of drumlin are a traceback, a second line, a control character on the screen, a number that
-is not finite, an input file that is overwritten, and a run of more than LONGEST_RUN seconds.
+is not finite, an input file that is overwritten, and a run of more than
+PROCESSOR_SECONDS_ABOVE_WHICH_RUN_IS_FAULT seconds.
 """
 
 import contextlib
@@ -25,17 +26,17 @@ from typing import Any, NamedTuple
 
 from drumlin.base.errors import call_function_and_return_exit_status
 from drumlin.base.resource_use import processor_time_of_ended_child_processes
-from drumlin_studies.fuzzing.inputs import BrokenInput
+from drumlin_studies.fuzzing.inputs import FilesAndCommandLineOfBrokenInput
 
-LONGEST_RUN = 10.0
+PROCESSOR_SECONDS_ABOVE_WHICH_RUN_IS_FAULT = 10.0
 """Processor time [s] of a run above which the run counts as a fault."""
-LONGEST_WAIT = 300.0
+WALL_SECONDS_AFTER_WHICH_RUN_IS_STOPPED = 300.0
 """Wall-clock time [s] after which a run is stopped. The time is long because the machine may be
 busy.
 """
 
 
-class Ending(NamedTuple):
+class EndOfCommandLineRun(NamedTuple):
     """How a run of a command line ended.
 
     Attributes
@@ -57,7 +58,7 @@ class Ending(NamedTuple):
     seconds: float
 
 
-def write_files_of_broken_input(given: BrokenInput, folder: Path) -> None:
+def write_files_of_broken_input(given: FilesAndCommandLineOfBrokenInput, folder: Path) -> None:
     """Write the files of an input into a folder, with a subfolder and links beside them.
 
     Paths on the command line may name the subfolder or a link.
@@ -70,7 +71,9 @@ def write_files_of_broken_input(given: BrokenInput, folder: Path) -> None:
     (folder / "hard.json").hardlink_to(folder / "b.toml")
 
 
-def contents_of_written_files(folder: Path, given: BrokenInput) -> dict[str, bytes]:
+def contents_of_written_files(
+    folder: Path, given: FilesAndCommandLineOfBrokenInput
+) -> dict[str, bytes]:
     """The contents, by name, of the files that a run has added or changed in a folder."""
     found = {}
     for path in sorted(folder.rglob("*")):
@@ -82,7 +85,7 @@ def contents_of_written_files(folder: Path, given: BrokenInput) -> dict[str, byt
     return found
 
 
-def run_input_in_this_process(given: BrokenInput) -> Ending:
+def run_input_in_this_process(given: FilesAndCommandLineOfBrokenInput) -> EndOfCommandLineRun:
     """Run the command line of an input in this process; returns how the run ended.
 
     This is faster than a new process, but an endless loop in compiled code cannot be stopped.
@@ -111,7 +114,7 @@ def run_input_in_this_process(given: BrokenInput) -> Ending:
         finally:
             os.chdir(before)
         seconds = time.process_time() - start
-        return Ending(
+        return EndOfCommandLineRun(
             status,
             out.getvalue(),
             err.getvalue(),
@@ -140,8 +143,8 @@ def _limit_run_time() -> Iterator[None]:
 
     # One timer counts processor time, the other one wall-clock time.
     timers = (
-        (signal.ITIMER_PROF, signal.SIGPROF, 1.5 * LONGEST_RUN),
-        (signal.ITIMER_REAL, signal.SIGALRM, LONGEST_WAIT),
+        (signal.ITIMER_PROF, signal.SIGPROF, 1.5 * PROCESSOR_SECONDS_ABOVE_WHICH_RUN_IS_FAULT),
+        (signal.ITIMER_REAL, signal.SIGALRM, WALL_SECONDS_AFTER_WHICH_RUN_IS_STOPPED),
     )
     before = [(sign, signal.signal(sign, raise_run_too_long)) for _, sign, _ in timers]
     for timer, _, seconds in timers:
@@ -155,7 +158,9 @@ def _limit_run_time() -> Iterator[None]:
             signal.signal(sign, handler)
 
 
-def run_command_of_input_in_new_process(given: BrokenInput, **more: Any) -> Ending:
+def run_command_of_input_in_new_process(
+    given: FilesAndCommandLineOfBrokenInput, **more: Any
+) -> EndOfCommandLineRun:
     """Run the command line of an input in a new process; returns how the run ended.
 
     `more` are further arguments of subprocess.run.
@@ -171,24 +176,30 @@ def run_command_of_input_in_new_process(given: BrokenInput, **more: Any) -> Endi
                 [*map(os.fsencode, command), *words],
                 cwd=folder,
                 capture_output=True,
-                timeout=LONGEST_WAIT,
+                timeout=WALL_SECONDS_AFTER_WHICH_RUN_IS_STOPPED,
                 check=False,
                 **more,
             )
         except subprocess.TimeoutExpired:
-            return Ending(-1, "", "no end", {}, LONGEST_WAIT)
+            return EndOfCommandLineRun(
+                -1, "", "no end", {}, WALL_SECONDS_AFTER_WHICH_RUN_IS_STOPPED
+            )
         seconds = processor_time_of_ended_child_processes() - start
         out, err = (text.decode(errors="replace") for text in (done.stdout, done.stderr))
-        return Ending(done.returncode, out, err, contents_of_written_files(folder, given), seconds)
+        return EndOfCommandLineRun(
+            done.returncode, out, err, contents_of_written_files(folder, given), seconds
+        )
 
 
-_NOT_FINITE = re.compile(r"(?<![\w'\"/.-])[-+]?(?:nan|inf|NaN|Infinity)(?![\w'\"/.])")
+_PATTERN_OF_NON_FINITE_NUMBER = re.compile(
+    r"(?<![\w'\"/.-])[-+]?(?:nan|inf|NaN|Infinity)(?![\w'\"/.])"
+)
 """Pattern of a number in a text that is not finite; words and paths with "nan" do not match."""
 
 
-def describe_fault_of_run(given: BrokenInput, end: Ending) -> str:
+def describe_fault_of_run(given: FilesAndCommandLineOfBrokenInput, end: EndOfCommandLineRun) -> str:
     """The fault with which the run of an input ended, as text, or "" if it ended well."""
-    if end.seconds > LONGEST_RUN:
+    if end.seconds > PROCESSOR_SECONDS_ABOVE_WHICH_RUN_IS_FAULT:
         return f"took {end.seconds:.0f} s"
     if end.status not in {0, 2, 3}:
         return f"status {end.status}: {' '.join(end.err.split())[-300:]}"
@@ -203,32 +214,34 @@ def describe_fault_of_run(given: BrokenInput, end: Ending) -> str:
     )
 
 
-KEPT_FILES = ("m/", "m.", "t.csv")
+INITIALS_OF_ALLOWED_LEFTOVER_FILES = ("m/", "m.", "t.csv")
 """First letters of the names of files that a run may leave although it ends with an error.
 
 The files are meshes that were written before the error, and the table and journal of a sweep.
 """
-_NOTES = re.compile(r"(?:drumlin: t\.csv\.journal: [^\n]*\n)*")
+_JOURNAL_REPAIR_LINE_PATTERN = re.compile(r"(?:drumlin: t\.csv\.journal: [^\n]*\n)*")
 """Pattern of the lines in which a sweep reports that it has repaired its journal."""
 
 
-def _describe_fault_of_refused_run(end: Ending) -> str:
+def _describe_fault_of_refused_run(end: EndOfCommandLineRun) -> str:
     """The fault of a run with exit status 2 or 3, as text, or "" if it ended well."""
-    said = _NOTES.sub("", end.err, count=1)
+    said = _JOURNAL_REPAIR_LINE_PATTERN.sub("", end.err, count=1)
     if said.count("\n") != 1 or not said.startswith("drumlin: "):
-        # The error message of a sweep that refuses its journal matches _NOTES too, and must not be
-        # removed as a note.
+        # The error message of a sweep that refuses its journal matches _JOURNAL_REPAIR_LINE_PATTERN
+        # too, and must not be removed as a note.
         said = end.err
     if said.count("\n") != 1 or not said.startswith("drumlin: "):
         return f"not one line: {end.err[:200]!r}"
-    if any(not name.startswith(KEPT_FILES) for name in end.written):
+    if any(not name.startswith(INITIALS_OF_ALLOWED_LEFTOVER_FILES) for name in end.written):
         return f"files of a refused run: {', '.join(end.written)[:200]}"
     return ""
 
 
-def _describe_fault_of_successful_run(given: BrokenInput, end: Ending) -> str:
+def _describe_fault_of_successful_run(
+    given: FilesAndCommandLineOfBrokenInput, end: EndOfCommandLineRun
+) -> str:
     """The fault of a run with exit status 0, as text, or "" if it ended well."""
-    if not _NOTES.fullmatch(end.err):
+    if not _JOURNAL_REPAIR_LINE_PATTERN.fullmatch(end.err):
         return f"an answer with {end.err[:200]!r} in stderr"
     if given.must_fail:
         return "an answer of an input that has none"
@@ -237,7 +250,7 @@ def _describe_fault_of_successful_run(given: BrokenInput, end: Ending) -> str:
     # for numbers that are not finite.
     _, _, numbers = end.out.partition(", drum turns")
     numbers = reduce(lambda text, name: text.replace(name, "_"), names, numbers or end.out)
-    if _NOT_FINITE.search(numbers):
+    if _PATTERN_OF_NON_FINITE_NUMBER.search(numbers):
         return f"not finite: {_text_around_non_finite_number(numbers)}"
     if any(end.written.get(name) != data for name, data in given.right.items()):
         return f"not the right {', '.join(given.right)}"
@@ -253,19 +266,19 @@ def _describe_fault_of_successful_run(given: BrokenInput, end: Ending) -> str:
     )
 
 
-def _shoe_names_like_non_finite_numbers(given: BrokenInput) -> list[str]:
+def _shoe_names_like_non_finite_numbers(given: FilesAndCommandLineOfBrokenInput) -> list[str]:
     """Names of shoes in the brake file that look like an infinite number, such as "inf mm"."""
     try:
         shoes = tomllib.loads(given.files.get("b.toml", b"").decode()).get("shoe", [])
         names = {str(shoe.get("name")) for shoe in shoes}
     except (ValueError, AttributeError, TypeError, RecursionError):
         return []
-    return [name for name in names if _NOT_FINITE.search(name)]
+    return [name for name in names if _PATTERN_OF_NON_FINITE_NUMBER.search(name)]
 
 
 def _text_around_non_finite_number(text: str) -> str:
     """The part of a text around its first number that is not finite; "" if all are finite."""
-    match = _NOT_FINITE.search(text)
+    match = _PATTERN_OF_NON_FINITE_NUMBER.search(text)
     return (
         ""
         if match is None
@@ -294,7 +307,9 @@ def _describe_fault_of_written_file(name: str, data: bytes, names: Sequence[str]
             return f"{name}: {error}"
     if data.startswith((b"shoe,", b"case,")):
         for row in csv.reader(io.StringIO(data.decode())):
-            if any(_NOT_FINITE.fullmatch(cell) for cell in row if cell not in names):
+            if any(
+                _PATTERN_OF_NON_FINITE_NUMBER.fullmatch(cell) for cell in row if cell not in names
+            ):
                 return f"{name}: {row}"
             if any(cell[:1] in {"=", "@", "\t"} for cell in row):
                 return f"{name}: a formula: {row}"

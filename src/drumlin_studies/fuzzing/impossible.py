@@ -6,18 +6,18 @@ from collections.abc import Callable, Iterator
 from functools import cache
 from typing import Any
 
-from drumlin.brake.plane_brake import read_any
+from drumlin.brake.plane_brake import read_drum_or_plane_brake
 from drumlin.models import applicable_models
-from drumlin.studies import REPOSITORY
+from drumlin.studies import FOLDER_OF_INSTALLED_OR_SOURCE_STUDIES_AND_MESHES
 from drumlin_studies.fuzzing.inputs import (
-    FEW_ELEMENTS,
-    SOUND_BRAKES,
-    BrokenInput,
+    NAMES_OF_VALID_BRAKE_FILES_TO_BREAK,
+    WORD_FOR_FEW_ELEMENTS_PER_LINING,
+    FilesAndCommandLineOfBrokenInput,
     content_of_brake_file,
     data_as_toml,
 )
 
-WRONG_TYPES: tuple[Any, ...] = (
+VALUES_OF_WRONG_TYPE_FOR_EVERY_KEY: tuple[Any, ...] = (
     {"a": 1},
     [],
     [[1, 2], 3],
@@ -32,9 +32,9 @@ WRONG_TYPES: tuple[Any, ...] = (
 """Values that drumlin must refuse for every key of a brake file, except titles and names."""
 
 
-def make_input_with_broken_structure(rng: random.Random) -> BrokenInput:
+def make_input_with_broken_structure(rng: random.Random) -> FilesAndCommandLineOfBrokenInput:
     """An input whose brake file has a renamed key or a value of a wrong type."""
-    name = rng.choice(SOUND_BRAKES)
+    name = rng.choice(NAMES_OF_VALID_BRAKE_FILES_TO_BREAK)
     data = tomllib.loads(content_of_brake_file(name).decode())
     # Titles and names are left out, since any text is valid for them.
     keyed = [
@@ -46,13 +46,13 @@ def make_input_with_broken_structure(rng: random.Random) -> BrokenInput:
     if rng.random() < 0.5:
         owner[key + rng.choice(["_", "x", " "])] = owner.pop(key)
     else:
-        owner[key] = rng.choice(WRONG_TYPES)
+        owner[key] = rng.choice(VALUES_OF_WRONG_TYPE_FOR_EVERY_KEY)
     return _input_with_broken_brake_file(rng, "brake file: structure", name, data_as_toml(data))
 
 
-def make_input_with_huge_file(rng: random.Random) -> BrokenInput:
+def make_input_with_huge_file(rng: random.Random) -> FilesAndCommandLineOfBrokenInput:
     """An input whose brake file is far too long, too deeply nested, or has too many shoes."""
-    name = rng.choice(SOUND_BRAKES)
+    name = rng.choice(NAMES_OF_VALID_BRAKE_FILES_TO_BREAK)
     text = content_of_brake_file(name).decode()
     # Functions make the huge texts, so that only the text that is chosen takes memory.
     texts: list[Callable[[], str]] = [
@@ -70,7 +70,7 @@ def make_input_with_huge_file(rng: random.Random) -> BrokenInput:
 
 def _input_with_broken_brake_file(
     rng: random.Random, kind: str, name: str, text: bytes
-) -> BrokenInput:
+) -> FilesAndCommandLineOfBrokenInput:
     """An input of `drumlin solve` with a broken brake file and a random model.
 
     The model can solve the valid brake file from which the broken one was made.
@@ -88,14 +88,18 @@ def _input_with_broken_brake_file(
     """
     words = ["solve", "b.toml", "--json", "r.json"]
     model = rng.choice(_models_that_can_solve_brake(name))
-    words += ["--elements", FEW_ELEMENTS] if model == "fem" else ["--model", model]
-    return BrokenInput(kind, {"b.toml": text}, words, must_fail=True)
+    words += (
+        ["--elements", WORD_FOR_FEW_ELEMENTS_PER_LINING] if model == "fem" else ["--model", model]
+    )
+    return FilesAndCommandLineOfBrokenInput(kind, {"b.toml": text}, words, must_fail=True)
 
 
 @cache
 def _models_that_can_solve_brake(name: str) -> tuple[str, ...]:
     """The names of the models that can solve the valid brake file `name` of the studies."""
-    brake = read_any(REPOSITORY / "studies" / f"{name}.toml")
+    brake = read_drum_or_plane_brake(
+        FOLDER_OF_INSTALLED_OR_SOURCE_STUDIES_AND_MESHES / "studies" / f"{name}.toml"
+    )
     return tuple(model.name for model in applicable_models(brake))
 
 

@@ -6,13 +6,13 @@ from functools import cache
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
-from drumlin.studies import REPOSITORY
+from drumlin.studies import FOLDER_OF_INSTALLED_OR_SOURCE_STUDIES_AND_MESHES
 
-FEW_ELEMENTS = "6"
+WORD_FOR_FEW_ELEMENTS_PER_LINING = "6"
 """Number of elements along a lining, as a word of command lines. It is small, so that a solve takes
 some 20 ms.
 """
-SOUND_BRAKES = (
+NAMES_OF_VALID_BRAKE_FILES_TO_BREAK = (
     "double_shoe/brake",
     "post_brake/brake",
     "laws/pad",
@@ -23,7 +23,7 @@ SOUND_BRAKES = (
 """Valid brake files from which broken inputs are made, in studies/ and without their suffix."""
 
 
-class BrokenInput(NamedTuple):
+class FilesAndCommandLineOfBrokenInput(NamedTuple):
     """Files of a folder, and a command line of drumlin that runs in the folder.
 
     Attributes
@@ -56,7 +56,9 @@ class UnquotedTomlText(NamedTuple):
 @cache
 def content_of_brake_file(name: str) -> bytes:
     """The content of the brake file `name` of the studies."""
-    return (REPOSITORY / "studies" / f"{name}.toml").read_bytes()
+    return (
+        FOLDER_OF_INSTALLED_OR_SOURCE_STUDIES_AND_MESHES / "studies" / f"{name}.toml"
+    ).read_bytes()
 
 
 def bytes_with_random_noise(rng: random.Random, data: bytes, words: Sequence[str] = ()) -> bytes:

@@ -17,22 +17,25 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from drumlin.base.journal import Journal
-from drumlin_studies.fuzzing.inputs import SOUND_BRAKES, content_of_brake_file
+from drumlin.base.journal import JournalOfCaseResults
+from drumlin_studies.fuzzing.inputs import (
+    NAMES_OF_VALID_BRAKE_FILES_TO_BREAK,
+    content_of_brake_file,
+)
 
-KILLED_CASES = 150
+CASES_OF_KILLED_SWEEP = 150
 """Number of cases of a sweep that is killed."""
-RUN_LIMIT = 900.0
+WALL_SECONDS_AFTER_WHICH_SWEEP_IS_STOPPED = 900.0
 """Wall-clock time [s] after which a run is stopped. The time is long because the machine may be
 busy.
 """
-RUN_WAYS = ("one job", "two jobs", "Dask")
+WAYS_TO_RUN_A_SWEEP = ("one job", "two jobs", "Dask")
 """The ways to run a sweep: with one or two processes, or on a Dask cluster."""
-DRUMLIN_PROGRAM = "from drumlin.cli import main; main()"
+PYTHON_PROGRAM_THAT_RUNS_COMMAND_LINE = "from drumlin.cli import main; main()"
 """Python program that runs drumlin's command line."""
-KILLED_SWEEP = f"""
+TEXT_OF_SWEEP_FILE_TO_KILL = f"""
 brake = "b.toml"
-cases = {KILLED_CASES}
+cases = {CASES_OF_KILLED_SWEEP}
 [model.fem]
 elements = 24
 [vary]
@@ -46,17 +49,19 @@ to = "0.2 mm", each_shoe = true }}
 def kill_and_finish_one_sweep(case: dict[str, Any]) -> dict[str, Any]:
     """Kill a sweep several times, let it finish, and return a row of a table on how it ended.
 
-    `case` holds `way`, how the sweep is run (one of RUN_WAYS), the number of `kills`, and the
-    `seed` of the random moments of the kills. The row adds `met`, the number of kills that hit a
-    running sweep, and `fault`, the faults at the end as text, or "" without faults.
+    `case` holds `way`, how the sweep is run (one of WAYS_TO_RUN_A_SWEEP), the number of `kills`,
+    and the `seed` of the random moments of the kills. The row adds `met`, the number of kills that
+    hit a running sweep, and `fault`, the faults at the end as text, or "" without faults.
     """
     # Each kill comes when the journal has reached a random number of cases.
     rng = random.Random(f"kills {case['seed']} {case['way']}")
-    moments = sorted(rng.sample(range(1, KILLED_CASES - 10), case["kills"]))
+    moments = sorted(rng.sample(range(1, CASES_OF_KILLED_SWEEP - 10), case["kills"]))
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        (folder / "b.toml").write_bytes(content_of_brake_file(SOUND_BRAKES[0]))
-        (folder / "s.toml").write_text(KILLED_SWEEP, encoding="utf-8")
+        (folder / "b.toml").write_bytes(
+            content_of_brake_file(NAMES_OF_VALID_BRAKE_FILES_TO_BREAK[0])
+        )
+        (folder / "s.toml").write_text(TEXT_OF_SWEEP_FILE_TO_KILL, encoding="utf-8")
         whole = _run_sweep_to_its_end(folder, "whole.csv", ["--jobs", "1"])
         with _sweep_command_options_for_way_of_running(case["way"], folder) as words:
             met = sum(
@@ -72,7 +77,7 @@ def kill_and_finish_one_sweep(case: dict[str, Any]) -> dict[str, Any]:
         wrong.append("another table")
     if len(keys) != different:
         wrong.append(f"{len(keys) - different} cases twice")
-    if different != KILLED_CASES:
+    if different != CASES_OF_KILLED_SWEEP:
         wrong.append(f"{different} cases kept")
     return {**case, "met": met, "fault": ", ".join(wrong)}
 
@@ -94,7 +99,7 @@ def _sweep_command_options_for_way_of_running(way: str, folder: Path) -> Iterato
     started = [scheduler]
     try:
         # The scheduler writes its address into a file as soon as it is ready.
-        end = time.monotonic() + RUN_LIMIT
+        end = time.monotonic() + WALL_SECONDS_AFTER_WHICH_SWEEP_IS_STOPPED
         while not known.exists():
             if scheduler.poll() is not None or time.monotonic() > end:
                 raise RuntimeError("the scheduler has not started")
@@ -130,14 +135,25 @@ def _start_python_process(words: list[str], folder: Path) -> subprocess.Popen[by
 def _start_sweep_process(folder: Path, output: str, words: list[str]) -> subprocess.Popen[bytes]:
     """Start the sweep of a folder with further options `words`; returns the process."""
     return _start_python_process(
-        ["-c", DRUMLIN_PROGRAM, "sweep", "s.toml", "--output", output, "--keep-journal", *words],
+        [
+            "-c",
+            PYTHON_PROGRAM_THAT_RUNS_COMMAND_LINE,
+            "sweep",
+            "s.toml",
+            "--output",
+            output,
+            "--keep-journal",
+            *words,
+        ],
         folder,
     )
 
 
 def _run_sweep_to_its_end(folder: Path, output: str, words: list[str]) -> bytes:
     """Run the sweep of a folder to its end; returns the table, or the exit status as text."""
-    status = _start_sweep_process(folder, output, words).wait(RUN_LIMIT)
+    status = _start_sweep_process(folder, output, words).wait(
+        WALL_SECONDS_AFTER_WHICH_SWEEP_IS_STOPPED
+    )
     return (folder / output).read_bytes() if status == 0 else f"status {status}".encode()
 
 
@@ -149,7 +165,7 @@ def _kill_sweep_at_case_count_and_say_if_it_was_running(
     Returns whether the sweep was still running when it was killed.
     """
     process, journal = _start_sweep_process(folder, "t.csv", words), folder / "t.csv.journal"
-    end = time.monotonic() + RUN_LIMIT
+    end = time.monotonic() + WALL_SECONDS_AFTER_WHICH_SWEEP_IS_STOPPED
     while process.poll() is None and time.monotonic() < end:
         if journal.exists() and journal.read_bytes().count(b"\n") > moment:
             break
@@ -163,7 +179,7 @@ def _kill_sweep_at_case_count_and_say_if_it_was_running(
 
 def _wait_until_sweep_journal_is_unlocked(journal: Path) -> None:
     """Wait until no process locks the journal: the workers of a killed sweep may still run."""
-    end = time.monotonic() + RUN_LIMIT
+    end = time.monotonic() + WALL_SECONDS_AFTER_WHICH_SWEEP_IS_STOPPED
     while time.monotonic() < end:
         try:
             with journal.open("ab") as file:
@@ -192,7 +208,7 @@ def _keys_of_cases_in_sweep_journal(journal: Path) -> list[str]:
 
 
 def kill_and_finish_many_sweeps(
-    chains: dict[str, int], kills: int, journal: Journal, say: Callable[[str], None]
+    chains: dict[str, int], kills: int, journal: JournalOfCaseResults, say: Callable[[str], None]
 ) -> list[dict[str, Any]]:
     """Kill many sweeps and let them finish; returns a row for each sweep on how it ended.
 
@@ -202,7 +218,7 @@ def kill_and_finish_many_sweeps(
         Number of sweeps for each way to run them.
     kills : int
         Number of times that each sweep is killed.
-    journal : Journal
+    journal : JournalOfCaseResults
         Journal of this experiment; sweeps with a row in it are not run again.
     say : function
         Function that gets a line of text on the progress.
@@ -214,7 +230,7 @@ def kill_and_finish_many_sweeps(
     for case in cases:
         say(f"killing a sweep: {case['way']}, {len(rows) + 1} of {len(cases)}")
         rows.append(
-            journal.get_or_compute_result(
+            journal.get_or_compute_case_result(
                 {"of": "kills", **case}, partial(kill_and_finish_one_sweep, case)
             )
         )
@@ -227,7 +243,7 @@ def killed_sweeps_summary_rows(rows: list[dict[str, Any]]) -> list[dict[str, Any
     A row counts the sweeps, the kills, the kills that hit a running sweep, and the faults.
     """
     lines: list[dict[str, Any]] = []
-    for way in RUN_WAYS:
+    for way in WAYS_TO_RUN_A_SWEEP:
         own = [row for row in rows if row["way"] == way]
         if not own:
             continue

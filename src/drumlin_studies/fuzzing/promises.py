@@ -3,7 +3,7 @@
 Another test checks that these tests exist.
 """
 
-PROMISES = [
+PROMISES_WITH_THEIR_TESTS = [
     {"promise": promise, "test": test}
     for promise, test in (
         (

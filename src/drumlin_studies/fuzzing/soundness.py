@@ -8,18 +8,18 @@ from typing import Any
 import numpy as np
 
 from drumlin.brake.brake import Brake
-from drumlin.brake.plane_brake import read_any
+from drumlin.brake.plane_brake import read_drum_or_plane_brake
 from drumlin.models import MODELS
 from drumlin.response.balance import resultant_of_contact_on_shoe
 from drumlin.response.response import Response
-from drumlin_studies.fuzzing.inputs import BrokenInput
+from drumlin_studies.fuzzing.inputs import FilesAndCommandLineOfBrokenInput
 
-SOUND_IMBALANCE = 1e-6
+LARGEST_IMBALANCE_OF_RIGHT_RESPONSE = 1e-6
 """Sum of forces or moments, relative to the applied ones, above which a response is wrong.
 
 The value is chosen by judgement: far above round-off, and far below an error that users notice.
 """
-TORQUE_SLACK = 0.03
+LARGEST_TORQUE_DIFFERENCE_FROM_FRICTION_MOMENT = 0.03
 """Relative difference between the torque and the moment of the friction on the linings, above which
 one of the two is wrong.
 
@@ -28,7 +28,7 @@ lever arm of the friction are then off by 1 % each.
 """
 
 
-def explain_wrong_answer_to_input(given: BrokenInput) -> str:
+def explain_wrong_answer_to_input(given: FilesAndCommandLineOfBrokenInput) -> str:
     """Why the response to an input of `drumlin solve` must be wrong; "" if it may be right.
 
     The brake is read and solved again with the options of the input. Raises the errors of the
@@ -42,7 +42,7 @@ def explain_wrong_answer_to_input(given: BrokenInput) -> str:
         warnings.simplefilter("error")
         for name, data in given.files.items():
             (Path(folder) / name).write_bytes(data)
-        brake = read_any(Path(folder) / "b.toml")
+        brake = read_drum_or_plane_brake(Path(folder) / "b.toml")
         return explain_wrong_response(brake, MODELS[model].solve(brake, **options))
 
 
@@ -61,7 +61,7 @@ def explain_wrong_response(brake: Brake, response: Response) -> str:
         return "not finite"
     if response.torque < 0 or any((shoe.pressure < 0).any() for shoe in response.shoes):
         return "negative torque or pressure"
-    if max(response.balance.force, response.balance.moment) > SOUND_IMBALANCE:
+    if max(response.balance.force, response.balance.moment) > LARGEST_IMBALANCE_OF_RIGHT_RESPONSE:
         return f"out of balance by {response.balance}"
     # A plane has no torque, and the foundation model computes its torque from springs: neither is
     # compared with the friction.
@@ -69,6 +69,9 @@ def explain_wrong_response(brake: Brake, response: Response) -> str:
         return ""
     for i, shoe in enumerate(response.shoes):
         by_pressure = abs(resultant_of_contact_on_shoe(brake, i, shoe).moment)
-        if abs(by_pressure - shoe.torque) > TORQUE_SLACK * shoe.torque + 1e-300:
+        if (
+            abs(by_pressure - shoe.torque)
+            > LARGEST_TORQUE_DIFFERENCE_FROM_FRICTION_MOMENT * shoe.torque + 1e-300
+        ):
             return f"torque {shoe.torque:g} N m, of its pressure {by_pressure:g} N m"
     return ""

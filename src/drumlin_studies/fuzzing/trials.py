@@ -11,7 +11,7 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 from drumlin.base.errors import error_line_and_exit_status
-from drumlin.base.journal import Journal
+from drumlin.base.journal import JournalOfCaseResults
 from drumlin_studies.fuzzing import faults
 from drumlin_studies.fuzzing.broken_meshes import make_input_with_impossible_mesh
 from drumlin_studies.fuzzing.broken_sweeps import (
@@ -28,17 +28,19 @@ from drumlin_studies.fuzzing.impossible import (
     make_input_with_broken_structure,
     make_input_with_huge_file,
 )
-from drumlin_studies.fuzzing.inputs import BrokenInput
+from drumlin_studies.fuzzing.inputs import FilesAndCommandLineOfBrokenInput
 from drumlin_studies.fuzzing.soundness import explain_wrong_answer_to_input
-from drumlin_studies.side_by_side import Case, compute_cases_in_parallel_with_journal
+from drumlin_studies.side_by_side import ComputationInput, compute_cases_in_parallel_with_journal
 
-INPUTS_AT_A_TIME = 50
+INPUTS_PER_PROCESS_AND_JOURNAL_ENTRY = 50
 """Number of inputs that one process runs in one go. Their verdicts make one entry of the journal.
 """
-KEPT_LETTERS = 300
+LETTERS_KEPT_OF_ERROR_MESSAGE = 300
 """Number of letters of an error message that a verdict keeps, enough to see what was refused."""
 
-GENERATORS: dict[str, tuple[Callable[[random.Random], BrokenInput], str]] = {
+INPUT_GENERATORS_BY_NAME: dict[
+    str, tuple[Callable[[random.Random], FilesAndCommandLineOfBrokenInput], str]
+] = {
     "bytes": (faults.make_input_with_broken_bytes, "a brake file with its bytes in disorder"),
     "schema": (
         faults.make_input_with_wrong_values,
@@ -111,13 +113,15 @@ class InputVerdict(NamedTuple):
     line: str = ""
 
 
-COUNTED_STATUSES = {"answers": 0, "refused": 2, "no answer": 3}
+EXIT_STATUSES_OF_GOOD_ENDS_BY_COLUMN = {"answers": 0, "refused": 2, "no answer": 3}
 """The exit statuses of runs that end well, by the name of the table's column that counts them."""
 
 
-def make_numbered_input_of_generator(generator: str, number: int) -> BrokenInput:
+def make_numbered_input_of_generator(
+    generator: str, number: int
+) -> FilesAndCommandLineOfBrokenInput:
     """Make input number `number` of a generator. The same number gives the same input."""
-    return GENERATORS[generator][0](random.Random(f"{generator} {number}"))
+    return INPUT_GENERATORS_BY_NAME[generator][0](random.Random(f"{generator} {number}"))
 
 
 def run_and_judge_input(generator: str, number: int, apart: bool = False) -> InputVerdict:
@@ -134,12 +138,16 @@ def run_and_judge_input(generator: str, number: int, apart: bool = False) -> Inp
     # A brake that was solved successfully is solved again in this process, to check the numbers.
     if not fault and end.status == 0 and given.words[0] == "solve" and not apart:
         fault = _explain_wrong_or_failing_answer(given)
-    line = end.err.removeprefix("drumlin: ").strip()[:KEPT_LETTERS] if end.status else ""
+    line = (
+        end.err.removeprefix("drumlin: ").strip()[:LETTERS_KEPT_OF_ERROR_MESSAGE]
+        if end.status
+        else ""
+    )
     said = f"{faults.command_line_as_text(given)}: {fault}" if fault else ""
     return InputVerdict(number, end.status, end.seconds, said, line)
 
 
-def _explain_wrong_or_failing_answer(given: BrokenInput) -> str:
+def _explain_wrong_or_failing_answer(given: FilesAndCommandLineOfBrokenInput) -> str:
     """Why the response to an input must be wrong, or the error of a second solve; "" if neither."""
     try:
         return explain_wrong_answer_to_input(given)
@@ -155,7 +163,7 @@ def can_be_process_argument(word: str) -> bool:
         return False
 
 
-def _run_chunk_of_inputs_and_return_verdicts(case: Case) -> dict[str, Any]:
+def _run_chunk_of_inputs_and_return_verdicts(case: ComputationInput) -> dict[str, Any]:
     """Run several inputs of a generator; returns their verdicts, which make one journal entry."""
     numbers = range(case["first"], case["first"] + case["count"])
     generator, apart = case["generator"], case["apart"]
@@ -166,7 +174,7 @@ def _run_chunk_of_inputs_and_return_verdicts(case: Case) -> dict[str, Any]:
 
 def run_and_judge_generators(
     counts: dict[str, int],
-    journal: Journal,
+    journal: JournalOfCaseResults,
     *,
     apart: bool = False,
     processes: int = 0,
@@ -178,7 +186,7 @@ def run_and_judge_generators(
     ----------
     counts : dict
         Number of inputs of each generator.
-    journal : Journal
+    journal : JournalOfCaseResults
         Journal of this experiment; inputs with a verdict in it are not run again.
     apart : bool
         Whether each input runs in a new process.
@@ -190,9 +198,12 @@ def run_and_judge_generators(
     # Each case is a chunk of inputs of one generator, which one process runs together.
     cases: dict[str, list[dict[str, Any]]] = {name: [] for name in counts}
     for name, count in counts.items():
-        for first in range(0, count, INPUTS_AT_A_TIME):
+        for first in range(0, count, INPUTS_PER_PROCESS_AND_JOURNAL_ENTRY):
             case = {"generator": name, "first": first}
-            case |= {"count": min(INPUTS_AT_A_TIME, count - first), "apart": apart}
+            case |= {
+                "count": min(INPUTS_PER_PROCESS_AND_JOURNAL_ENTRY, count - first),
+                "apart": apart,
+            }
             cases[name].append(case)
     everything = list(itertools.chain(*cases.values()))
     compute_cases_in_parallel_with_journal(
@@ -201,7 +212,7 @@ def run_and_judge_generators(
         journal,
         say,
         processes,
-        f"lots of {INPUTS_AT_A_TIME} inputs",
+        f"lots of {INPUTS_PER_PROCESS_AND_JOURNAL_ENTRY} inputs",
     )
     verdicts: dict[str, list[InputVerdict]] = {name: [] for name in counts}
     for name, of in cases.items():
@@ -219,14 +230,14 @@ def rows_of_verdict_counts_by_generator(
     """
     rows: list[dict[str, Any]] = []
     for name, of in verdicts.items():
-        row = {"generator": name, "what": GENERATORS[name][1], "inputs": len(of)}
-        for key, status in COUNTED_STATUSES.items():
+        row = {"generator": name, "what": INPUT_GENERATORS_BY_NAME[name][1], "inputs": len(of)}
+        for key, status in EXIT_STATUSES_OF_GOOD_ENDS_BY_COLUMN.items():
             row[key] = sum(verdict.status == status for verdict in of)
         row["faults"] = sum(bool(verdict.fault) for verdict in of)
         row["longest"] = max(verdict.seconds for verdict in of)
         rows.append(row)
     total: dict[str, Any] = {"generator": "all"}
-    for key in ("inputs", *COUNTED_STATUSES, "faults"):
+    for key in ("inputs", *EXIT_STATUSES_OF_GOOD_ENDS_BY_COLUMN, "faults"):
         total[key] = sum(row[key] for row in rows)
     total["longest"] = max(row["longest"] for row in rows)
     return [*rows, total]

@@ -12,7 +12,7 @@ from pydantic import BaseModel
 
 from drumlin_studies.fuzzing.inputs import UnquotedTomlText
 
-WRONG_WORDS = (
+ODD_TEXTS_FOR_KEYS_AND_OPTIONS = (
     "",
     " ",
     "0",
@@ -58,7 +58,7 @@ WRONG_WORDS = (
     "[red]x[/]",
 )
 """Texts for keys and options: odd numbers, control characters, foreign letters, long words."""
-WRONG_QUANTITIES = (
+USUAL_TO_IMPOSSIBLE_QUANTITIES = (
     "0 mm",
     "-1 mm",
     "1e30 m",
@@ -94,7 +94,7 @@ WRONG_QUANTITIES = (
     "8mm",
 )
 """Quantities with units, from usual to impossible values."""
-WRONG_NUMBERS = (
+USUAL_TO_IMPOSSIBLE_NUMBERS = (
     0,
     1,
     -1,
@@ -112,7 +112,7 @@ WRONG_NUMBERS = (
     1e-9,
 )
 """Numbers without units, from usual to impossible values."""
-WRONG_PATHS = (
+EXISTING_MISSING_AND_FORBIDDEN_PATHS = (
     "r.json",
     "r.csv",
     "r.svg",
@@ -155,9 +155,9 @@ def random_toml_value(rng: random.Random, deep: int = 2) -> Any:
     Tables and lists are nested up to `deep` levels.
     """
     simple: list[Callable[[], Any]] = [
-        lambda: rng.choice(WRONG_WORDS),
-        lambda: rng.choice(WRONG_QUANTITIES),
-        lambda: rng.choice(WRONG_NUMBERS),
+        lambda: rng.choice(ODD_TEXTS_FOR_KEYS_AND_OPTIONS),
+        lambda: rng.choice(USUAL_TO_IMPOSSIBLE_QUANTITIES),
+        lambda: rng.choice(USUAL_TO_IMPOSSIBLE_NUMBERS),
         lambda: rng.random() < 0.5,
         lambda: UnquotedTomlText(
             rng.choice(
@@ -211,7 +211,9 @@ def tables_and_allowed_keys_in_brake_data(
                     yield from tables_and_allowed_keys_in_brake_data(model, part)
 
 
-def random_value_near_type(rng: random.Random, annotation: Any, before: Any) -> Any:
+def random_value_mostly_of_similar_type_or_value(
+    rng: random.Random, annotation: Any, before: Any
+) -> Any:
     """A random value for a key, mostly near its type or near its present value.
 
     Parameters
@@ -227,8 +229,8 @@ def random_value_near_type(rng: random.Random, annotation: Any, before: Any) -> 
     # candidates.
     said = str(annotation)
     choices: list[Any] = [
-        rng.choice(WRONG_QUANTITIES),
-        rng.choice(WRONG_NUMBERS),
+        rng.choice(USUAL_TO_IMPOSSIBLE_QUANTITIES),
+        rng.choice(USUAL_TO_IMPOSSIBLE_NUMBERS),
         random_toml_value(rng),
     ]
     if "Literal" in said:
@@ -237,10 +239,15 @@ def random_value_near_type(rng: random.Random, annotation: Any, before: Any) -> 
     if "tuple" in said:
         rows = []
         for _ in range(rng.choice([1, 2, 3])):
-            rows.append([rng.choice(WRONG_QUANTITIES), rng.choice(WRONG_QUANTITIES)])
+            rows.append(
+                [
+                    rng.choice(USUAL_TO_IMPOSSIBLE_QUANTITIES),
+                    rng.choice(USUAL_TO_IMPOSSIBLE_QUANTITIES),
+                ]
+            )
         choices += [rows, []]
     if "Path" in said:
-        choices += list(WRONG_PATHS)
+        choices += list(EXISTING_MISSING_AND_FORBIDDEN_PATHS)
     # A quantity with a unit is scaled by a random factor; such values are drawn more often than
     # others.
     if isinstance(before, str) and (match := re.fullmatch(r"([-\d.]+) (.+)", before)):
@@ -256,7 +263,7 @@ def random_value_near_type(rng: random.Random, annotation: Any, before: Any) -> 
     return "" if value is None else value
 
 
-WRONG_INTEGERS = (
+VALID_AND_WRONG_INTEGER_WORDS = (
     "-1",
     "0",
     "1",
@@ -274,7 +281,7 @@ WRONG_INTEGERS = (
     "²",
 )
 """Words for command-line options that take an integer, valid and wrong ones."""
-WRONG_FLOATS = (
+VALID_AND_WRONG_NUMBER_WORDS = (
     "-1",
     "0",
     "0.01",
@@ -293,7 +300,7 @@ WRONG_FLOATS = (
     "9" * 4301,
 )
 """Words for command-line options that take a number, valid and wrong ones."""
-WRONG_TEXTS = {
+VALID_AND_WRONG_TEXTS_BY_OPTION = {
     "model": ("fem", "sine", "foundation", "short", "guess", ""),
     "kind": ("quad2", "quad1", "tri2", "tri1", "hex8", ""),
     "penalty": ("inf", "1e6", "1", "0", "-1", "nan", "1e-300", "1e300", "soft", "9" * 4301),

@@ -28,7 +28,7 @@ from drumlin.fem.equilibrium.pressure_friction import (
 )
 from drumlin.fem.equilibrium.sharing import contact_matrix_with_forces_as_unknowns
 from drumlin.fem.equilibrium.springs import SpringMatrices
-from drumlin.fem.preparation.bodies import load_column_factors_under_all_loads
+from drumlin.fem.preparation.bodies import unit_load_factors_under_all_loads
 
 
 class ShoeAdjoint(NamedTuple):
@@ -54,7 +54,7 @@ class ShoeAdjoint(NamedTuple):
     force: float
 
 
-class GroupAdjoint(NamedTuple):
+class TorqueDerivativesAndAdjointOfGroup(NamedTuple):
     """The derivatives of the torques of a group of shoes, and the adjoint of each shoe.
 
     Attributes
@@ -62,10 +62,12 @@ class GroupAdjoint(NamedTuple):
     group : the group, with the directions of friction at its abutments in the solution
     shoes : the adjoint and the solution of each shoe
     torques : torque of each shoe (shoes,) [N m]
-    friction_slopes : change of the torque of each shoe per friction coefficient (shoes,) [N m]
-    ring_modulus_slope : change of the group's torque by the logarithm of the ring's modulus [N m]
-    given_forces_slope : change of the group's torque by the logarithm of all actuation forces that
-        the brake file gives [N m]
+    torque_slopes_by_friction : change of the torque of each shoe per friction coefficient (shoes,)
+        [N m]
+    torque_slope_by_log_of_ring_modulus : change of the group's torque by the logarithm of the
+        ring's modulus [N m]
+    torque_slope_by_given_forces : change of the group's torque by the logarithm of all actuation
+        forces that the brake file gives [N m]
     springs : the effects of the brake's springs on the group, at the friction of the solution
     preload_slopes : change of the group's torque per preload (springs,) [m]
     approaches : motion (springs,) [m] by which the points of each spring come nearer to each other
@@ -74,15 +76,15 @@ class GroupAdjoint(NamedTuple):
     group: ShoeGroup
     shoes: list[ShoeAdjoint]
     torques: Floats
-    friction_slopes: Floats
-    ring_modulus_slope: float
-    given_forces_slope: float
+    torque_slopes_by_friction: Floats
+    torque_slope_by_log_of_ring_modulus: float
+    torque_slope_by_given_forces: float
     springs: SpringMatrices
     preload_slopes: Floats
     approaches: Floats
 
 
-def solve_adjoint_for_torque_of_shoe_group(group: ShoeGroup) -> GroupAdjoint:
+def solve_adjoint_for_torque_of_shoe_group(group: ShoeGroup) -> TorqueDerivativesAndAdjointOfGroup:
     """Solve a group's contact problem, and the adjoint problem for the sum of its shoes' torques.
 
     Raises NoAnswer as `solve_shoe_group_with_lining_friction` does.
@@ -128,13 +130,17 @@ def solve_adjoint_for_torque_of_shoe_group(group: ShoeGroup) -> GroupAdjoint:
     by_friction = lever.T @ contact.p - each.T @ (per_friction @ answer)
     given = _torque_slope_by_logarithm_of_actuation_forces(group, shoes)
     springs = group.spring_matrices_at_friction(mu)
-    return GroupAdjoint(
+    return TorqueDerivativesAndAdjointOfGroup(
         group=group,
         shoes=shoes,
         torques=size * mu * (lever.T @ contact.p),
-        friction_slopes=size * by_friction,
-        ring_modulus_slope=_torque_slope_by_logarithm_of_ring_modulus(group, a, contact.p),
-        given_forces_slope=size * group.sum_of_cam_forces_over_largest_force * float(c[-1])
+        torque_slopes_by_friction=size * by_friction,
+        torque_slope_by_log_of_ring_modulus=_torque_slope_by_logarithm_of_ring_modulus(
+            group, a, contact.p
+        ),
+        torque_slope_by_given_forces=size
+        * group.sum_of_cam_forces_over_largest_force
+        * float(c[-1])
         if group.indices_of_shoes_under_cam
         else given,
         springs=springs,
@@ -160,9 +166,9 @@ def _approaches_of_springs(
     found = found + springs.approach_by_motion @ y
     for k, own in enumerate(shoes):
         body = group.substructures_of_shoes[k]
-        load = load_column_factors_under_all_loads(body, group.shoes[k], own.force)
-        for j, factors in enumerate(springs.load_factors):
-            found[j] += float(factors[k] @ body.load_motion_by_load @ load)
+        load = unit_load_factors_under_all_loads(body, group.shoes[k], own.force)
+        for j, factors in enumerate(springs.load_column_factors):
+            found[j] += float(factors[k] @ body.load_point_motion_by_load @ load)
     return np.asarray(found)
 
 

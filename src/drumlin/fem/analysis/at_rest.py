@@ -14,12 +14,12 @@ import numpy as np
 from drumlin.base.arrays import Floats
 from drumlin.base.lapack import block_diag
 from drumlin.brake.brake import Brake
-from drumlin.brake.support import UNHELD
+from drumlin.brake.support import SENSE_VALUE_OF_ABUTMENT_THAT_DOES_NOT_ACT
 from drumlin.contact import equations
-from drumlin.contact.stick_slip import FrictionalProblem
+from drumlin.contact.stick_slip import StickSlipProblem
 from drumlin.fem.equilibrium.group import ShoeGroup
 from drumlin.fem.equilibrium.sharing import (
-    ForceEffects,
+    EffectsOfActuationForceOnShoe,
     make_contact_problem_with_strut_and_cam_forces,
 )
 from drumlin.fem.equilibrium.spring_nodes import (
@@ -27,23 +27,23 @@ from drumlin.fem.equilibrium.spring_nodes import (
     actuation_effects_with_spring_nodes,
     spring_border_at_friction,
 )
-from drumlin.fem.model import PENALTY
+from drumlin.fem.model import DEFAULT_PENALTY_FACTOR
 from drumlin.fem.preparation.bodies import (
-    load_column_factors_and_pin_moment_per_newton,
-    load_column_factors_under_all_loads,
+    actuation_factors_and_pin_moment_per_newton,
     penalty_stiffness_of_contact_per_area,
+    unit_load_factors_under_all_loads,
 )
 
 
 def make_stick_slip_problem_and_slip_per_drum_rotation(
     group: ShoeGroup, springs: SpringNodes | None = None
-) -> tuple[FrictionalProblem, Floats]:
+) -> tuple[StickSlipProblem, Floats]:
     """The stick-slip problem of a group of shoes on a drum at rest, and the slip per drum rotation.
 
     The problem is stated per newton of the group's largest actuation force F. The second value (n,)
     [m^3] is the weighted slip of each node per radian of drum rotation: the integral of the slip
     times the node's shape function. If the drum turns by Omega, this value times Omega/F is added
-    to the weighted slips `FrictionalProblem.q_s`. Tractions and slips are positive along e_theta of
+    to the weighted slips `StickSlipProblem.q_s`. Tractions and slips are positive along e_theta of
     the brake.
 
     The nodes of the linings come first, then one node for each foot on a rough abutment, see
@@ -51,7 +51,11 @@ def make_stick_slip_problem_and_slip_per_drum_rotation(
     the `springs` with a rate. The group is then that of `group_under_spring_pulls` with None.
     """
     feet = FeetOnRoughAbutments.collect_feet_on_rough_abutments(group)
-    still = replace(group, brake=feet.brake_with_smooth_abutments(0.0), friction_senses=feet.senses)
+    still = replace(
+        group,
+        brake=feet.brake_with_smooth_abutments(0.0),
+        abutment_friction_directions_of_shoes=feet.senses,
+    )
     shoes = [_matrices_of_tractions_on_lining(still, k) for k in range(len(group.members))]
     problem = feet.stick_slip_problem_with_abutment_nodes(
         _stick_slip_problem_without_abutments(still, shoes), still
@@ -80,8 +84,8 @@ class _TractionMatrices(NamedTuple):
     compliance : compliance (n, n) of the penalty contact along the friction surface, which is the
         same as normal to the surface
     q_s : weighted slips (n,) without pressure and traction
-    effects : the `ForceEffects` of the actuation force, with slips in place of gaps and tractions
-        in place of pressures
+    effects : the `EffectsOfActuationForceOnShoe` of the actuation force, with slips in place of
+        gaps and tractions in place of pressures
     load_travel : elastic displacement (n, l) of the point at which each of l unit loads acts, along
         the load and per nodal traction
     """
@@ -93,7 +97,7 @@ class _TractionMatrices(NamedTuple):
     C_t: Floats
     compliance: Floats
     q_s: Floats
-    effects: ForceEffects
+    effects: EffectsOfActuationForceOnShoe
     load_travel: Floats
 
 
@@ -109,23 +113,19 @@ def _matrices_of_tractions_on_lining(group: ShoeGroup, k: int) -> _TractionMatri
     # Y is L^-1 f for nodal forces f and the Cholesky factor L of the stiffness L L^T. The product
     # of two parts of Y is a flexibility: pressed^T dragged gives the weighted gaps that tractions
     # open.
-    Y = condensed.inverse_cholesky_factor_times_nodal_forces(
+    Y = condensed.half_flexibility_under_nodal_forces(
         np.hstack([-coupling.N.T, T.T, condensed.load_on_contact])
     )
     pressed, dragged, loaded = np.split(Y, [n, 2 * n], axis=1)
-    load, _ = load_column_factors_and_pin_moment_per_newton(body, shoe)
-    acting = (
-        load_column_factors_under_all_loads(body, shoe, shoe.actuation.force)
-        / group.largest_actuation_force
-    )
+    load, _ = actuation_factors_and_pin_moment_per_newton(body, shoe)
+    acting = unit_load_factors_under_all_loads(body, shoe, shoe.actuation.force)
+    acting = acting / group.largest_actuation_force
     tip = dragged.T @ (loaded @ load)
     bearing = np.zeros(n)
     if shoe.abutment is not None:
         nodal = T.reshape(n, -1, 2).sum(axis=1)
-        bearing = (
-            -shoe.frame.convert_vectors_from_shoe_to_brake_frame(nodal)
-            @ shoe.unit_vector_of_smooth_abutment_force
-        )
+        nodal = shoe.frame.convert_vectors_from_shoe_to_brake_frame(nodal)
+        bearing = -nodal @ shoe.unit_vector_of_smooth_abutment_force
     effects = group.contact_effects_of_each_actuation_force(0.0)[k]
     return _TractionMatrices(
         # Displacements u of the contact nodes close the weighted gaps by N u. The nodal forces of
@@ -138,7 +138,7 @@ def _matrices_of_tractions_on_lining(group: ShoeGroup, k: int) -> _TractionMatri
         compliance=coupling.M / group.contact_stiffness_per_area_of_shoes[k],
         q_s=-(dragged.T @ (loaded @ acting)),
         effects=effects._replace(
-            gap_by_force=-tip, tip_travel_by_pressure=tip, foot_force_by_pressure=bearing
+            gap_by_force=-tip, load_point_travel_by_pressure=tip, foot_force_by_pressure=bearing
         ),
         load_travel=dragged.T @ loaded,
     )
@@ -146,7 +146,7 @@ def _matrices_of_tractions_on_lining(group: ShoeGroup, k: int) -> _TractionMatri
 
 def _stick_slip_problem_without_abutments(
     still: ShoeGroup, shoes: list[_TractionMatrices]
-) -> FrictionalProblem:
+) -> StickSlipProblem:
     """The stick-slip problem of the linings of a group whose feet move freely in the plane.
 
     Parameters
@@ -171,7 +171,7 @@ def _stick_slip_problem_without_abutments(
         A_wt = A_wt + pressed.T @ dragged
         A_sp = A_sp - dragged.T @ pressed
         A_st = A_st - dragged.T @ dragged
-    return FrictionalProblem(
+    return StickSlipProblem(
         A_wp=normal.A,
         A_wt=A_wt,
         A_sp=A_sp,
@@ -196,15 +196,17 @@ class FeetOnRoughAbutments(NamedTuple):
     Attributes
     ----------
     group : the group of shoes
-    shoe_numbers : numbers, within the group, of the shoes whose feet stand on rough abutments
-    senses : direction of friction at the abutment of each shoe of the group; UNHELD (the abutment
-        is left out) if the foot is a node of the stick-slip problem
+    indices_of_shoes_on_rough_abutments : numbers, within the group, of the shoes whose feet stand
+        on rough abutments
+    senses : direction of friction at the abutment of each shoe of the group;
+        SENSE_VALUE_OF_ABUTMENT_THAT_DOES_NOT_ACT (the abutment is left out) if the foot is a node
+        of the stick-slip problem
     foot_compliance : penalty compliance (feet,) [m/N] of the contact between each foot and its
         abutment, normal to the face and along it
     """
 
     group: ShoeGroup
-    shoe_numbers: list[int]
+    indices_of_shoes_on_rough_abutments: list[int]
     senses: tuple[int, ...]
     foot_compliance: Floats
 
@@ -213,14 +215,14 @@ class FeetOnRoughAbutments(NamedTuple):
         """Collect the feet of a group's shoes on rough abutments."""
         # If the contact of the linings is exact (no penalty), a sticking foot needs a finite
         # contact stiffness nevertheless.
-        penalty = PENALTY if math.isinf(group.penalty) else group.penalty
+        penalty = DEFAULT_PENALTY_FACTOR if math.isinf(group.penalty) else group.penalty
         on, stiffness = [], []
         senses = [1] * len(group.shoes)
         for k, shoe in enumerate(group.shoes):
             if shoe.abutment is None or not shoe.abutment.friction > 0:
                 continue
             on.append(k)
-            senses[k] = UNHELD
+            senses[k] = SENSE_VALUE_OF_ABUTMENT_THAT_DOES_NOT_ACT
             area = float(group.substructures_of_shoes[k].coupling.areas_of_contact_nodes.sum())
             stiffness.append(penalty_stiffness_of_contact_per_area(shoe, penalty) * area)
         return cls(group, on, tuple(senses), 1 / np.array(stiffness))
@@ -239,15 +241,15 @@ class FeetOnRoughAbutments(NamedTuple):
 
     def friction_coefficients_of_all_nodes(self) -> Floats:
         """The friction coefficients (n,) of all nodes: linings, feet, then one-sided supports."""
-        abutments = [self.group.shoes[k].abutment for k in self.shoe_numbers]
+        abutments = [self.group.shoes[k].abutment for k in self.indices_of_shoes_on_rough_abutments]
         of_feet = [abutment.friction for abutment in abutments if abutment is not None]
         of_supports = [0.0] * len(self.group.one_sided_supports)
         of_linings = self.group.brake.friction * self.group.friction_of_nodes_over_brake_friction
         return np.concatenate([of_linings, of_feet, of_supports])
 
     def stick_slip_problem_with_abutment_nodes(
-        self, problem: FrictionalProblem, still: ShoeGroup
-    ) -> FrictionalProblem:
+        self, problem: StickSlipProblem, still: ShoeGroup
+    ) -> StickSlipProblem:
         """Add a node for each foot on a rough abutment to a stick-slip problem.
 
         Parameters
@@ -255,16 +257,20 @@ class FeetOnRoughAbutments(NamedTuple):
         problem : the stick-slip problem of the linings
         still : the frictionless group of this problem, whose feet move freely
         """
-        if not self.shoe_numbers:
+        if not self.indices_of_shoes_on_rough_abutments:
             return problem
-        count = len(self.shoe_numbers)
+        count = len(self.indices_of_shoes_on_rough_abutments)
         off = np.zeros((count, problem.B_w.shape[1]))
         slid = np.zeros((count, problem.B_w.shape[1]))
         # The rigid-body modes of the shoe are two translations and the rotation about its foot. One
         # translation moves the foot off the abutment, the other along it; the rotation does not
         # move it.
-        for row, k in enumerate(self.shoe_numbers):
-            names = still.shoes[k].rigid_body_modes_of_support(UNHELD).names
+        for row, k in enumerate(self.indices_of_shoes_on_rough_abutments):
+            names = (
+                still.shoes[k]
+                .rigid_body_modes_of_support(SENSE_VALUE_OF_ABUTMENT_THAT_DOES_NOT_ACT)
+                .names
+            )
             first = still.rigid_body_mode_slices_of_shoes[k].start
             off[row, first + names.index("off")] = 1.0
             slid[row, first + names.index("slide")] = 1.0
@@ -286,8 +292,8 @@ class FeetOnRoughAbutments(NamedTuple):
 
 
 def _stick_slip_problem_with_one_sided_support_nodes(
-    still: ShoeGroup, problem: FrictionalProblem, shoes: list[_TractionMatrices]
-) -> FrictionalProblem:
+    still: ShoeGroup, problem: StickSlipProblem, shoes: list[_TractionMatrices]
+) -> StickSlipProblem:
     """Add a node without friction for each one-sided support to a stick-slip problem.
 
     The pressure of the node is the force of the support [N], and its gap is the opening [m].
@@ -308,7 +314,7 @@ def _stick_slip_problem_with_one_sided_support_nodes(
     linings = matrices.opening_by_pressure.shape[1]
     by_pressure[:, :linings] = matrices.opening_by_pressure
     gap[:linings] = matrices.gap_by_force
-    penalty = PENALTY if math.isinf(still.penalty) else still.penalty
+    penalty = DEFAULT_PENALTY_FACTOR if math.isinf(still.penalty) else still.penalty
     for j, support in enumerate(supports):
         for side in support.sides:
             nodes = still.contact_node_slices_of_shoes[side.shoe]
@@ -346,10 +352,10 @@ def _zero_matrix_with_lower_left_block(block: Floats, count: int) -> Floats:
 
 def _stick_slip_problem_with_spring_nodes(
     still: ShoeGroup,
-    problem: FrictionalProblem,
+    problem: StickSlipProblem,
     shoes: list[_TractionMatrices],
     springs: SpringNodes,
-) -> FrictionalProblem:
+) -> StickSlipProblem:
     """Add a node without friction for each spring with a rate to a stick-slip problem.
 
     The pressure of the node is the pull of the spring [N], and its gap is zero while it acts.
@@ -362,7 +368,7 @@ def _stick_slip_problem_with_spring_nodes(
     springs : the springs
     """
     border, count = spring_border_at_friction(still, springs, 0.0), len(springs.numbers)
-    factors = still.spring_matrices_at_friction(0.0).load_factors
+    factors = still.spring_matrices_at_friction(0.0).load_column_factors
     size, linings = len(problem.q_w), border.opening_by_pressure.shape[1]
     by_pressure, by_traction = np.zeros((count, size)), np.zeros((count, size))
     gap, of_shoes = np.zeros((size, count)), still.contact_node_slices_of_shoes
@@ -389,10 +395,10 @@ def _stick_slip_problem_with_spring_nodes(
 
 def _stick_slip_problem_with_strut_and_cam_forces(
     still: ShoeGroup,
-    problem: FrictionalProblem,
+    problem: StickSlipProblem,
     shoes: list[_TractionMatrices],
     springs: SpringNodes | None,
-) -> FrictionalProblem:
+) -> StickSlipProblem:
     """Replace the actuation forces in a stick-slip problem by the forces of struts and a cam.
 
     Parameters
@@ -414,7 +420,7 @@ def _stick_slip_problem_with_strut_and_cam_forces(
 
 
 def _contact_problem_with_tractions_among_pressures(
-    problem: FrictionalProblem,
+    problem: StickSlipProblem,
 ) -> equations.ContactProblem:
     """A stick-slip problem written as a contact problem, with tractions among the pressures.
 
@@ -432,8 +438,10 @@ def _contact_problem_with_tractions_among_pressures(
 
 def _actuation_effects_on_pressures_and_tractions(
     still: ShoeGroup, shoes: list[_TractionMatrices], n: int, springs: SpringNodes | None
-) -> list[ForceEffects]:
-    """The `ForceEffects` of each shoe, with slips after the gaps and tractions after the pressures.
+) -> list[EffectsOfActuationForceOnShoe]:
+    """The effects of the actuation force on each shoe, with slips and tractions.
+
+    The slips follow the gaps, and the tractions follow the pressures.
 
     They are the effects of the actuation force on the n gaps and n slips, and the effects of the n
     pressures and n tractions on the shoe's tip and foot.
@@ -455,8 +463,8 @@ def _actuation_effects_on_pressures_and_tractions(
         both = normal._replace(
             nodes=np.concatenate([nodes, n + slips]),
             gap_by_force=np.concatenate([normal.gap_by_force, tangential.gap_by_force]),
-            tip_travel_by_pressure=np.concatenate(
-                [normal.tip_travel_by_pressure, tangential.tip_travel_by_pressure]
+            load_point_travel_by_pressure=np.concatenate(
+                [normal.load_point_travel_by_pressure, tangential.load_point_travel_by_pressure]
             ),
             foot_force_by_pressure=np.concatenate(
                 [normal.foot_force_by_pressure, tangential.foot_force_by_pressure]
@@ -468,14 +476,14 @@ def _actuation_effects_on_pressures_and_tractions(
 
 def _stick_slip_problem_from_contact_problem(
     stacked: equations.ContactProblem, Q: Floats
-) -> FrictionalProblem:
+) -> StickSlipProblem:
     """The stick-slip problem from a contact problem with stacked pressures and tractions.
 
     `Q` (n, n) is the compliance of the penalty contact.
     """
     A, q, B, C, h = stacked
     n = len(Q)
-    return FrictionalProblem(
+    return StickSlipProblem(
         A_wp=A[:n, :n],
         A_wt=A[:n, n:],
         A_sp=A[n:, :n],

@@ -32,10 +32,10 @@ def stations_and_deflections_of_beam(
     of_shoe = stress_and_displacement_fields_of_shoe(scene, brake, response, index)
     from_hinge = of_shoe.points - axis.hinge
     # The nodes on the beam's axis are those whose distance from the axis is round-off.
-    on = np.abs(from_hinge @ axis.towards) < 1e-9 * axis.length
+    on = np.abs(from_hinge @ axis.unit_normal_towards_drum_centre) < 1e-9 * axis.length
     # A node between two materials occurs twice in the fields. `unique` keeps each position once.
     x, first = np.unique(np.round(from_hinge[on] @ axis.along, 12), return_index=True)
-    return x, (of_shoe.displacement[on] @ axis.towards)[first]
+    return x, (of_shoe.displacement[on] @ axis.unit_normal_towards_drum_centre)[first]
 
 
 def angles_and_inward_displacements_of_ring_surface(

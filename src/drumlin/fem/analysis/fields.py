@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from drumlin.base.arrays import EqualByArrays, Floats, Ints
+from drumlin.base.arrays import BaseClassWithArrayEquality, Floats, Ints
 from drumlin.base.errors import BadInput
 from drumlin.base.files import temporary_file_replacing_output
 from drumlin.brake.brake import Brake, ShoeFrame
 from drumlin.brake.elasticity import ElasticLayer
-from drumlin.fem.hp.grid import ColumnGrid
+from drumlin.fem.hp.grid import HpElementGrid
 from drumlin.fem.preparation.bodies import (
     functions_of_free_thermal_strain_by_layer,
 )
@@ -29,9 +29,12 @@ from drumlin.fem.substructure.elasticity import (
     elastic_layers_of_shoe,
     stresses_from_displacement_gradients,
 )
-from drumlin.fem.substructure.expansion import Strains, stress_times_width_of_free_strain
+from drumlin.fem.substructure.expansion import (
+    FreeStrainFunctionByLayer,
+    stress_times_width_of_free_strain,
+)
 from drumlin.fem.substructure.interface import (
-    Directions,
+    NormalsAndTangentsFunction,
     function_that_returns_drum_normals_and_tangents,
     plane_normals_and_tangents,
 )
@@ -43,7 +46,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False)
-class Fields(EqualByArrays):
+class StressAndDisplacementFields(BaseClassWithArrayEquality):
     """Displacements and stresses of one body at its nodes, in the frame of the brake.
 
     Stresses jump between materials, so that a node is repeated for each material around the node.
@@ -86,7 +89,7 @@ class Fields(EqualByArrays):
         return pyvista.from_meshio(self.to_meshio())
 
 
-class _SolvedBody(NamedTuple):
+class _BodyWithNodalDisplacements(NamedTuple):
     """A body and the displacements of its nodes, in the body's own frame.
 
     Attributes
@@ -103,10 +106,10 @@ class _SolvedBody(NamedTuple):
     layers: dict[str, ElasticLayer]
     u: Floats
     pressure: Floats
-    strains: Strains = MappingProxyType({})
+    strains: FreeStrainFunctionByLayer = MappingProxyType({})
 
 
-class _Placement(NamedTuple):
+class _TransformationToBrakeFrame(NamedTuple):
     """Functions that transform a body from its own frame to the frame of the brake.
 
     Attributes
@@ -118,10 +121,10 @@ class _Placement(NamedTuple):
 
     frame: ShoeFrame
     points: Callable[[Floats], Floats]
-    directions: Directions
+    directions: NormalsAndTangentsFunction
 
 
-class _SubdomainFields(NamedTuple):
+class _StressesOfSubdomain(NamedTuple):
     """The nodes, cells and stresses of one subdomain, a part of a body with one material.
 
     Attributes
@@ -136,7 +139,7 @@ class _SubdomainFields(NamedTuple):
     stress: Floats
 
 
-class NodalMeans(NamedTuple):
+class NodalMeansOfTensorField(NamedTuple):
     """The mean of a tensor field at each node, over the elements that meet at the node.
 
     Attributes
@@ -151,7 +154,7 @@ class NodalMeans(NamedTuple):
     values: Floats
 
 
-class _ElementNodes(NamedTuple):
+class _ShapeFunctionsAtElementNodes(NamedTuple):
     """The shape functions of m elements at their own a nodes.
 
     Attributes
@@ -169,7 +172,7 @@ class _ElementNodes(NamedTuple):
 
 def stress_and_displacement_fields_of_shoe(
     scene: PreparedModel, brake: Brake, response: Response, index: int
-) -> Fields:
+) -> StressAndDisplacementFields:
     """Displacements and stresses in shoe `index` under the pressure and the force of a response."""
     shoe, body = brake_with_forces_of_response(brake, response).shoes[index], scene.bodies[index]
     answer = response.shoes[index]
@@ -177,7 +180,7 @@ def stress_and_displacement_fields_of_shoe(
     u = nodal_displacements_of_shoe(body, brake, shoe, answer, p).reshape(-1, 2).T
     pressure = np.zeros(body.basis.N)
     pressure[body.line.nodes] = p
-    solved = _SolvedBody(
+    solved = _BodyWithNodalDisplacements(
         body.mesh,
         body.basis,
         elastic_layers_of_shoe(shoe),
@@ -187,17 +190,18 @@ def stress_and_displacement_fields_of_shoe(
     )
     directions = (
         plane_normals_and_tangents
-        if shoe.flat
-        else function_that_returns_drum_normals_and_tangents(shoe.sign)
+        if shoe.is_on_plane
+        else function_that_returns_drum_normals_and_tangents(shoe.sign_internal_plus_external_minus)
     )
     return _stress_and_displacement_fields_in_brake_frame(
-        solved, _Placement(shoe.frame, shoe.convert_points_to_brake_frame, directions)
+        solved,
+        _TransformationToBrakeFrame(shoe.frame, shoe.convert_points_to_brake_frame, directions),
     )
 
 
 def stress_and_displacement_fields_of_ring(
     scene: PreparedModel, brake: Brake, response: Response
-) -> Fields:
+) -> StressAndDisplacementFields:
     """Displacements and stresses in the drum ring under the contact pressures of all shoes.
 
     Raises BadInput for a rigid drum.
@@ -211,10 +215,12 @@ def stress_and_displacement_fields_of_ring(
         list(map(brake.signed_friction_stress_over_pressure, brake.shoes)),
     )
     no_pressure = np.zeros(ring.basis.N)
-    solved = _SolvedBody(ring.mesh, ring.basis, elastic_layers_of_ring(section), u, no_pressure)
+    solved = _BodyWithNodalDisplacements(
+        ring.mesh, ring.basis, elastic_layers_of_ring(section), u, no_pressure
+    )
     return _stress_and_displacement_fields_in_brake_frame(
         solved,
-        _Placement(
+        _TransformationToBrakeFrame(
             ShoeFrame(0.0, 1), np.asarray, function_that_returns_drum_normals_and_tangents(1)
         ),
     )
@@ -237,7 +243,7 @@ def friction_stress_over_friction_coefficient_of_each_lining(
 
 def stress_and_displacement_fields_of_shoes_and_ring(
     scene: PreparedModel, brake: Brake, response: Response
-) -> list[Fields]:
+) -> list[StressAndDisplacementFields]:
     """Displacements and stresses in each shoe, and then in the drum ring if it is elastic."""
     every = [
         stress_and_displacement_fields_of_shoe(scene, brake, response, i)
@@ -249,8 +255,8 @@ def stress_and_displacement_fields_of_shoes_and_ring(
 
 
 def _stress_and_displacement_fields_in_brake_frame(
-    solved: _SolvedBody, place: _Placement
-) -> Fields:
+    solved: _BodyWithNodalDisplacements, place: _TransformationToBrakeFrame
+) -> StressAndDisplacementFields:
     """Recover the fields of a solved body, and transform them to the frame of the brake."""
     mesh, basis = solved.mesh, solved.basis
     nodes, cells, numbers, stresses, pressures, first = [], [], [], [], [], 0
@@ -273,7 +279,7 @@ def _stress_and_displacement_fields_in_brake_frame(
     rotated = np.einsum("ia,nij,jb->nab", turn, np.concatenate(stresses), turn)
     xx, yy, shear = rotated[:, 0, 0], rotated[:, 1, 1], rotated[:, 0, 1]
     p = np.concatenate(pressures)
-    return Fields(
+    return StressAndDisplacementFields(
         points=place.points(xy).T,
         cells=np.concatenate(cells),
         cell_type={3: "triangle", 4: "quad"}[cells[0].shape[1]],
@@ -286,18 +292,20 @@ def _stress_and_displacement_fields_in_brake_frame(
     )
 
 
-def _mean_nodal_stresses_of_subdomain(solved: _SolvedBody, name: str) -> _SubdomainFields:
+def _mean_nodal_stresses_of_subdomain(
+    solved: _BodyWithNodalDisplacements, name: str
+) -> _StressesOfSubdomain:
     """The nodes, cells and mean stresses of the subdomain `name` of a solved body.
 
     The free thermal strains of a heated subdomain are subtracted from its strains.
     """
     basis, layer = solved.basis, solved.layers[name]
-    mesh = basis if isinstance(basis, ColumnGrid) else basis.mesh
+    mesh = basis if isinstance(basis, HpElementGrid) else basis.mesh
     dofs, slopes, corners = _shape_gradients_at_element_nodes(basis, mesh.subdomains[name])
     gradient = np.einsum("ian,ajnq->ijnq", solved.u[:, dofs], slopes)
     points = basis.doflocs[:, dofs].transpose(0, 2, 1)
     stress = stresses_from_displacement_gradients(
-        gradient, layer.elasticity, layer.directions(points)
+        gradient, layer.elasticity, layer.unit_vectors_along_layer(points)
     )
     if name in solved.strains:
         free_strains = solved.strains[name](points)
@@ -307,10 +315,10 @@ def _mean_nodal_stresses_of_subdomain(solved: _SolvedBody, name: str) -> _Subdom
     # Each element has its own stress at a shared node. The field is the mean of these stresses.
     means = nodal_means_of_element_tensors(stress, dofs)
     cells = means.cells[corners].reshape(len(corners), -1).T
-    return _SubdomainFields(means.nodes, cells, means.values)
+    return _StressesOfSubdomain(means.nodes, cells, means.values)
 
 
-def nodal_means_of_element_tensors(values: Floats, dofs: Ints) -> NodalMeans:
+def nodal_means_of_element_tensors(values: Floats, dofs: Ints) -> NodalMeansOfTensorField:
     """The means of tensors at the nodes of a mesh, over the elements that meet at each node.
 
     Parameters
@@ -322,14 +330,14 @@ def nodal_means_of_element_tensors(values: Floats, dofs: Ints) -> NodalMeans:
     cells = cells.reshape(dofs.shape)
     total = np.zeros((len(nodes), *values.shape[:2]))
     np.add.at(total, cells, values.transpose(3, 2, 0, 1))
-    return NodalMeans(nodes, cells, total / np.bincount(cells.ravel())[:, None, None])
+    return NodalMeansOfTensorField(nodes, cells, total / np.bincount(cells.ravel())[:, None, None])
 
 
-def _shape_gradients_at_element_nodes(basis: Any, elements: Ints) -> _ElementNodes:
+def _shape_gradients_at_element_nodes(basis: Any, elements: Ints) -> _ShapeFunctionsAtElementNodes:
     """The shape functions of chosen elements of a body, at the nodes of the elements."""
-    if isinstance(basis, ColumnGrid):
+    if isinstance(basis, HpElementGrid):
         dofs = basis.element_dofs[:, elements]
-        return _ElementNodes(
+        return _ShapeFunctionsAtElementNodes(
             dofs,
             basis.shape_function_gradients_at_element_nodes(elements),
             basis.quadrilaterals_between_element_nodes,
@@ -337,10 +345,12 @@ def _shape_gradients_at_element_nodes(basis: Any, elements: Ints) -> _ElementNod
     slopes, _ = basis.shape_function_gradients_and_jacobian_determinants(
         basis.elem.doflocs.T, elements
     )
-    return _ElementNodes(basis.element_dofs[:, elements], slopes, basis.elem.cells_between_nodes)
+    return _ShapeFunctionsAtElementNodes(
+        basis.element_dofs[:, elements], slopes, basis.elem.cells_between_nodes
+    )
 
 
-FIELD_OF_VTU_NAME = {
+FIELD_ATTRIBUTE_BY_VTU_NAME = {
     "displacement [m]": "displacement",
     "stress xx, yy, xy [Pa]": "stress",
     "stress xx, yy, zz, xy, yz, xz [Pa]": "solid_stress",
@@ -348,14 +358,15 @@ FIELD_OF_VTU_NAME = {
     "pressure [Pa]": "pressure",
     "push of the drum [Pa]": "push",
 }
-"""For each nodal field of a .vtu file, the attribute of `Fields` or `SolidFields` that it shows.
+"""For each nodal field of a .vtu file, the attribute of `StressAndDisplacementFields` or
+`StressAndDisplacementFieldsOfHalfShoe` that it shows.
 
 The keys are the names of the fields in the file, the values the names of the attributes.
 """
 
 
 def write_fields_to_vtu_file(path: Path, parts: Sequence[Any]) -> None:
-    """Write the `Fields` or `SolidFields` of all shoes as one .vtu file for ParaView."""
+    """Write the fields of all shoes, flat or solid, as one .vtu file for ParaView."""
     # Pictures of fields need no meshio, which takes long to load.
     import meshio  # noqa: PLC0415
 
@@ -374,7 +385,7 @@ def write_fields_of_solved_model_to_vtu_file(
 
 
 def meshio_mesh_with_fields_of_all_shoes(parts: Sequence[Any]) -> "meshio.Mesh":
-    """The `Fields` or `SolidFields` of all shoes as one mesh with fields at nodes and cells."""
+    """The fields of all shoes, flat or solid, as one mesh with fields at nodes and cells."""
     import meshio  # noqa: PLC0415
 
     cells, numbers, shoes, first = [], [], [], 0
@@ -383,10 +394,10 @@ def meshio_mesh_with_fields_of_all_shoes(parts: Sequence[Any]) -> "meshio.Mesh":
         numbers.append(part.part)
         shoes.append(np.full(len(part.cells), i))
         first += len(part.points)
-    # `Fields` and `SolidFields` have different stress attributes, and only `Fields` has the
-    # attribute `push`.
+    # `StressAndDisplacementFields` and `StressAndDisplacementFieldsOfHalfShoe` have different
+    # stress attributes, and only `StressAndDisplacementFields` has the attribute `push`.
     nodal = {}
-    for head, name in FIELD_OF_VTU_NAME.items():
+    for head, name in FIELD_ATTRIBUTE_BY_VTU_NAME.items():
         if hasattr(parts[0], name):
             nodal[head] = _join_field_arrays_of_all_bodies(parts, name)
     cell_data = {"part": numbers, "shoe": shoes}

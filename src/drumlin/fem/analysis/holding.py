@@ -24,15 +24,15 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from drumlin.base.arrays import EqualByArrays, Floats, Ints
+from drumlin.base.arrays import BaseClassWithArrayEquality, Floats, Ints
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake
 from drumlin.brake.one_sided import require_no_shoe_on_anchors
 from drumlin.contact import stick_slip
-from drumlin.contact.active_set import Contact
+from drumlin.contact.active_set import ContactSolution
 from drumlin.contact.pressure_friction import (
-    FrictionAtPressures,
-    NodalFriction,
+    FunctionOfNodalFrictionByPressures,
+    NodalFrictionAndSlope,
     solve_stick_slip_increment_with_pressure_dependent_friction,
 )
 from drumlin.contact.stick_slip import (
@@ -40,9 +40,9 @@ from drumlin.contact.stick_slip import (
     FORWARD,
     OPEN,
     STICK,
-    FrictionalProblem,
-    Increment,
-    SlipHistory,
+    StickSlipIncrementSolution,
+    StickSlipProblem,
+    TractionsAndSlipsOfLastIncrement,
 )
 from drumlin.fem.analysis.at_rest import (
     FeetOnRoughAbutments,
@@ -62,10 +62,10 @@ from drumlin.fem.equilibrium.spring_nodes import (
     group_under_spring_pulls,
     spring_nodes_of_brake,
 )
-from drumlin.fem.model import PENALTY, solve_prepared_model
+from drumlin.fem.model import DEFAULT_PENALTY_FACTOR, solve_prepared_model
 from drumlin.fem.preparation.scene import PreparedModel
 
-MOST_HALVINGS = 4
+MAX_HALVINGS_OF_ROTATION_INCREMENT = 4
 """Largest number of times that an increment of the drum's rotation is halved before the solve
 fails.
 
@@ -74,57 +74,57 @@ which has one state for each node, then has no solution. This happens if the inc
 times as large as the rotation to full slip. An increment of 640 times the rotation to full slip
 needs four halvings. With more halvings a brake without a solution is only refused later.
 """
-FIRST_ROTATION = 1e-7
+FIRST_ROTATION_OF_FULL_SLIP_SEARCH = 1e-7
 """First rotation of the drum [rad] in the search for full slip, which enlarges it step by step.
 
 It lies far below any rotation that makes a lining slip, which is 1e-4 p/E or more for a lining of
 modulus E under the pressure p. The rotation grows by a factor, so that a hundred times smaller
 first rotation takes only one more increment, out of about a hundred.
 """
-EXTRA_ROTATION = 0.1
+MARGIN_OF_FULL_SLIP_ROTATION = 0.1
 """Fraction by which `find_drum_rotation_of_full_slip` enlarges the rotation that gave full slip.
 
 The rotation at which all nodes slip depends on the increments, and may be larger in a later
 computation with other increments. With half of this fraction some linings on a pivot then still
 stick at a few nodes. With a larger fraction, a table of states up to this rotation has fewer rows
-before full slip. Each increment of the search is between EXTRA_ROTATION and 1/EXTRA_ROTATION times
-the rotation reached so far.
+before full slip. Each increment of the search is between MARGIN_OF_FULL_SLIP_ROTATION and
+1/MARGIN_OF_FULL_SLIP_ROTATION times the rotation reached so far.
 """
-MOST_INCREMENTS = 100
+MOST_INCREMENTS_OF_FULL_SLIP_SEARCH = 100
 """Number of increments of rotation after which the search for full slip fails as not converged."""
-LARGEST_TORQUE_DIFFERENCE = 1e-6
+LARGEST_TORQUE_DIFFERENCE_OF_SAME_EQUILIBRIUM = 1e-6
 """Relative difference of two torques at full slip above which they count as two equilibria.
 
 Two computations of the same equilibrium differ only by the effect of the penalty, 1e-8.
 """
-LARGEST_FRICTION_RATIO_DIFFERENCE = 1e-6
+LARGEST_FOOT_FRICTION_RATIO_DIFFERENCE = 1e-6
 """Difference in the ratio of friction force to normal force above which two states of a foot
 differ.
 
 Smaller differences are round-off and the effect of the penalty.
 """
 
-NO_FRICTION_ACROSS_WIDTH = (
+NOTE_ON_NEGLECTED_FRICTION_ACROSS_WIDTH = (
     "solid: friction acts along theta; across the width the face slides freely, "
     "also where it sticks"
 )
 """Note with each state of a holding brake of solid shoes."""
-FIRST_OF_STATES_ACROSS_WIDTH = (STICK, FORWARD, BACKWARD)
+STICK_SLIP_STATES_IN_ORDER_OF_PRECEDENCE = (STICK, FORWARD, BACKWARD)
 """The states of contact nodes in order of precedence across the width of a solid shoe.
 
 The nodes across the width at one angle may have different states. The lining counts as sticking at
 this angle if one of these nodes sticks, and otherwise as slipping if one of them slips.
 """
 
-NodesFriction = float | Floats | FrictionAtPressures
+NodesFriction = float | Floats | FunctionOfNodalFrictionByPressures
 """The friction coefficient of all nodes, (n,) of each node, or the friction as a function of the
 pressures."""
 
-Arcs = tuple[tuple[float, float], ...]
+ArcsAlongLining = tuple[tuple[float, float], ...]
 """The type of arcs along a lining: the angles [rad] at which each arc starts and ends."""
 
 
-class HeldFace(NamedTuple):
+class ContactNodesOfHeldLiningFace(NamedTuple):
     """The contact nodes of one lining, at n angles and m distances from the mid-plane.
 
     A lining in plane stress has one node at each angle.
@@ -143,7 +143,7 @@ class HeldFace(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class Hold(EqualByArrays):
+class HoldingState(BaseClassWithArrayEquality):
     """The state of a holding brake at one rotation of the drum, which began to turn from rest.
 
     Attributes
@@ -156,7 +156,7 @@ class Hold(EqualByArrays):
     traction : tangential traction (n,) [Pa] on each lining along e_theta; for solid shoes the mean
         over the width
     state : state (n,) at each angle: open, stick, slip forward or slip backward; for solid shoes
-        the first state in FIRST_OF_STATES_ACROSS_WIDTH that occurs across the width
+        the first state in STICK_SLIP_STATES_IN_ORDER_OF_PRECEDENCE that occurs across the width
     stick, slip : arcs [rad] of each lining that stick, and arcs that slip
     dissipated : energy [J] dissipated by slip since the actuation force was zero
     face : contact nodes of each lining
@@ -172,10 +172,10 @@ class Hold(EqualByArrays):
     pressure: tuple[Floats, ...]
     traction: tuple[Floats, ...]
     state: tuple[Ints, ...]
-    stick: tuple[Arcs, ...]
-    slip: tuple[Arcs, ...]
+    stick: tuple[ArcsAlongLining, ...]
+    slip: tuple[ArcsAlongLining, ...]
     dissipated: float
-    face: tuple[HeldFace, ...]
+    face: tuple[ContactNodesOfHeldLiningFace, ...]
     notes: tuple[str, ...] = ()
     spring_pulls: tuple[float, ...] = ()
 
@@ -209,14 +209,14 @@ class _LoadedGroupAtRest(NamedTuple):
     """
 
     group: ShoeGroup
-    problem: FrictionalProblem
+    problem: StickSlipProblem
     slip_per_rotation: Floats
     friction: NodesFriction
-    rest: Increment
+    rest: StickSlipIncrementSolution
     dissipated: float
     springs: SpringNodes | None = None
 
-    def pulls_of_springs(self, at: Increment) -> tuple[float, ...]:
+    def pulls_of_springs(self, at: StickSlipIncrementSolution) -> tuple[float, ...]:
         """The pull [N] of each spring of the brake at an increment; empty without a rate.
 
         Raises NoAnswer if a spring is slack.
@@ -231,13 +231,13 @@ class _LoadedGroupAtRest(NamedTuple):
         """The number of nodes on linings, which come before the nodes of feet and supports."""
         return self.group.contact_node_slices_of_shoes[-1].stop
 
-    def torque(self, at: Increment) -> float:
+    def torque(self, at: StickSlipIncrementSolution) -> float:
         """The moment [N m] of the linings on the drum at an increment, against the rotation."""
         return float(self.group.largest_actuation_force**2 * (self.slip_per_rotation @ at.t))
 
     def turn_drum_from_start_to_end_rotation(
-        self, increment: Increment, start: float, end: float
-    ) -> Iterator[Increment]:
+        self, increment: StickSlipIncrementSolution, start: float, end: float
+    ) -> Iterator[StickSlipIncrementSolution]:
         """Turn the drum from `start` to `end` [rad], and yield each converged increment.
 
         `increment` is the converged increment at the rotation `start`.
@@ -259,12 +259,12 @@ class _SlidingDrumSolution(NamedTuple):
     """
 
     group: ShoeGroup
-    contact: Contact | None
+    contact: ContactSolution | None
     torque: float
     refusal: str
 
 
-class _RotationPath(NamedTuple):
+class _IncrementsAlongRotationPath(NamedTuple):
     """The increments of a group of shoes as the drum turns through given rotations.
 
     Attributes
@@ -277,32 +277,33 @@ class _RotationPath(NamedTuple):
     """
 
     held: _LoadedGroupAtRest
-    increments: list[Increment]
+    increments: list[StickSlipIncrementSolution]
     dissipated: list[float]
     solve_under_sliding_drum: Callable[[int], _SlidingDrumSolution]
 
 
-class _LiningNodeStates(NamedTuple):
+class _NodalStatesAlongLining(NamedTuple):
     """Angles [rad], pressures [Pa], tractions [Pa] and states (n,) along one lining, and its face.
 
-    n is the number of angles. The values become the entries of one shoe in a `Hold`.
+    n is the number of angles. The values become the entries of one shoe in a `HoldingState`.
     """
 
     theta: Floats
     pressure: Floats
     traction: Floats
     state: Ints
-    face: HeldFace
+    face: ContactNodesOfHeldLiningFace
 
 
-class _FootSlide(NamedTuple):
+class _FootSlideWords(NamedTuple):
     """The slide of a foot along its abutment, as words for a note.
 
-    `came_to` is the slide after the drum has turned from rest, `by_solve` the slide by `solve`.
+    `foot_slide_from_rest` is the slide after the drum has turned from rest, `foot_slide_by_solve`
+    the slide by `solve`.
     """
 
-    came_to: str
-    by_solve: str
+    foot_slide_from_rest: str
+    foot_slide_by_solve: str
 
 
 def turn_holding_brake_and_return_states_at_rotations(
@@ -310,9 +311,9 @@ def turn_holding_brake_and_return_states_at_rotations(
     brake: Brake,
     rotations: Floats,
     *,
-    penalty: float = PENALTY,
+    penalty: float = DEFAULT_PENALTY_FACTOR,
     say: Callable[[str], None] = lambda _: None,
-) -> list[Hold]:
+) -> list[HoldingState]:
     """Apply the force, turn the drum through rotations, and return the state at each rotation.
 
     The actuation force grows while the drum rests. If the linings have a gap to close, the force
@@ -391,7 +392,7 @@ def _apply_actuation_force_to_resting_group(
     problem, lever = make_stick_slip_problem_and_slip_per_drum_rotation(under, springs)
     feet = FeetOnRoughAbutments.collect_feet_on_rough_abutments(group)
     further = 0 if springs is None else len(springs.numbers)
-    count = len(feet.shoe_numbers)
+    count = len(feet.indices_of_shoes_on_rough_abutments)
     start = np.append(_states_of_nodes_without_friction(group, feet), np.full(further, FORWARD))
     size = under.largest_actuation_force
     unit_gaps = np.concatenate(group.gaps_of_unloaded_linings) / size
@@ -428,20 +429,22 @@ def _states_of_nodes_without_friction(group: ShoeGroup, feet: FeetOnRoughAbutmen
     One-sided supports that bear in it slip, and the others are open. Springs, on which no friction
     acts, always slip.
     """
-    smooth = replace(group, brake=feet.brake_with_smooth_abutments(0.0), friction_senses=())
+    smooth = replace(
+        group, brake=feet.brake_with_smooth_abutments(0.0), abutment_friction_directions_of_shoes=()
+    )
     if group.one_sided_supports:
         smooth, contact = smooth.solve_contact_and_abutment_friction()
     else:
         contact = smooth.solve_contact_for_given_abutment_friction()
     touching = np.where(contact.active, STICK, OPEN)
-    sticking = np.full(len(feet.shoe_numbers), STICK)
+    sticking = np.full(len(feet.indices_of_shoes_on_rough_abutments), STICK)
     bearing = np.where(np.array(smooth.bearing, dtype=bool), FORWARD, OPEN)
     return np.concatenate([touching, sticking, bearing])
 
 
 def _friction_of_lining_and_further_nodes(
     group: ShoeGroup, constant: Floats, p: Floats
-) -> NodalFriction:
+) -> NodalFrictionAndSlope:
     """The friction of all nodes at pressures p (n,) per newton of the group's actuation force.
 
     Nodes behind those of the linings have the coefficients of `constant` (n,).
@@ -449,16 +452,16 @@ def _friction_of_lining_and_further_nodes(
     size, n = group.largest_actuation_force, len(group.contact_node_areas)
     found = friction_and_its_slopes_at_nodes_of_group(group, size * p[:n])
     coefficient = np.append(found.coefficient, constant[n:])
-    return NodalFriction(coefficient, np.append(size * found.slope, 0 * constant[n:]))
+    return NodalFrictionAndSlope(coefficient, np.append(size * found.slope, 0 * constant[n:]))
 
 
 def _solve_load_increment(
-    problem: FrictionalProblem,
+    problem: StickSlipProblem,
     friction: NodesFriction,
-    history: SlipHistory,
+    history: TractionsAndSlipsOfLastIncrement,
     state: Ints,
     p: Floats,
-) -> Increment:
+) -> StickSlipIncrementSolution:
     """Solve a load increment under friction that may depend on the pressure.
 
     `state` and `p` (n,) are the states and pressures from which the iteration starts.
@@ -471,8 +474,8 @@ def _solve_load_increment(
 
 
 def _increase_actuation_force_at_rest(
-    problem: FrictionalProblem, gap: Floats, friction: NodesFriction, state: Ints, increments: int
-) -> tuple[Increment, float]:
+    problem: StickSlipProblem, gap: Floats, friction: NodesFriction, state: Ints, increments: int
+) -> tuple[StickSlipIncrementSolution, float]:
     """Increase the actuation force to its full value while the drum rests.
 
     Without gaps all quantities are proportional to the force, and one increment is exact. With gaps
@@ -497,7 +500,7 @@ def _increase_actuation_force_at_rest(
     NoAnswer
         if the last increment does not converge
     """
-    history = SlipHistory(np.zeros(len(gap)), np.zeros(len(gap)))
+    history = TractionsAndSlipsOfLastIncrement(np.zeros(len(gap)), np.zeros(len(gap)))
     energy, p = 0.0, np.zeros(len(gap))
     # Without a gap, the force is applied in one increment.
     shares = np.ones(1)
@@ -521,7 +524,9 @@ def _increase_actuation_force_at_rest(
 # The following functions turn the drum under the full actuation force.
 
 
-def _turn_drum_through_rotations(held: _LoadedGroupAtRest, rotations: Floats) -> _RotationPath:
+def _turn_drum_through_rotations(
+    held: _LoadedGroupAtRest, rotations: Floats
+) -> _IncrementsAlongRotationPath:
     """Turn the drum under a loaded group through rotations (m,) [rad], one after the other.
 
     Raises NoAnswer as `turn_holding_brake_and_return_states_at_rotations` does.
@@ -552,23 +557,24 @@ def _turn_drum_through_rotations(held: _LoadedGroupAtRest, rotations: Floats) ->
         reached = float(rotation)
         increments.append(increment)
         spent.append(energy * group.largest_actuation_force**2)
-    return _RotationPath(
+    return _IncrementsAlongRotationPath(
         held, increments, spent, cache(partial(_solve_contact_under_sliding_drum, held))
     )
 
 
 def turn_drum_in_increments(
-    problem: FrictionalProblem,
+    problem: StickSlipProblem,
     lever: Floats,
     friction: NodesFriction,
-    increment: Increment,
+    increment: StickSlipIncrementSolution,
     start: float,
     end: float,
-) -> Iterator[Increment]:
+) -> Iterator[StickSlipIncrementSolution]:
     """Turn the drum from one rotation to another, and yield each converged increment.
 
     The whole turn is one increment if the states of the nodes (open, stick, slip) converge.
-    Otherwise the turn is halved up to MOST_HALVINGS times, and its parts are the increments.
+    Otherwise the turn is halved up to MAX_HALVINGS_OF_ROTATION_INCREMENT times, and its parts are
+    the increments.
 
     Parameters
     ----------
@@ -597,7 +603,7 @@ def turn_drum_in_increments(
                 increment.p,
             )
         except NoAnswer:
-            if pieces >= 2**MOST_HALVINGS:
+            if pieces >= 2**MAX_HALVINGS_OF_ROTATION_INCREMENT:
                 raise
             pieces *= 2
             continue
@@ -616,12 +622,16 @@ def _shoe_group_with_other_rotation_or_friction(group: ShoeGroup, brake: Brake) 
     return replace(
         group,
         brake=brake,
-        friction_senses=() if group.has_abutment_with_friction else group.friction_senses,
+        abutment_friction_directions_of_shoes=()
+        if group.has_abutment_with_friction
+        else group.abutment_friction_directions_of_shoes,
     )
 
 
 def _energy_dissipated_by_slip_per_squared_force(
-    problem: FrictionalProblem, after: Increment, before: SlipHistory
+    problem: StickSlipProblem,
+    after: StickSlipIncrementSolution,
+    before: TractionsAndSlipsOfLastIncrement,
 ) -> float:
     """The energy dissipated by slip in an increment, per squared actuation force [J/N^2].
 
@@ -633,10 +643,10 @@ def _energy_dissipated_by_slip_per_squared_force(
 
 
 def _state_of_brake_at_rotation(
-    brake: Brake, paths: list[_RotationPath], k: int, rotation: float
-) -> Hold:
+    brake: Brake, paths: list[_IncrementsAlongRotationPath], k: int, rotation: float
+) -> HoldingState:
     """The state of the whole brake at rotation number `k`, from the increments of its groups."""
-    linings: dict[int, _LiningNodeStates] = {}
+    linings: dict[int, _NodalStatesAlongLining] = {}
     torque, dissipated = 0.0, 0.0
     notes: list[str] = []
     pulls: tuple[float, ...] = ()
@@ -648,10 +658,10 @@ def _state_of_brake_at_rotation(
         linings |= _nodal_contact_states_of_linings(path.held.group, path.increments[k])
     order = sorted(linings)
     theta, pressure, traction, state, face = zip(*(linings[i] for i in order), strict=True)
-    if any(path.held.group.scene.model == "solid" for path in paths):
-        notes.append(NO_FRICTION_ACROSS_WIDTH)
+    if any(path.held.group.prepared_model.model == "solid" for path in paths):
+        notes.append(NOTE_ON_NEGLECTED_FRICTION_ACROSS_WIDTH)
     arcs = list(map(stick_slip.sticking_and_slipping_arcs_of_lining, theta, state))
-    return Hold(
+    return HoldingState(
         rotation=rotation,
         torque=torque,
         names=tuple(brake.shoes[i].name for i in order),
@@ -669,8 +679,8 @@ def _state_of_brake_at_rotation(
 
 
 def _nodal_contact_states_of_linings(
-    group: ShoeGroup, at: Increment
-) -> dict[int, _LiningNodeStates]:
+    group: ShoeGroup, at: StickSlipIncrementSolution
+) -> dict[int, _NodalStatesAlongLining]:
     """The nodal states of each lining at an increment, by the shoe's position in the brake."""
     size = group.largest_actuation_force
     states = {}
@@ -682,15 +692,15 @@ def _nodal_contact_states_of_linings(
         line = group.substructures_of_shoes[k].line
         shares = line.width_fraction_of_each_node_across_width
         shape = -1, len(shares)
-        phi, _ = line.angles_and_mean_pressures(at.p[part])
-        face = HeldFace(
+        phi, _ = line.angles_and_pressures_averaged_over_width(at.p[part])
+        face = ContactNodesOfHeldLiningFace(
             line.node_distances_from_mid_plane,
             size * at.p[part].reshape(shape)[forward],
             size * at.t[part].reshape(shape)[forward],
             at.state[part].reshape(shape)[forward],
         )
-        states[group.members[k]] = _LiningNodeStates(
-            frame.theta(phi)[forward],
+        states[group.members[k]] = _NodalStatesAlongLining(
+            frame.surface_coordinates_of_phi(phi)[forward],
             face.pressure @ shares,
             face.traction @ shares,
             stick_slip_state_at_each_angle_of_lining(face.state),
@@ -702,10 +712,11 @@ def _nodal_contact_states_of_linings(
 def stick_slip_state_at_each_angle_of_lining(state: Ints) -> Ints:
     """The state (n,) at each angle of a lining, from the states (n, m) of nodes across the width.
 
-    It is the first state in FIRST_OF_STATES_ACROSS_WIDTH that a node at this angle has, or OPEN.
+    It is the first state in STICK_SLIP_STATES_IN_ORDER_OF_PRECEDENCE that a node at this angle has,
+    or OPEN.
     """
     found = np.full(len(state), OPEN)
-    for kind in reversed(FIRST_OF_STATES_ACROSS_WIDTH):
+    for kind in reversed(STICK_SLIP_STATES_IN_ORDER_OF_PRECEDENCE):
         found[(state == kind).any(axis=1)] = kind
     return found
 
@@ -725,7 +736,7 @@ def _solve_contact_under_sliding_drum(held: _LoadedGroupAtRest, sense: int) -> _
     try:
         if held.springs is not None:
             # The group has the pulls that its springs have in `solve`.
-            solved = solve_prepared_model(group.scene, group.brake, penalty=group.penalty)
+            solved = solve_prepared_model(group.prepared_model, group.brake, penalty=group.penalty)
             group = group_under_spring_pulls(group, solved.spring_pulls)
         group, contact = solve_shoe_group_with_lining_friction(group)
     except NoAnswer as error:
@@ -738,7 +749,7 @@ def _solve_contact_under_sliding_drum(held: _LoadedGroupAtRest, sense: int) -> _
     return _SlidingDrumSolution(group, contact, sense * brake.sign_of_motion * torque, "")
 
 
-def _notes_if_moment_differs_from_solve(path: _RotationPath, k: int) -> list[str]:
+def _notes_if_moment_differs_from_solve(path: _IncrementsAlongRotationPath, k: int) -> list[str]:
     """A note with both moments, if the moment at full slip differs from the moment by `solve`.
 
     The list is empty if the moments agree, and at partial slip. `k` is the number of the rotation.
@@ -748,13 +759,13 @@ def _notes_if_moment_differs_from_solve(path: _RotationPath, k: int) -> list[str
     if sense == 0:
         return []
     torque, sliding = held.torque(at), path.solve_under_sliding_drum(sense)
-    if math.isclose(torque, sliding.torque, rel_tol=LARGEST_TORQUE_DIFFERENCE):
+    if math.isclose(torque, sliding.torque, rel_tol=LARGEST_TORQUE_DIFFERENCE_OF_SAME_EQUILIBRIUM):
         return []
     surface = held.group.brake.surface
-    unit, moving = surface.effect_unit, surface.moving
+    unit, moving = surface.unit_of_torque_or_brake_force, surface.name_of_moving_body
     text = (
-        f"{held.group.names_of_shoes_as_text}: at full slip the {surface.effect} is {torque:.6g} "
-        f"{unit}"
+        f"{held.group.names_of_shoes_as_text}: at full slip the "
+        f"{surface.word_for_torque_or_brake_force} is {torque:.6g} {unit}"
     )
     if sliding.contact is None:
         return [f"{text}; solve has none: {sliding.refusal}"]
@@ -770,7 +781,7 @@ def _notes_if_moment_differs_from_solve(path: _RotationPath, k: int) -> list[str
     ]
 
 
-def _sense_of_full_slip_or_zero(held: _LoadedGroupAtRest, at: Increment) -> int:
+def _sense_of_full_slip_or_zero(held: _LoadedGroupAtRest, at: StickSlipIncrementSolution) -> int:
     """The sense, +1 or -1, in which all touching nodes of the linings slip.
 
     It is 0 if some touching nodes stick, or slip the other way.
@@ -780,8 +791,11 @@ def _sense_of_full_slip_or_zero(held: _LoadedGroupAtRest, at: Increment) -> int:
 
 
 def _abutments_whose_friction_differs_from_solve(
-    held: _LoadedGroupAtRest, at: Increment, group: ShoeGroup, contact: Contact
-) -> list[_FootSlide]:
+    held: _LoadedGroupAtRest,
+    at: StickSlipIncrementSolution,
+    group: ShoeGroup,
+    contact: ContactSolution,
+) -> list[_FootSlideWords]:
     """The slides of feet whose ratio of friction to normal force differs from the ratio by `solve`.
 
     Parameters
@@ -791,7 +805,9 @@ def _abutments_whose_friction_differs_from_solve(
     group, contact : the equilibrium of the group on a drum that slides from the start
     """
     size, feet = held.group.largest_actuation_force, []
-    numbers = FeetOnRoughAbutments.collect_feet_on_rough_abutments(held.group).shoe_numbers
+    numbers = FeetOnRoughAbutments.collect_feet_on_rough_abutments(
+        held.group
+    ).indices_of_shoes_on_rough_abutments
     for node, k in enumerate(numbers, start=held.number_of_lining_nodes):
         shoe = group.shoes[k]
         x, y = group.abutment_force_on_shoe(contact, k)
@@ -802,7 +818,7 @@ def _abutments_whose_friction_differs_from_solve(
         )
         if at.p[node] > 0:
             difference = abs(at.t[node] / at.p[node] - along / bearing)
-            if difference <= LARGEST_FRICTION_RATIO_DIFFERENCE:
+            if difference <= LARGEST_FOOT_FRICTION_RATIO_DIFFERENCE:
                 continue
         slide = (
             float(group.rigid_body_coordinates_of_each_shoe(contact)[k][-1])
@@ -811,14 +827,22 @@ def _abutments_whose_friction_differs_from_solve(
         )
         # The slip of a node is the negative of the slide of its foot. The subtraction from 0.0, in
         # place of a minus sign, keeps the text from showing -0.
-        came_to = f"{1e6 * size * (0.0 - at.s[node]):.6g} µm"
-        by_solve = f"{1e6 * size * slide:.6g} µm"
-        feet.append(_FootSlide(f"the foot of shoe {shoe.name!r} {came_to}", by_solve))
+        foot_slide_from_rest = f"{1e6 * size * (0.0 - at.s[node]):.6g} µm"
+        foot_slide_by_solve = f"{1e6 * size * slide:.6g} µm"
+        feet.append(
+            _FootSlideWords(
+                f"the foot of shoe {shoe.name!r} {foot_slide_from_rest}", foot_slide_by_solve
+            )
+        )
     return feet
 
 
 def find_drum_rotation_of_full_slip(
-    scene: PreparedModel, brake: Brake, *, increments: int = 20, penalty: float = PENALTY
+    scene: PreparedModel,
+    brake: Brake,
+    *,
+    increments: int = 20,
+    penalty: float = DEFAULT_PENALTY_FACTOR,
 ) -> float:
     """Find a rotation of the drum [rad] after which every touching node slips.
 
@@ -846,7 +870,7 @@ def find_drum_rotation_of_full_slip(
             ends.append(_find_drum_rotation_of_full_slip_of_group(held, target, slipping))
         except NoAnswer as error:
             raise NoAnswer(f"{held.group.names_of_shoes_as_text}: {error}") from error
-    return (1 + EXTRA_ROTATION) * max(ends)
+    return (1 + MARGIN_OF_FULL_SLIP_ROTATION) * max(ends)
 
 
 def _find_drum_rotation_of_full_slip_of_group(
@@ -866,8 +890,8 @@ def _find_drum_rotation_of_full_slip_of_group(
         if the moment at full slip differs from the target, and if no rotation is found
     """
     increment, reached = held.rest, 0.0
-    step, n = FIRST_ROTATION, held.number_of_lining_nodes
-    for _ in range(MOST_INCREMENTS):
+    step, n = FIRST_ROTATION_OF_FULL_SLIP_SEARCH, held.number_of_lining_nodes
+    for _ in range(MOST_INCREMENTS_OF_FULL_SLIP_SEARCH):
         before = held.torque(increment)
         *_, increment = held.turn_drum_from_start_to_end_rotation(
             increment, reached, reached + step
@@ -878,7 +902,9 @@ def _find_drum_rotation_of_full_slip_of_group(
             # drum turns, so that the moment may differ from the target.
             springs = 0 if held.springs is None else len(held.springs.numbers)
             has_feet = len(increment.state) > n + springs
-            if has_feet or math.isclose(torque, target, rel_tol=LARGEST_TORQUE_DIFFERENCE):
+            if has_feet or math.isclose(
+                torque, target, rel_tol=LARGEST_TORQUE_DIFFERENCE_OF_SAME_EQUILIBRIUM
+            ):
                 return reached
             raise NoAnswer(
                 f"more than one answer: held it comes to slip everywhere at {torque:.5g} N m, "
@@ -887,7 +913,10 @@ def _find_drum_rotation_of_full_slip_of_group(
         # By linear extrapolation the missing moment needs another rotation of `lacking` times the
         # last step.
         lacking = (target - torque) / (torque - before) if torque > before else math.inf
-        step = min(max(step * lacking, EXTRA_ROTATION * reached), reached / EXTRA_ROTATION)
+        step = min(
+            max(step * lacking, MARGIN_OF_FULL_SLIP_ROTATION * reached),
+            reached / MARGIN_OF_FULL_SLIP_ROTATION,
+        )
     sticking = np.count_nonzero(increment.state[:n] == STICK)
     raise NoAnswer(
         f"not converged: after a rotation of {reached:.3g} rad "
@@ -899,7 +928,7 @@ def _find_drum_rotation_of_full_slip_of_group(
 # The following functions convert the states to plain data for JSON.
 
 
-def holding_states_as_plain_data(states: list[Hold]) -> list[dict[str, Any]]:
+def holding_states_as_plain_data(states: list[HoldingState]) -> list[dict[str, Any]]:
     """Convert the states of a holding brake to plain data for JSON, in rad, N m, Pa and J.
 
     The state of each node is a word: "open", "stick", "slip" or "slip back".
@@ -925,7 +954,7 @@ def _stick_slip_states_as_words(states: Ints) -> list[str]:
     return [names[int(state)] for state in states]
 
 
-def _stick_slip_state_of_lining_as_dict(state: Hold, i: int) -> dict[str, Any]:
+def _stick_slip_state_of_lining_as_dict(state: HoldingState, i: int) -> dict[str, Any]:
     """Convert the nodal values of lining `i` in a state of the brake to plain data for JSON.
 
     If there are several nodes across the width, the key "face" has the values at all of them.

@@ -17,38 +17,38 @@ from drumlin.base.arrays import Floats
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.beam_axis import make_beam_axis
 from drumlin.brake.brake import Shoe
-from drumlin.brake.components import Beam
+from drumlin.brake.components import BeamBody
 from drumlin.brake.fields import Point
-from drumlin.fem.preparation.bodies import BodyNodes, ShoeSubstructure
+from drumlin.fem.preparation.bodies import NodePositionsAndActuationForces, ShoeSubstructure
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.fem.substructure.interface import ContactLine
 
-NODE_STEP = 1e-5
+POINT_STEP_IN_DRUM_RADII_FOR_NODE_MOTION = 1e-5
 """Step, in drum radii, by which a point of a shoe moves in central differences of node positions.
 
 The positions of the nodes are smooth functions of the point over a length of some radii. The
-relative error of the difference is therefore NODE_STEP^2 = 1e-10, with some 1e-11 of round-off. A
-larger step is less exact, and a smaller step loses digits.
+relative error of the difference is therefore POINT_STEP_IN_DRUM_RADII_FOR_NODE_MOTION^2 = 1e-10,
+with some 1e-11 of round-off. A larger step is less exact, and a smaller step loses digits.
 """
-LARGEST_NODE_MOTION = 1e3
+LARGEST_NODE_MOTION_PER_POINT_MOTION = 1e3
 """Ratio of a node's motion to the motion of a shoe's point above which the mesh counts as changed.
 
 Motions of the point move the nodes by similar distances. If the shoe with the moved point has one
 more element or layer, or if another element ends where the held part of its back ends, then nodes
 of the same number lie far apart, and their difference is no motion.
 """
-LARGEST_UNMOVED_MOTION = 1e-6
+LARGEST_NEGLECTED_CONTACT_NODE_MOTION = 1e-6
 """Ratio of a contact node's motion to the motion of a shoe's point below which it counts as zero.
 
 Smaller motions are round-off, which is some 1e-11 in the central differences.
 """
 
 
-BEAM_AXIS_POINTS = ("hinge", "actuation.point")
+KEYS_OF_POINTS_AT_BEAM_AXIS_ENDS = ("hinge", "actuation.point")
 """The two points between which the axis of a straight beam runs."""
 
 
-class NodeMotion(NamedTuple):
+class NodeMotionPerPointMotion(NamedTuple):
     """The motion of a body's nodes per unit motion of a support or of the actuation point.
 
     Vectors are in the frame of the shoe.
@@ -56,25 +56,25 @@ class NodeMotion(NamedTuple):
     Attributes
     ----------
     node_motion : motion (2 nodes,) of all nodes: x and y of the first node, then of the next
-    line_motion : motion (2, n) of the nodes of the contact line
+    contact_node_motion : motion (2, n) of the nodes of the contact line
     load_change : change (2 nodes,) [1/m] of the nodal forces per newton of the actuation
-    axis_turn : turn [rad/m] of the axis of a straight beam; 0 for other bodies
+    beam_axis_turn_per_metre : turn [rad/m] of the axis of a straight beam; 0 for other bodies
     """
 
     node_motion: Floats
-    line_motion: Floats
+    contact_node_motion: Floats
     load_change: Floats
-    axis_turn: float
+    beam_axis_turn_per_metre: float
 
     @property
     def do_contact_nodes_stay_unmoved(self) -> bool:
         """Whether no contact node moves while the point of the shoe moves."""
-        return float(np.abs(self.line_motion).max()) < LARGEST_UNMOVED_MOTION
+        return float(np.abs(self.contact_node_motion).max()) < LARGEST_NEGLECTED_CONTACT_NODE_MOTION
 
 
 def node_motions_per_motion_of_shoe_point(
     scene: PreparedModel, i: int, shoe: Shoe, key: str
-) -> list[NodeMotion]:
+) -> list[NodeMotionPerPointMotion]:
     """The motions of the nodes of a shoe as one of its points moves along x and along y.
 
     The axes x and y are those of the brake. The list has one motion for each axis. It is empty if
@@ -93,7 +93,7 @@ def node_motions_per_motion_of_shoe_point(
         if the division into elements changes both with a small step forwards and with one backwards
     """
     moving = do_nodes_of_shoe_move_with_point(scene, shoe, key)
-    turns_axis = isinstance(shoe.body, Beam) and key in BEAM_AXIS_POINTS
+    turns_axis = isinstance(shoe.body, BeamBody) and key in KEYS_OF_POINTS_AT_BEAM_AXIS_ENDS
     if shoe.mesh is not None and not moving and turns_axis:
         return [
             _node_motion_that_only_turns_beam_axis(scene.bodies[i], shoe, key, axis)
@@ -109,7 +109,7 @@ def do_nodes_of_shoe_move_with_point(scene: PreparedModel, shoe: Shoe, key: str)
     # Without a mesh file drumlin divides the shoe into elements itself. The positions of the nodes
     # then depend on the points of the shoe.
     if shoe.mesh is None:
-        beam = isinstance(shoe.body, Beam) and key in BEAM_AXIS_POINTS
+        beam = isinstance(shoe.body, BeamBody) and key in KEYS_OF_POINTS_AT_BEAM_AXIS_ENDS
         return beam or (
             key == "pivot"
             and shoe.interval_of_body_back_held_by_support(scene.brake.size) is not None
@@ -128,13 +128,13 @@ def do_nodes_of_shoe_move_with_point(scene: PreparedModel, shoe: Shoe, key: str)
 
 def _node_motion_by_central_difference(
     scene: PreparedModel, i: int, shoe: Shoe, key: str, direction: Floats
-) -> NodeMotion:
+) -> NodeMotionPerPointMotion:
     """The motion of a shoe's nodes per motion of a point along `direction` (2,).
 
     The motion is a central difference, or one-sided if the mesh changes on one of the two steps.
     Raises NoAnswer if the division into elements changes on both steps.
     """
-    h = NODE_STEP * scene.brake.size
+    h = POINT_STEP_IN_DRUM_RADII_FOR_NODE_MOTION * scene.brake.size
     here = _shoe_nodes_and_nodal_forces_in_brake_frame(scene, i, shoe)
     places, loads = [], []
     for step in (h, -h):
@@ -144,7 +144,10 @@ def _node_motion_by_central_difference(
         # If the motion of the point by `step` changes the division into elements, the difference of
         # the node positions is no motion and is left out.
         same_division = there.xy.shape == here.xy.shape
-        if same_division and np.abs(there.xy - here.xy).max() < LARGEST_NODE_MOTION * h:
+        if (
+            same_division
+            and np.abs(there.xy - here.xy).max() < LARGEST_NODE_MOTION_PER_POINT_MOTION * h
+        ):
             places.append((there.xy - here.xy) / step)
             loads.append((there.load - here.load) / step)
     if not places:
@@ -155,7 +158,7 @@ def _node_motion_by_central_difference(
     nodes = shoe.frame.convert_vectors_to_shoe_frame(np.mean(places, axis=0).T)
     load = shoe.frame.convert_vectors_to_shoe_frame(np.mean(loads, axis=0).T)
     line = nodes[scene.bodies[i].line.nodes].T
-    return NodeMotion(
+    return NodeMotionPerPointMotion(
         nodes.ravel(),
         line,
         load.ravel(),
@@ -165,13 +168,13 @@ def _node_motion_by_central_difference(
 
 def _node_motion_that_only_turns_beam_axis(
     body: ShoeSubstructure, shoe: Shoe, key: str, direction: Floats
-) -> NodeMotion:
-    """The `NodeMotion` of a straight beam whose mesh stays as an end of the beam's axis moves.
+) -> NodeMotionPerPointMotion:
+    """The `NodeMotionPerPointMotion` of a beam whose mesh stays as an end of its axis moves.
 
     No node moves, but the directions of orthotropic layers turn with the axis.
     """
     still = np.zeros(2 * body.basis.N)
-    return NodeMotion(
+    return NodeMotionPerPointMotion(
         still,
         np.zeros(body.line.xy.shape),
         still,
@@ -185,7 +188,7 @@ def _rotation_of_beam_axis_per_motion_of_point(shoe: Shoe, key: str, direction: 
     The direction (2,) is a unit vector. Other bodies have the turn 0. The turn counts in the shoe's
     frame.
     """
-    if not isinstance(shoe.body, Beam):
+    if not isinstance(shoe.body, BeamBody):
         return 0.0
     beam = make_beam_axis(shoe.pin.xy, shoe.actuation.point.xy)
     across = float(beam.along[0] * direction[1] - beam.along[1] * direction[0])
@@ -195,11 +198,11 @@ def _rotation_of_beam_axis_per_motion_of_point(shoe: Shoe, key: str, direction: 
 
 def _shoe_nodes_and_nodal_forces_in_brake_frame(
     scene: PreparedModel, i: int, shoe: Shoe
-) -> BodyNodes:
+) -> NodePositionsAndActuationForces:
     """The nodes and nodal forces of `shoe`, a changed copy of shoe `i`, in the brake's frame."""
     assert scene.nodes_of_changed_shoe is not None
     nodes = scene.nodes_of_changed_shoe(i, shoe)
-    return BodyNodes(
+    return NodePositionsAndActuationForces(
         shoe.convert_points_to_brake_frame(nodes.xy),
         shoe.frame.convert_vectors_from_shoe_to_brake_frame(nodes.load.T).T,
     )
@@ -217,7 +220,7 @@ def _shoe_with_moved_point(shoe: Shoe, key: str, step: Floats) -> Shoe:
 
 
 def contact_lines_with_moved_nodes(
-    body: ShoeSubstructure, shoe: Shoe, radius: float, moves: NodeMotion
+    body: ShoeSubstructure, shoe: Shoe, radius: float, moves: NodeMotionPerPointMotion
 ) -> Iterator[tuple[float, ContactLine]]:
     """Yield the contact line after a point of the shoe moves by a step forwards or backwards.
 
@@ -231,8 +234,11 @@ def contact_lines_with_moved_nodes(
     moves : motion of the nodes per motion of the point
     """
     line = body.line
-    for step in (NODE_STEP * radius, -NODE_STEP * radius):
-        xy = line.xy + step * moves.line_motion
+    for step in (
+        POINT_STEP_IN_DRUM_RADII_FOR_NODE_MOTION * radius,
+        -POINT_STEP_IN_DRUM_RADII_FOR_NODE_MOTION * radius,
+    ):
+        xy = line.xy + step * moves.contact_node_motion
         yield (
             step,
             replace(line, xy=xy, phi=shoe.surface_coordinates_of_points_in_shoe_frame(xy, radius)),

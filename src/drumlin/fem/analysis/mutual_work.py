@@ -36,14 +36,14 @@ from drumlin.fem.hp.element import (
     reference_element_of_degree,
     shape_function_gradients_and_gauss_areas,
 )
-from drumlin.fem.hp.grid import ColumnGrid
+from drumlin.fem.hp.grid import HpElementGrid
 from drumlin.fem.substructure.body import (
     quadrature_points_of_elements,
     shape_function_values_at_quadrature_points,
 )
 from drumlin.fem.substructure.elasticity import isotropic_and_orthotropic_elastic_constants
 
-ELEMENTS_AT_A_TIME = 500
+NUMBER_OF_ELEMENTS_PER_CHUNK = 500
 """Number of hp elements whose shape-function gradients are in memory at once.
 
 At degree 8 they take a few megabytes. Fewer elements need more passes of a Python loop, and more
@@ -51,7 +51,7 @@ elements need more memory. The number changes no result.
 """
 
 
-class _QuadratureSample(NamedTuple):
+class _ShapeFunctionsAtQuadraturePoints(NamedTuple):
     """The shape functions of e elements of a body at q quadrature points of each element.
 
     Attributes
@@ -84,7 +84,7 @@ class _QuadratureSample(NamedTuple):
         return np.asarray(np.einsum("eac,aq->eqc", u.reshape(-1, 2)[self.dofs], self.values))
 
 
-class _LayerDirections(NamedTuple):
+class _LayerDirectionsAtQuadraturePoints(NamedTuple):
     """The directions of the layers of a body at its quadrature points.
 
     Attributes
@@ -249,24 +249,29 @@ def _work_change_per_turn_of_layer_directions(
     """
     of_first = _strains_in_layer_directions(of_u, constants, along)
     of_second = _strains_in_layer_directions(of_v, constants, along)
-    return of_first.shear * of_second.stretched + of_second.shear * of_first.stretched
+    return (
+        of_first.shear * of_second.stretch_times_stiffness
+        + of_second.shear * of_first.stretch_times_stiffness
+    )
 
 
-class _DirectionStrains(NamedTuple):
+class _StrainsInLayerDirections(NamedTuple):
     """Shear and stretch (e, q) in the directions along and through a layer.
 
     Attributes
     ----------
     shear : shear strain gamma between both directions
-    stretched : a eps_along - b eps_through [N/m], with the stiffnesses a and b that the layer's
-        directions add to its isotropic stiffness
+    stretch_times_stiffness : a eps_along - b eps_through [N/m], with the stiffnesses a and b that
+        the layer's directions add to its isotropic stiffness
     """
 
     shear: Floats
-    stretched: Floats
+    stretch_times_stiffness: Floats
 
 
-def _strains_in_layer_directions(H: Floats, constants: Floats, along: Floats) -> _DirectionStrains:
+def _strains_in_layer_directions(
+    H: Floats, constants: Floats, along: Floats
+) -> _StrainsInLayerDirections:
     """The shear and stretch of displacement gradients H (e, q, 2, 2) in the layers' directions.
 
     `constants` (e, 4) [N/m] are the elastic constants of the elements, as
@@ -278,7 +283,7 @@ def _strains_in_layer_directions(H: Floats, constants: Floats, along: Floats) ->
     eps_along = np.einsum("eqc,eqcd,eqd->eq", along, H, along)
     eps_through = np.einsum("eqc,eqcd,eqd->eq", through, H, through)
     shear = np.einsum("eqc,eqcd,eqd->eq", along, H + H.swapaxes(2, 3), through)
-    return _DirectionStrains(shear, a * eps_along - b * eps_through)
+    return _StrainsInLayerDirections(shear, a * eps_along - b * eps_through)
 
 
 def _elastic_constants_of_elements(basis: Any, layers: Mapping[str, ElasticLayer]) -> Floats:
@@ -288,20 +293,22 @@ def _elastic_constants_of_elements(basis: Any, layers: Mapping[str, ElasticLayer
     """
     constants = np.zeros((basis.element_dofs.shape[1], 4))
     for name, elements in _mesh_of_finite_element_basis(basis).subdomains.items():
-        constants[elements] = isotropic_and_orthotropic_elastic_constants(layers[name].stiffness)
+        constants[elements] = isotropic_and_orthotropic_elastic_constants(
+            layers[name].elasticity_times_width
+        )
     return constants
 
 
 def _layer_directions_at_quadrature_points(
     basis: Any, layers: Mapping[str, ElasticLayer]
-) -> _LayerDirections | None:
+) -> _LayerDirectionsAtQuadraturePoints | None:
     """The directions of a body's layers at its quadrature points; None if all are isotropic."""
     subdomains = _mesh_of_finite_element_basis(basis).subdomains
     if not any(
         which_elasticity_matrices_are_orthotropic(layers[name].elasticity) for name in subdomains
     ):
         return None
-    if isinstance(basis, ColumnGrid):
+    if isinstance(basis, HpElementGrid):
         points = np.moveaxis(
             gauss_points_of_elements(basis.node_coordinates_of_each_element, basis.degree), 1, 0
         )
@@ -310,34 +317,34 @@ def _layer_directions_at_quadrature_points(
     along, straight = np.empty(points.shape), np.zeros(points.shape[1], dtype=bool)
     # A layer with one fixed direction is straight; all other layers run around the drum's centre.
     for name, elements in subdomains.items():
-        along[:, elements] = layers[name].directions(points[:, elements])
+        along[:, elements] = layers[name].unit_vectors_along_layer(points[:, elements])
         straight[elements] = layers[name].along is not None
     curvature = np.where(straight[:, None], 0.0, 1 / np.hypot(*points))
-    return _LayerDirections(np.moveaxis(along, 0, 2), curvature, straight)
+    return _LayerDirectionsAtQuadraturePoints(np.moveaxis(along, 0, 2), curvature, straight)
 
 
 def _mesh_of_finite_element_basis(basis: Any) -> Any:
     """The mesh of a basis, which names the subdomains. A grid of hp elements is its own mesh."""
-    return basis if isinstance(basis, ColumnGrid) else basis.mesh
+    return basis if isinstance(basis, HpElementGrid) else basis.mesh
 
 
-def _shape_functions_in_element_chunks(basis: Any) -> Iterator[_QuadratureSample]:
+def _shape_functions_in_element_chunks(basis: Any) -> Iterator[_ShapeFunctionsAtQuadraturePoints]:
     """Yield the shape functions of all elements of a body, in chunks that fit in memory."""
-    if isinstance(basis, ColumnGrid):
+    if isinstance(basis, HpElementGrid):
         count = len(basis.element_nodes_boundary_nodes_first)
-        for first in range(0, count, ELEMENTS_AT_A_TIME):
-            own = slice(first, first + ELEMENTS_AT_A_TIME)
+        for first in range(0, count, NUMBER_OF_ELEMENTS_PER_CHUNK):
+            own = slice(first, first + NUMBER_OF_ELEMENTS_PER_CHUNK)
             slopes, area = shape_function_gradients_and_gauss_areas(
                 basis.node_coordinates_of_each_element[own], basis.degree
             )
             elements, dofs = np.arange(count)[own], basis.element_nodes_boundary_nodes_first[own]
-            yield _QuadratureSample(
+            yield _ShapeFunctionsAtQuadraturePoints(
                 elements, dofs, slopes, reference_element_of_degree(basis.degree).values, area
             )
         return
     slopes = np.array([psi[0].grad for psi in basis.basis]).transpose(2, 1, 0, 3)
     elements = np.arange(basis.mesh.nelements)
-    yield _QuadratureSample(
+    yield _ShapeFunctionsAtQuadraturePoints(
         elements,
         basis.element_dofs.T,
         slopes,

@@ -15,9 +15,9 @@ from drumlin.fem.width.prepare import (
     reason_why_width_model_does_not_apply,
 )
 
-ANALYSIS_MODELS = ("fem", "solid")
+MODELS_OF_HOLD_WEAR_AND_SENSITIVITY = ("fem", "solid")
 """Models for the analyses of holding, wear and sensitivity: plane stress, and solid shoes."""
-ANALYSIS_DEGREE = 3
+DEGREE_ACROSS_WIDTH_FOR_ANALYSES = 3
 """Degree of the polynomials across the width of solid shoes, for holding, wear and sensitivity.
 
 On 18 example brakes without ring and mesh files, the step from degree 3 to degree 6 changes the
@@ -29,7 +29,7 @@ about 1.5 times as long.
 """
 
 
-def prepared_model_for_analysis(
+def prepared_model_for_hold_wear_or_sensitivity(
     brake: Brake, model: str = "fem", *, elements: int | None = None, kind: str | None = None
 ) -> PreparedModel:
     """The prepared model of a brake for the analyses of holding, wear and sensitivity.
@@ -49,10 +49,11 @@ def prepared_model_for_analysis(
     NoAnswer
         for a singular stiffness, and for a contact face with too many nodes
     """
-    if model not in ANALYSIS_MODELS:
-        hint = did_you_mean_hint(model, ANALYSIS_MODELS)
+    if model not in MODELS_OF_HOLD_WEAR_AND_SENSITIVITY:
+        hint = did_you_mean_hint(model, MODELS_OF_HOLD_WEAR_AND_SENSITIVITY)
         raise BadInput(
-            f"--model = {model!r}: does not do this{hint}; allowed: {', '.join(ANALYSIS_MODELS)}"
+            f"--model = {model!r}: does not do this{hint}; allowed: "
+            f"{', '.join(MODELS_OF_HOLD_WEAR_AND_SENSITIVITY)}"
         )
     if model == "fem":
         return prepared_model_with_finest_elements(brake, elements=elements, kind=kind)
@@ -62,4 +63,6 @@ def prepared_model_for_analysis(
     if reason is not None:
         raise BadInput(f"--model = 'solid': does not apply to this brake: {reason}; allowed: fem")
     plane = prepared_model_with_finest_elements(brake)
-    return prepare_model_with_widths_on_given_elements(brake, plane.divisions, ANALYSIS_DEGREE)
+    return prepare_model_with_widths_on_given_elements(
+        brake, plane.divisions, DEGREE_ACROSS_WIDTH_FOR_ANALYSES
+    )

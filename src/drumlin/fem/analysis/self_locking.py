@@ -13,7 +13,10 @@ from drumlin.brake.friction import (
     require_friction_independent_of_pressure,
 )
 from drumlin.brake.further_loads import require_springs_with_constant_pull
-from drumlin.contact.self_locking import LARGEST_SOUGHT_FRICTION, FrictionLimit
+from drumlin.contact.self_locking import (
+    LARGEST_SOUGHT_SELF_LOCKING_FRICTION,
+    LargestFrictionWithEquilibrium,
+)
 from drumlin.fem.equilibrium.group import divide_pressed_shoes_into_groups
 from drumlin.fem.equilibrium.pressure_friction import (
     find_friction_factor_that_locks_group,
@@ -25,9 +28,9 @@ from drumlin.fem.preparation.scene import PreparedModel
 def self_locking_friction_of_shoe_groups(
     scene: PreparedModel,
     brake: Brake,
-    most: float = LARGEST_SOUGHT_FRICTION,
+    most: float = LARGEST_SOUGHT_SELF_LOCKING_FRICTION,
     penalty: float = math.inf,
-) -> dict[tuple[int, ...], FrictionLimit]:
+) -> dict[tuple[int, ...], LargestFrictionWithEquilibrium]:
     """The smallest friction coefficient at which each group of shoes locks itself.
 
     The keys of the result are the positions of the group's shoes in the brake. If a foot leaves its
@@ -58,7 +61,7 @@ def self_locking_friction_of_shoe_groups(
 
 def _limits_of_friction_over_pressure(
     scene: PreparedModel, brake: Brake, most: float, penalty: float
-) -> dict[tuple[int, ...], FrictionLimit]:
+) -> dict[tuple[int, ...], LargestFrictionWithEquilibrium]:
     """The limits of `self_locking_friction_of_shoe_groups` for friction that depends on pressure.
 
     They are the brake's friction coefficient at zero pressure, with all its coefficients in
@@ -74,7 +77,7 @@ def _limits_of_friction_over_pressure(
             )
         settled = solve_shoe_group_with_lining_friction(group)
         found = find_friction_factor_that_locks_group(settled, most / brake.friction)
-        limits[group.members] = FrictionLimit(
+        limits[group.members] = LargestFrictionWithEquilibrium(
             friction=found.factor * brake.friction,
             pressure_stays_finite=found.pressure_stays_finite,
             last_contact=settled.contact,

@@ -41,14 +41,14 @@ from drumlin.brake.further_loads import brake_with_loads_assigned_to_shoes
 from drumlin.brake.heat import reason_if_any_shoe_is_heated
 from drumlin.brake.one_sided import require_no_shoe_on_anchors
 from drumlin.brake.orthotropic import names_of_orthotropic_parts
-from drumlin.brake.support import SupportChange, resultant_force_and_moment
+from drumlin.brake.support import RigidBodyModeDerivativesByDatum, resultant_force_and_moment
 from drumlin.fem.analysis.adjoint import (
-    GroupAdjoint,
     ShoeAdjoint,
+    TorqueDerivativesAndAdjointOfGroup,
     solve_adjoint_for_torque_of_shoe_group,
 )
 from drumlin.fem.analysis.moving import (
-    NodeMotion,
+    NodeMotionPerPointMotion,
     contact_lines_with_moved_nodes,
     do_nodes_of_shoe_move_with_point,
     node_motions_per_motion_of_shoe_point,
@@ -58,33 +58,33 @@ from drumlin.fem.analysis.mutual_work import (
     mutual_work_derivatives_by_node_motions,
 )
 from drumlin.fem.analysis.wide_moduli import (
-    BodiesOfModulus,
-    VirtualLoads,
+    FunctionOfBodiesWithChangedModuli,
+    LoadsAndAdjointLoads,
     function_that_condenses_shoes_with_other_moduli,
     torque_slopes_by_moduli_of_solid_shoe,
 )
 from drumlin.fem.equilibrium.group import ShoeGroup, divide_pressed_shoes_into_groups
 from drumlin.fem.equilibrium.state import unloaded_lining_gaps_at_points
-from drumlin.fem.model import PENALTY, require_positive_penalty, solve_prepared_model
+from drumlin.fem.model import DEFAULT_PENALTY_FACTOR, require_positive_penalty, solve_prepared_model
 from drumlin.fem.preparation.bodies import (
     ShoeSubstructure,
-    couple_shoe_with_drum_or_plane,
-    load_column_factors_under_all_loads,
+    contact_coupling_matrices_of_shoe,
+    unit_load_factors_under_all_loads,
 )
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.fem.solve import solve
-from drumlin.fem.substructure.body import FRAME
+from drumlin.fem.substructure.body import DEGREES_OF_FREEDOM_OF_BODY_FRAME
 from drumlin.fem.substructure.elasticity import elastic_layers_of_shoe
 from drumlin.fem.substructure.interface import ContactLine
-from drumlin.fem.substructure.loads import ACTUATION
+from drumlin.fem.substructure.loads import ACTUATION_LOAD_NAME
 from drumlin.laws import solve_brake_by_its_rigid_shoe_law as rigid_law
 from drumlin.laws import solve_brake_by_sine_law
 from drumlin.laws.naming import name_of_rigid_shoe_law
 from drumlin.response.merit import torque_sensitivity_to_friction_by_differences as by_differences
 from drumlin.response.resultants import planar_cross_product
 
-PERCENT_PER_MM = 0.1
+FACTOR_FROM_PER_METRE_TO_PERCENT_PER_MM = 0.1
 """Factor that converts a relative change per metre (1/m) to percent per millimetre."""
 
 
@@ -155,7 +155,7 @@ class SpringSensitivity(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Sensitivity:
+class TorqueSensitivities:
     """The sensitivities of a brake's torque T.
 
     Attributes
@@ -239,9 +239,9 @@ def compute_torque_sensitivity(
     scene: PreparedModel,
     brake: Brake,
     *,
-    penalty: float = PENALTY,
+    penalty: float = DEFAULT_PENALTY_FACTOR,
     wanted: WantedSlopes = ALL_SLOPES,
-) -> Sensitivity:
+) -> TorqueSensitivities:
     """Compute the sensitivities of a brake's torque to its data, on a prepared model.
 
     `wanted` are the slopes that are computed; the others are left out of the result. Raises
@@ -262,8 +262,8 @@ def compute_torque_sensitivity(
         for k, i in enumerate(group.members):
             slopes = _TorqueSlopesOfShoe(adjoint, k, changed, wanted)
             pressed[i] = slopes.compute_all_torque_slopes_of_shoe()
-        ring += adjoint.ring_modulus_slope
-        drive += adjoint.given_forces_slope
+        ring += adjoint.torque_slope_by_log_of_ring_modulus
+        drive += adjoint.torque_slope_by_given_forces
         by_preload += adjoint.preload_slopes
         approaches += adjoint.approaches
     shoes = []
@@ -281,11 +281,11 @@ def compute_torque_sensitivity(
     scaled = brake.ring is not None and brake.ring.has_fixed_or_free_far_edge
     # A bending stiffness in the brake file takes the place of the ring's modulus.
     given = brake.ring is not None and brake.ring.bending_stiffness is not None
-    return Sensitivity(
+    return TorqueSensitivities(
         friction_coefficient=brake.friction,
         torque=torque,
         friction=friction,
-        S=_logarithmic_slope(brake.friction, friction, torque),
+        S=_slope_of_logarithms_or_none(brake.friction, friction, torque),
         drive=None if brake.actuation is None else drive,
         ring=ring if scaled and not given else None,
         ring_bending_stiffness=ring if scaled and given else None,
@@ -324,15 +324,15 @@ def _refuse_brake_whose_torque_has_no_slopes(scene: PreparedModel, brake: Brake)
         )
 
 
-def _logarithmic_slope(x: float, slope: float, value: float) -> float | None:
+def _slope_of_logarithms_or_none(x: float, slope: float, value: float) -> float | None:
     """The slope d ln(value) / d ln(x) = x slope / value; None if the value is 0."""
     return x * slope / value if value else None
 
 
 def _zero_sensitivity_of_unpressed_shoe(body: ShoeSubstructure, shoe: Shoe) -> ShoeSensitivity:
     """The sensitivities, all zero, of a shoe that does not press on the drum."""
-    phi, _ = body.line.angles_and_mean_pressures(np.zeros(len(body.line.nodes)))
-    theta = shoe.frame.theta(phi)[:: shoe.frame.sense]
+    phi, _ = body.line.angles_and_pressures_averaged_over_width(np.zeros(len(body.line.nodes)))
+    theta = shoe.frame.surface_coordinates_of_phi(phi)[:: shoe.frame.sense]
     moduli = dict.fromkeys(map(_material_name_of_part, elastic_layers_of_shoe(shoe)), 0.0)
     given = shoe.body is not None and shoe.body.bending_stiffness is not None
     return ShoeSensitivity(
@@ -356,7 +356,7 @@ def _material_name_of_part(part: str) -> str:
     return "shoe" if part == "table" else part
 
 
-class _LoadedDisplacements(NamedTuple):
+class _DisplacementsUnderLoadsAndAdjointLoads(NamedTuple):
     """Displacements (2 nodes,) of all nodes of a shoe, without its rigid-body motion.
 
     u are the displacements [m] under the loads of the shoe, and v the displacements under the
@@ -367,7 +367,7 @@ class _LoadedDisplacements(NamedTuple):
     v: Floats
 
 
-class _SlopesByModuli(NamedTuple):
+class _TorqueSlopesByModuli(NamedTuple):
     """The slopes [N m] of the torque by the moduli of a shoe.
 
     Attributes
@@ -393,14 +393,14 @@ class _TorqueSlopesOfShoe:
 
     def __init__(
         self,
-        adjoint: GroupAdjoint,
+        adjoint: TorqueDerivativesAndAdjointOfGroup,
         k: int,
-        changed: BodiesOfModulus,
+        changed: FunctionOfBodiesWithChangedModuli,
         wanted: WantedSlopes = ALL_SLOPES,
     ) -> None:
         """Collect the shoe, its adjoint, and the signs of its rigid-body modes."""
         self.adjoint, self.k, self.changed, self.wanted = adjoint, k, changed, wanted
-        self.is_solid = adjoint.group.scene.model == "solid"
+        self.is_solid = adjoint.group.prepared_model.model == "solid"
         self.group: ShoeGroup = adjoint.group
         self.own: ShoeAdjoint = adjoint.shoes[k]
         self.body, self.shoe = self.group.substructures_of_shoes[k], self.group.shoes[k]
@@ -414,7 +414,11 @@ class _TorqueSlopesOfShoe:
         # point where the force acts.
         self.under_cam = k in self.group.indices_of_shoes_under_cam
         self.tip_multiplier = self.own.force_multiplier if self.under_cam else 0.0
-        names = np.array(self.shoe.rigid_body_modes_of_support(self.group.friction_senses[k]).names)
+        names = np.array(
+            self.shoe.rigid_body_modes_of_support(
+                self.group.abutment_friction_directions_of_shoes[k]
+            ).names
+        )
         # If the shoe's frame is mirrored, rotations have the opposite sign in the brake's frame.
         self.mode_signs = np.where(names == "turn", float(self.shoe.frame.sense), 1.0)
         # The actuation does no work on the tilt of a shoe on a lever.
@@ -426,7 +430,7 @@ class _TorqueSlopesOfShoe:
         body, shoe = self.body, self.shoe
         coupling = body.coupling
         torque = float(self.adjoint.torques[k])
-        friction = float(self.adjoint.friction_slopes[k])
+        friction = float(self.adjoint.torque_slopes_by_friction[k])
         by_penalty = (
             float(own.gap_multipliers @ (coupling.M @ own.pressures))
             / group.contact_stiffness_per_area_of_shoes[k]
@@ -440,7 +444,7 @@ class _TorqueSlopesOfShoe:
         ]
         sign_of_force = math.copysign(1.0, shoe.actuation.force)
         forward = slice(None, None, shoe.frame.sense)
-        phi, multipliers = body.line.angles_and_mean_pressures(own.gap_multipliers)
+        phi, multipliers = body.line.angles_and_pressures_averaged_over_width(own.gap_multipliers)
         held, keys = {}, []
         if self.wanted.supports:
             held = self._torque_slopes_by_supports()
@@ -449,14 +453,14 @@ class _TorqueSlopesOfShoe:
             name=shoe.name,
             torque=torque,
             friction=friction,
-            S=_logarithmic_slope(group.brake.friction, friction, torque),
+            S=_slope_of_logarithms_or_none(group.brake.friction, friction, torque),
             force=None if shares_force else sign_of_force * own.force_multiplier,
             moduli=moduli,
             bending_stiffness=bending_stiffness,
             clearance=-float(own.gap_multipliers @ coupling.M.sum(axis=1)),
             held=held,
             penalty=by_penalty,
-            theta=shoe.frame.theta(phi)[forward],
+            theta=shoe.frame.surface_coordinates_of_phi(phi)[forward],
             density=-shoe.lining.width * multipliers[forward],
             modulus_error=modulus_error,
             not_given=tuple(key for key in keys if key not in held),
@@ -473,29 +477,34 @@ class _TorqueSlopesOfShoe:
     # The following methods compute slopes of the torque by moduli.
 
     @cached_property
-    def displacements_due_to_loads_and_adjoint_loads(self) -> _LoadedDisplacements:
+    def displacements_due_to_loads_and_adjoint_loads(
+        self,
+    ) -> _DisplacementsUnderLoadsAndAdjointLoads:
         """The displacements of the shoe's nodes under its loads, and under the adjoint loads."""
-        own, load = self.own, self.group.actuation_of_each_shoe_by_one_newton[self.k].load_factors
+        own, load = (
+            self.own,
+            self.group.actuation_of_each_shoe_by_one_newton[self.k].load_column_factors,
+        )
         N, T = self.body.coupling.N, self.body.coupling.T
         nodal = np.column_stack(
             [self.drag * (T.T @ self.dragging) - N.T @ own.pressures, N.T @ own.gap_multipliers]
         )
         adjoint_force = -own.force_multiplier if self.under_cam else 0.0
-        adjoint_load = adjoint_force * load + self._adjoint_load_of_springs()
-        loads = np.column_stack([self._load_column_factors_of_shoe(), adjoint_load])
+        adjoint_load_factors = adjoint_force * load + self._adjoint_load_of_springs()
+        loads = np.column_stack([self._load_column_factors_of_shoe(), adjoint_load_factors])
         u, v = self.body.condensed.nodal_displacements_in_load_cases(
-            nodal, np.zeros((FRAME, 2)), loads
+            nodal, np.zeros((DEGREES_OF_FREEDOM_OF_BODY_FRAME, 2)), loads
         ).T
-        return _LoadedDisplacements(u, v)
+        return _DisplacementsUnderLoadsAndAdjointLoads(u, v)
 
-    def _torque_slopes_by_moduli(self, by_penalty: float) -> _SlopesByModuli:
+    def _torque_slopes_by_moduli(self, by_penalty: float) -> _TorqueSlopesByModuli:
         """The slopes of the torque by the moduli of each part, and by the bending stiffness.
 
         The lining's modulus E also changes the contact stiffness alpha E/t. The slope `by_penalty`
         [N m] by the contact stiffness is therefore a part of the slope by the lining's modulus.
         """
         if not self.wanted.moduli:
-            return _SlopesByModuli({}, None, None)
+            return _TorqueSlopesByModuli({}, None, None)
         if self.is_solid:
             return self._torque_slopes_by_solid_shoe_moduli_and_error(by_penalty)
         u, v = self.displacements_due_to_loads_and_adjoint_loads
@@ -510,17 +519,22 @@ class _TorqueSlopesOfShoe:
         bar = self.shoe.body
         given = bar is not None and bar.bending_stiffness is not None
         bending_stiffness = effects.pop("shoe") if given else None
-        return _SlopesByModuli(effects, bending_stiffness, None)
+        return _TorqueSlopesByModuli(effects, bending_stiffness, None)
 
-    def _torque_slopes_by_solid_shoe_moduli_and_error(self, by_penalty: float) -> _SlopesByModuli:
+    def _torque_slopes_by_solid_shoe_moduli_and_error(
+        self, by_penalty: float
+    ) -> _TorqueSlopesByModuli:
         """The slopes of the torque by the moduli of a solid shoe, with their error.
 
         `by_penalty` is the derivative [N m] of the torque by the logarithm of the contact
         stiffness, which is proportional to the lining's modulus.
         """
-        own, load = self.own, self.group.actuation_of_each_shoe_by_one_newton[self.k].load_factors
+        own, load = (
+            self.own,
+            self.group.actuation_of_each_shoe_by_one_newton[self.k].load_column_factors,
+        )
         adjoint_force = -own.force_multiplier if self.under_cam else 0.0
-        loads = VirtualLoads(
+        loads = LoadsAndAdjointLoads(
             own.pressures,
             self.drag,
             self._load_column_factors_of_shoe(),
@@ -531,7 +545,7 @@ class _TorqueSlopesOfShoe:
             self.body, self.changed(self.group.members[self.k]), loads
         )
         slopes = found.slopes | {"lining": found.slopes["lining"] + by_penalty}
-        return _SlopesByModuli(slopes, None, found.error)
+        return _TorqueSlopesByModuli(slopes, None, found.error)
 
     @cached_property
     def _spring_multipliers(self) -> Floats:
@@ -543,14 +557,14 @@ class _TorqueSlopesOfShoe:
         """The factors (l,) of the load columns by which springs add to the adjoint load."""
         load = np.zeros(self.body.load_matrix_columns_by_load_name.number_of_load_columns)
         for multiplier, factors in zip(
-            self._spring_multipliers, self.adjoint.springs.load_factors, strict=True
+            self._spring_multipliers, self.adjoint.springs.load_column_factors, strict=True
         ):
             load -= multiplier * factors[self.k]
         return load
 
     def _load_column_factors_of_shoe(self) -> Floats:
         """The factors (l,) by which the load columns make up all loads on the shoe."""
-        return load_column_factors_under_all_loads(self.body, self.shoe, self.own.force)
+        return unit_load_factors_under_all_loads(self.body, self.shoe, self.own.force)
 
     # The following methods compute slopes of the torque by data of supports.
 
@@ -570,7 +584,7 @@ class _TorqueSlopesOfShoe:
                 list(map(self._torque_slope_by_rigid_body_mode_change, changes))
             )
             moves = node_motions_per_motion_of_shoe_point(
-                group.scene, group.members[k], self.shoe, key
+                group.prepared_model, group.members[k], self.shoe, key
             )
             if moves:
                 effects[key] = effects[key] + self._torque_slopes_by_node_motions(moves)
@@ -586,7 +600,7 @@ class _TorqueSlopesOfShoe:
     def _rigid_mode_derivatives_by_support_data(self) -> Mapping[str, Any]:
         """The derivatives of the shoe's rigid-body modes by data of its supports, by their keys."""
         return self.shoe.derivatives_of_rigid_body_modes_by_support_data(
-            self.group.friction_senses[self.k]
+            self.group.abutment_friction_directions_of_shoes[self.k]
         )
 
     def _can_torque_slope_by_point_be_computed(self, key: str) -> bool:
@@ -599,10 +613,12 @@ class _TorqueSlopesOfShoe:
         loads_move = self.shoe.has_loads_besides_actuation and key != "pivot"
         return not (
             (self.is_solid or loads_move)
-            and do_nodes_of_shoe_move_with_point(self.group.scene, self.shoe, key)
+            and do_nodes_of_shoe_move_with_point(self.group.prepared_model, self.shoe, key)
         )
 
-    def _torque_slope_by_rigid_body_mode_change(self, change: SupportChange) -> float:
+    def _torque_slope_by_rigid_body_mode_change(
+        self, change: RigidBodyModeDerivativesByDatum
+    ) -> float:
         """The slope of the torque by a change of the shoe's rigid-body modes.
 
         The equations contain a rigid-body mode only in the work of forces on this mode. This work
@@ -626,16 +642,18 @@ class _TorqueSlopesOfShoe:
             sign * shoe.actuation.unit_vector_of_force, shoe.actuation.point.xy
         )
         y, b = self.mode_signs * own.coordinates, self.mode_signs * own.equilibrium_multipliers
-        by_equilibria = change.tests @ of_drum + own.force * works * (change.tests @ push)
+        by_equilibria = change.test_modes @ of_drum + own.force * works * (change.test_modes @ push)
         if shoe.has_loads_besides_actuation:
-            by_equilibria = by_equilibria + change.tests @ shoe.resultant_of_loads_besides_actuation
+            by_equilibria = (
+                by_equilibria + change.test_modes @ shoe.resultant_of_loads_besides_actuation
+            )
         by_tip = self.tip_multiplier * (y * works) @ (change.motions @ push)
         # The points of springs move with the rigid-body modes, too.
         of_springs = self._spring_multipliers @ self.adjoint.springs.resultants[:, self.k]
         by_springs = y @ (change.motions @ of_springs)
         return float(y @ (change.motions @ of_gaps) - b @ by_equilibria - by_tip - by_springs)
 
-    def _torque_slopes_by_node_motions(self, moves: list[NodeMotion]) -> Floats:
+    def _torque_slopes_by_node_motions(self, moves: list[NodeMotionPerPointMotion]) -> Floats:
         """The slopes (moves,) of the torque by motions of the body's nodes.
 
         Motions of nodes change the stiffness and the nodal forces of the actuation. They also
@@ -644,20 +662,20 @@ class _TorqueSlopesOfShoe:
         own, body = self.own, self.body
         u, v = self.displacements_due_to_loads_and_adjoint_loads
         nodes = np.array([move.node_motion for move in moves])
-        axes = [move.axis_turn for move in moves]
+        axes = [move.beam_axis_turn_per_metre for move in moves]
         effects = -mutual_work_derivatives_by_node_motions(
             body.basis, elastic_layers_of_shoe(self.shoe), u, v, nodes, axes
         )
-        # The product of `per_force` and a change of the actuation's nodal forces is the change of
-        # the torque.
-        per_force = own.force * v - self.tip_multiplier * u
+        # The product of `force_that_divides_logarithmic_slope` and a change of the actuation's
+        # nodal forces is the change of the torque.
+        force_that_divides_logarithmic_slope = own.force * v - self.tip_multiplier * u
         for j, move in enumerate(moves):
-            effects[j] += float(move.load_change @ per_force)
+            effects[j] += float(move.load_change @ force_that_divides_logarithmic_slope)
             if not move.do_contact_nodes_stay_unmoved:
                 effects[j] += self._torque_slope_by_contact_node_motion(move)
         return effects
 
-    def _torque_slope_by_contact_node_motion(self, move: NodeMotion) -> float:
+    def _torque_slope_by_contact_node_motion(self, move: NodeMotionPerPointMotion) -> float:
         """The slope of the torque by a motion of contact nodes, by central differences.
 
         Only the initial gap and the matrices that couple pressures with displacements change. The
@@ -672,7 +690,7 @@ class _TorqueSlopesOfShoe:
         return 0.5 * sum(values)
 
     def _adjoint_work_of_contact_equations(
-        self, line: ContactLine, step: float, move: NodeMotion
+        self, line: ContactLine, step: float, move: NodeMotionPerPointMotion
     ) -> float:
         """The contact terms of the torque [N m], with contact nodes that have moved by a step.
 
@@ -693,19 +711,16 @@ class _TorqueSlopesOfShoe:
         # by the contact stiffness.
         squeezed = own.pressures / group.contact_stiffness_per_area_of_shoes[k]
         turns = modes.pin_motion[2]
-        u = (
-            self.displacements_due_to_loads_and_adjoint_loads.u[contact]
-            + modes.contact_modes @ own.coordinates
-        )
-        v = (
-            self.displacements_due_to_loads_and_adjoint_loads.v[contact]
-            - modes.test_modes @ own.equilibrium_multipliers
-        )
-        coupling = couple_shoe_with_drum_or_plane(line, shoe)
+        elastic = self.displacements_due_to_loads_and_adjoint_loads
+        u = elastic.u[contact] + modes.contact_modes @ own.coordinates
+        v = elastic.v[contact] - modes.test_modes @ own.equilibrium_multipliers
+        coupling = contact_coupling_matrices_of_shoe(line, shoe)
         nodal = self.drag * (coupling.T.T @ self.dragging) - coupling.N.T @ own.pressures
         # A rotation of the shoe also rotates the vector by which a node was moved, which displaces
         # the node.
-        aside = step * np.array([-move.line_motion[1], move.line_motion[0]]).T.ravel()
+        aside = (
+            step * np.array([-move.contact_node_motion[1], move.contact_node_motion[0]]).T.ravel()
+        )
         gap = unloaded_lining_gaps_at_points(line.xy, line.phi, brake, shoe)
         value = brake.friction_coefficient_of_shoe_at_zero_pressure(shoe) * float(
             coupling.lever @ self.dragging
@@ -730,12 +745,12 @@ class _TorqueSlopesOfShoe:
 
         The value [N m] is 0 for a rigid drum.
         """
-        group, scene = self.group, self.group.scene
-        if scene.ring is None or scene.ring_under_lines is None:
+        group, scene = self.group, self.group.prepared_model
+        if scene.ring is None or scene.ring_under_contact_lines is None:
             return 0.0
         lines = [body.line for body in scene.bodies]
         lines[group.members[self.k]] = line
-        ring = scene.ring_under_lines(tuple(lines))
+        ring = scene.ring_under_contact_lines(tuple(lines))
         pressed = np.hstack([ring.normal_half_flexibilities[i] for i in group.members])
         dragged = np.hstack([ring.friction_half_flexibilities[i] for i in group.members])
         a = np.concatenate([shoe.gap_multipliers for shoe in self.adjoint.shoes])
@@ -760,8 +775,12 @@ class _TorqueSlopesOfShoe:
             additional couple on the body
         """
         own, shoe, body = self.own, self.shoe, self.body
-        centre = shoe.convert_points_to_brake_frame(body.load_centre[:, None])[:, 0]
-        free = shoe.rigid_body_modes_of_support(self.group.friction_senses[self.k])
+        centre = shoe.convert_points_to_brake_frame(
+            body.application_point_of_actuation_loads[:, None]
+        )[:, 0]
+        free = shoe.rigid_body_modes_of_support(
+            self.group.abutment_friction_directions_of_shoes[self.k]
+        )
         couple = (
             0.0
             if carried
@@ -769,14 +788,14 @@ class _TorqueSlopesOfShoe:
         )
         pushing = np.array([*shoe.frame.convert_vectors_to_shoe_frame(force), couple])
         load = body.load_matrix_columns_by_load_name.column_factors_of_all_loads(
-            {ACTUATION: pushing}
+            {ACTUATION_LOAD_NAME: pushing}
         )
-        work = free.tests @ np.array([*force, moment])
+        work = free.test_modes @ np.array([*force, moment])
         tested = self.mode_signs * self.works * work
         return own.force * float(
-            own.gap_multipliers @ (body.closure_by_load @ load)
+            own.gap_multipliers @ (body.gap_closure_by_load @ load)
             - own.equilibrium_multipliers @ tested
-            + self._adjoint_load_of_springs() @ (body.load_motion_by_load @ load)
+            + self._adjoint_load_of_springs() @ (body.load_point_motion_by_load @ load)
         )
 
     def torque_slopes_by_strut_force_point(self) -> list[Floats]:
@@ -787,7 +806,7 @@ class _TorqueSlopesOfShoe:
         """
         key, direction = "actuation.point", self.shoe.actuation.unit_vector_of_force
         moves = node_motions_per_motion_of_shoe_point(
-            self.group.scene, self.group.members[self.k], self.shoe, key
+            self.group.prepared_model, self.group.members[self.k], self.shoe, key
         )
         effects = []
         for step in np.eye(2):
@@ -843,14 +862,18 @@ def _add_torque_slopes_by_strut_line_of_action(
 # The following functions write the sensitivities as text for people.
 
 
-def sensitivity_as_text_lines(found: Sensitivity, brake: Brake) -> list[str]:
+def sensitivity_as_text_lines(found: TorqueSensitivities, brake: Brake) -> list[str]:
     """The sensitivities of a brake as lines of text.
 
     Most slopes are relative: d ln T / d ln x of the whole torque T by a quantity x. `found` holds
     the sensitivities of the brake.
     """
     surface = brake.surface
-    symbol, effect, unit = surface.symbol, surface.effect, surface.effect_unit
+    symbol, effect, unit = (
+        surface.symbol_of_torque_or_brake_force,
+        surface.word_for_torque_or_brake_force,
+        surface.unit_of_torque_or_brake_force,
+    )
     law = found.law or (None,) * (len(found.shoes) + 1)
     of_law = f"{name_of_rigid_shoe_law(brake)} law"
     T, elasticity = found.torque or math.inf, f"d ln {symbol}/d ln"
@@ -925,7 +948,7 @@ def _torque_slopes_of_shoe_as_text_lines(
         _torque_slopes_by_support_as_text(key, value / T) for key, value in own.held.items()
     )
     # Adding 0.0 turns -0.0 into 0.0, which prints without a sign of minus.
-    per_micrometre = own.clearance / T * 1e-3 * PERCENT_PER_MM + 0.0
+    per_micrometre = own.clearance / T * 1e-3 * FACTOR_FROM_PER_METRE_TO_PERCENT_PER_MM + 0.0
     lines = [
         f"    {by_force}{elasticity} E: {moduli}{bent}; "
         f"{elasticity} penalty {own.penalty / T:+.1e}",
@@ -949,7 +972,7 @@ def _torque_slopes_by_support_as_text(key: str, value: Floats) -> str:
     torque.
     """
     if len(value) == 2:
-        x, y = value * PERCENT_PER_MM
+        x, y = value * FACTOR_FROM_PER_METRE_TO_PERCENT_PER_MM
         return f"{key} along x {x:+.4g} %/mm, along y {y:+.4g} %/mm"
     if key.endswith("friction"):
         return f"{key} {value[0]:+.4g} % per 0.01"
@@ -982,32 +1005,32 @@ def friction_sensitivity_by_rigid_shoe_law(brake: Brake) -> tuple[float | None, 
     return (*each, total / response.torque if response.torque else None)
 
 
-class _ProbedSlope(NamedTuple):
+class _TorqueSlopeAndDifferenceStep(NamedTuple):
     """A slope of the torque, and the step of the central difference that checks the slope.
 
     Attributes
     ----------
-    what : name of the slope, as "dT/dF"
+    name : name of the slope, as "dT/dF"
     unit : unit of the slope
-    exact : exact value of the slope
+    exact_slope : exact value of the slope
     changes : function of the step that returns the changed keys of the brake file with their values
     step : step of the central difference; relative for force and moduli, otherwise in the key's
         unit
-    per_force : actuation force [N] by which a slope by the logarithm of the force is divided to
-        give the slope by the force; 1 for all other slopes
+    force_that_divides_logarithmic_slope : actuation force [N] by which a slope by the logarithm of
+        the force is divided to give the slope by the force; 1 for all other slopes
     """
 
-    what: str
+    name: str
     unit: str
-    exact: float
+    exact_slope: float
     changes: Callable[[float], Mapping[str, Any]]
     step: float
-    per_force: float = 1.0
+    force_that_divides_logarithmic_slope: float = 1.0
 
 
 def compare_torque_slopes_with_solve_differences(
-    brake: Brake, index: int, *, elements: int, penalty: float = PENALTY
-) -> tuple[Sensitivity, list[dict[str, Any]]]:
+    brake: Brake, index: int, *, elements: int, penalty: float = DEFAULT_PENALTY_FACTOR
+) -> tuple[TorqueSensitivities, list[dict[str, Any]]]:
     """Compare exact slopes of the whole torque with central differences of complete solves.
 
     Raises NoAnswer and BadInput as `solve` does.
@@ -1035,15 +1058,15 @@ def compare_torque_slopes_with_solve_differences(
             changed = vary(brake, dict(probe.changes(step)))
             torques.append(solve(changed, elements=elements, penalty=penalty).torque)
         up, down = torques
-        near = (up - down) / (2 * probe.step * probe.per_force)
-        row = {"what": probe.what, "unit": probe.unit, "exact": probe.exact, "near": near}
-        rows.append(row | {"difference": abs(probe.exact / near - 1)})
+        near = (up - down) / (2 * probe.step * probe.force_that_divides_logarithmic_slope)
+        row = {"what": probe.name, "unit": probe.unit, "exact": probe.exact_slope, "near": near}
+        rows.append(row | {"difference": abs(probe.exact_slope / near - 1)})
     return slopes, rows
 
 
 def _torque_slopes_to_compare_with_differences(
-    brake: Brake, index: int, slopes: Sensitivity
-) -> list[_ProbedSlope]:
+    brake: Brake, index: int, slopes: TorqueSensitivities
+) -> list[_TorqueSlopeAndDifferenceStep]:
     """The slopes that are compared with differences: by friction, and by data of shoe `index`.
 
     The data are the actuation force, the moduli of lining and body, the clearance and the hinge.
@@ -1070,13 +1093,17 @@ def _torque_slopes_to_compare_with_differences(
     hinge_at_larger_x = partial(_brake_file_value_increased_by_step, key + "hinge.x", x)
     hinge_at_larger_y = partial(_brake_file_value_increased_by_step, key + "hinge.y", y)
     return [
-        _ProbedSlope("dT/dμ", "N m", slopes.friction, more_friction, 1e-5),
-        _ProbedSlope("dT/dF", "m", own.force or 0.0, larger_force, 1e-4, force),
-        _ProbedSlope("dT/d ln E, lining", "N m", own.moduli["lining"], larger_lining_moduli, 1e-4),
-        _ProbedSlope("dT/d ln E, shoe", "N m", own.moduli["shoe"], larger_body_moduli, 1e-4),
-        _ProbedSlope("dT/d clearance", "N", own.clearance, more_clearance, 1e-9),
-        _ProbedSlope("dT/dx, hinge", "N", by_x, hinge_at_larger_x, 1e-6),
-        _ProbedSlope("dT/dy, hinge", "N", by_y, hinge_at_larger_y, 1e-6),
+        _TorqueSlopeAndDifferenceStep("dT/dμ", "N m", slopes.friction, more_friction, 1e-5),
+        _TorqueSlopeAndDifferenceStep("dT/dF", "m", own.force or 0.0, larger_force, 1e-4, force),
+        _TorqueSlopeAndDifferenceStep(
+            "dT/d ln E, lining", "N m", own.moduli["lining"], larger_lining_moduli, 1e-4
+        ),
+        _TorqueSlopeAndDifferenceStep(
+            "dT/d ln E, shoe", "N m", own.moduli["shoe"], larger_body_moduli, 1e-4
+        ),
+        _TorqueSlopeAndDifferenceStep("dT/d clearance", "N", own.clearance, more_clearance, 1e-9),
+        _TorqueSlopeAndDifferenceStep("dT/dx, hinge", "N", by_x, hinge_at_larger_x, 1e-6),
+        _TorqueSlopeAndDifferenceStep("dT/dy, hinge", "N", by_y, hinge_at_larger_y, 1e-6),
     ]
 
 

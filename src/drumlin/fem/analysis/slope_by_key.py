@@ -8,9 +8,9 @@ a coordinate of a hinge.
 import math
 
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.brake.fields import Material, Part, Point
+from drumlin.brake.fields import Material, PartOfInputFile, Point
 from drumlin.brake.file import parts_and_field_name_of_brake_key
-from drumlin.fem.analysis.sensitivity import Sensitivity, ShoeSensitivity, WantedSlopes
+from drumlin.fem.analysis.sensitivity import ShoeSensitivity, TorqueSensitivities, WantedSlopes
 
 
 def slopes_wanted_for_key(brake: Brake, key: str) -> WantedSlopes:
@@ -26,7 +26,7 @@ def slopes_wanted_for_key(brake: Brake, key: str) -> WantedSlopes:
     )
 
 
-def exact_torque_slope_by_key(brake: Brake, key: str, slopes: Sensitivity) -> float | None:
+def exact_torque_slope_by_key(brake: Brake, key: str, slopes: TorqueSensitivities) -> float | None:
     """The derivative of the torque with respect to a key's value; None if it is not known exactly.
 
     Parameters
@@ -68,19 +68,19 @@ def exact_torque_slope_by_key(brake: Brake, key: str, slopes: Sensitivity) -> fl
     return math.fsum(known) if known and len(known) == len(parts) == len(found) else None
 
 
-def _shoe_parts_whose_torque_slopes_are_exact(shoe: Shoe) -> list[Part | None]:
+def _shoe_parts_whose_torque_slopes_are_exact(shoe: Shoe) -> list[PartOfInputFile | None]:
     """The parts of a shoe whose keys may have exact torque slopes; None for a missing part."""
     body = None if shoe.body is None else shoe.body.material
     return [shoe.actuation, shoe.hinge, shoe.lining, shoe.lining.material, body]
 
 
-def _is_one_of_parts_with_exact_slopes(shoe: Shoe, part: Part) -> bool:
+def _is_one_of_parts_with_exact_slopes(shoe: Shoe, part: PartOfInputFile) -> bool:
     """Whether a part is the same object as one of the shoe's parts with exact slopes."""
     return any(part is own for own in _shoe_parts_whose_torque_slopes_are_exact(shoe))
 
 
 def _torque_slope_by_field_of_shoe(
-    shoe: Shoe, slopes: ShoeSensitivity, part: Part, name: str
+    shoe: Shoe, slopes: ShoeSensitivity, part: PartOfInputFile, name: str
 ) -> float | None:
     """The derivative of the brake's torque by a field of a shoe's part; None if it is not known.
 

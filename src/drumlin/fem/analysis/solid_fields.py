@@ -16,15 +16,15 @@ from drumlin.fem.analysis.fields import nodal_means_of_element_tensors
 from drumlin.fem.preparation.bodies import ShoeSubstructure
 from drumlin.fem.preparation.displacements import nodal_displacements_of_shoe
 from drumlin.fem.preparation.scene import PreparedModel
-from drumlin.fem.width.face import WidthFace
-from drumlin.fem.width.functions import WidthFunctions
+from drumlin.fem.width.face import ContactFaceWithWidth
+from drumlin.fem.width.functions import FunctionsAcrossWidth
 from drumlin.fem.width.integrals import LameConstants
-from drumlin.fem.width.recovery import WidthUnknowns
+from drumlin.fem.width.recovery import EliminatedUnknownsOfShoeWithWidth
 from drumlin.response.balance import brake_with_forces_of_response
 from drumlin.response.response import Response, ShoeResponse
 from drumlin.response.resultants import gauss_lobatto_points
 
-FEWEST_STEPS = 2
+FEWEST_INTERVALS_ACROSS_WIDTH_PIECE = 2
 """Smallest number of intervals between the sample points across a piece of the half width.
 
 A piece is a range of z in which the width functions are polynomials. With one interval the sides of
@@ -33,14 +33,35 @@ degree, so that the samples determine the polynomial.
 """
 
 
-_TURNED = [4, 5, 6, 7, 0, 1, 2, 3, 12, 13, 14, 15, 8, 9, 10, 11, 16, 17, 18, 19]
+_NODE_ORDER_OF_TURNED_HEXAHEDRON = [
+    4,
+    5,
+    6,
+    7,
+    0,
+    1,
+    2,
+    3,
+    12,
+    13,
+    14,
+    15,
+    8,
+    9,
+    10,
+    11,
+    16,
+    17,
+    18,
+    19,
+]
 """Node order that turns a hexahedron upside down; its nodes are in the order of VTK.
 
 Bottom and top are exchanged. Corners come first, then the middles of the edges.
 """
 
 
-class SolidFields(NamedTuple):
+class StressAndDisplacementFieldsOfHalfShoe(NamedTuple):
     """Displacement and stress in half a shoe (z >= 0), in the brake's frame.
 
     A node is repeated for each material that meets in it.
@@ -67,7 +88,7 @@ class SolidFields(NamedTuple):
     cell_type: str = "hexahedron"
 
 
-class _Piece(NamedTuple):
+class _SamplesAcrossWidthPiece(NamedTuple):
     """The sample points across one piece of the half width, with the width functions there.
 
     Attributes
@@ -84,7 +105,7 @@ class _Piece(NamedTuple):
     odd_slopes: Floats
 
 
-class _PartFields(NamedTuple):
+class _FieldsOfShoePart(NamedTuple):
     """The fields in one part of a shoe, in the shoe's frame.
 
     Attributes
@@ -105,7 +126,7 @@ class _PartFields(NamedTuple):
 
 def recover_stresses_in_half_of_each_solid_shoe(
     scene: PreparedModel, brake: Brake, response: Response
-) -> list[SolidFields]:
+) -> list[StressAndDisplacementFieldsOfHalfShoe]:
     """The displacements and stresses in half of each shoe (z >= 0), from a response's pressures.
 
     `response` was computed on the prepared model `scene`, which has shoes with widths.
@@ -119,7 +140,7 @@ def recover_stresses_in_half_of_each_solid_shoe(
 
 def _recover_stresses_in_half_of_solid_shoe(
     body: ShoeSubstructure, brake: Brake, shoe: Shoe, answer: ShoeResponse
-) -> SolidFields:
+) -> StressAndDisplacementFieldsOfHalfShoe:
     """The displacements and stresses in half of a shoe (z >= 0).
 
     Parameters
@@ -160,7 +181,7 @@ def _recover_stresses_in_half_of_solid_shoe(
     points = np.column_stack(
         [shoe.convert_points_to_brake_frame(unknowns.grid.doflocs[:, nodes]).T, z]
     )
-    return SolidFields(
+    return StressAndDisplacementFieldsOfHalfShoe(
         points=points,
         cells=hexahedra_turned_to_positive_volume(points, np.concatenate(cells)),
         part=np.concatenate(numbers),
@@ -171,28 +192,32 @@ def _recover_stresses_in_half_of_solid_shoe(
     )
 
 
-def contact_face_of_solid_shoe(body: ShoeSubstructure) -> WidthFace:
+def contact_face_of_solid_shoe(body: ShoeSubstructure) -> ContactFaceWithWidth:
     """The contact face of a shoe with a width."""
     # `prepare_model_with_shoe_widths` gives every body a face of this type.
-    assert isinstance(body.line, WidthFace)
+    assert isinstance(body.line, ContactFaceWithWidth)
     return body.line
 
 
-def displacement_unknowns_of_solid_shoe(body: ShoeSubstructure) -> WidthUnknowns:
+def displacement_unknowns_of_solid_shoe(
+    body: ShoeSubstructure,
+) -> EliminatedUnknownsOfShoeWithWidth:
     """The unknowns of a shoe with a width, by which eliminated displacements are recovered."""
     # `prepare_model_with_shoe_widths` gives every body unknowns of this type.
-    assert isinstance(body.condensed.inner, WidthUnknowns)
+    assert isinstance(body.condensed.inner, EliminatedUnknownsOfShoeWithWidth)
     return body.condensed.inner
 
 
 def _width_functions_at_sample_points_of_each_piece(
-    functions: WidthFunctions, half: float
-) -> Iterator[_Piece]:
+    functions: FunctionsAcrossWidth, half: float
+) -> Iterator[_SamplesAcrossWidthPiece]:
     """Yield the sample points, with the width functions, of each piece of a part's half width."""
     ends = functions.breaks[: functions.number_of_width_pieces_in_part(half) + 1]
     if len(ends) == 1 or functions.degree == 0:
         ends = (0.0, half)
-    steps = 0.5 * (1 + gauss_lobatto_points(max(functions.degree, FEWEST_STEPS)))
+    steps = 0.5 * (
+        1 + gauss_lobatto_points(max(functions.degree, FEWEST_INTERVALS_ACROSS_WIDTH_PIECE))
+    )
     for start, end in pairwise(ends):
         z = start + (end - start) * steps
         # At the outer end of a piece the slopes may jump. They are taken from within the piece,
@@ -200,12 +225,12 @@ def _width_functions_at_sample_points_of_each_piece(
         at = np.append(z[:-1], np.nextafter(end, 0.0))
         even = functions.function_values_and_slopes(functions.even_functions_across_width, at)
         odd = functions.function_values_and_slopes(functions.odd_functions_across_width, at)
-        yield _Piece(z, *even, *odd)
+        yield _SamplesAcrossWidthPiece(z, *even, *odd)
 
 
 def displacements_and_stresses_in_shoe_part(
-    unknowns: WidthUnknowns, u: Floats, name: str
-) -> _PartFields:
+    unknowns: EliminatedUnknownsOfShoeWithWidth, u: Floats, name: str
+) -> _FieldsOfShoePart:
     """The displacements and stresses in the part `name` of a shoe, from all unknowns u [m]."""
     grid, elements = unknowns.grid, unknowns.grid.subdomains[name]
     even, odd = unknowns.factors_of_even_and_odd_functions_at_nodes(u)
@@ -242,7 +267,7 @@ def displacements_and_stresses_in_shoe_part(
         grid.quadrilaterals_between_element_nodes, steps + 1
     )
     cells = means.cells[corners].reshape(8, -1).T
-    return _PartFields(nodes, levels[level], cells, displacement[level, nodes], means.values)
+    return _FieldsOfShoePart(nodes, levels[level], cells, displacement[level, nodes], means.values)
 
 
 def _corners_of_cells_between_sample_points(quadrilaterals: Ints, levels: int) -> Ints:
@@ -261,7 +286,12 @@ def _corners_of_cells_between_sample_points(quadrilaterals: Ints, levels: int) -
 
 
 def _stress_at_sample_points_across_width(
-    even: Floats, odd: Floats, dofs: Ints, slopes: Floats, piece: _Piece, lame: LameConstants
+    even: Floats,
+    odd: Floats,
+    dofs: Ints,
+    slopes: Floats,
+    piece: _SamplesAcrossWidthPiece,
+    lame: LameConstants,
 ) -> Floats:
     """The stress (3, 3, m, a, s) [Pa] of m elements at their a nodes and s distances z.
 
@@ -290,7 +320,9 @@ def _stress_at_sample_points_across_width(
     return np.asarray(stress)
 
 
-def _pressure_at_sample_points_of_lining(face: WidthFace, p: Floats, lining: _PartFields) -> Floats:
+def _pressure_at_sample_points_of_lining(
+    face: ContactFaceWithWidth, p: Floats, lining: _FieldsOfShoePart
+) -> Floats:
     """The pressure (n,) [Pa] at the samples of a lining, 0 off the face.
 
     `p` are the pressures [Pa] at the nodes of the contact face.
@@ -311,7 +343,9 @@ def hexahedra_turned_to_positive_volume(points: Floats, cells: Ints) -> Ints:
     """
     a, b, c, d = (points[cells[:, i]] for i in (0, 1, 3, 4))
     volume = np.einsum("mi,mi->m", np.cross(b - a, c - a), d - a)
-    return np.where((volume > 0)[:, None], cells, cells[:, _TURNED[: cells.shape[1]]])
+    return np.where(
+        (volume > 0)[:, None], cells, cells[:, _NODE_ORDER_OF_TURNED_HEXAHEDRON[: cells.shape[1]]]
+    )
 
 
 def von_mises_stress_of_solid(stress: Floats) -> Floats:

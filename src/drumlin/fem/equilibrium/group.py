@@ -16,28 +16,34 @@ import numpy as np
 from drumlin.base.arrays import Bools, Floats
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.brake.one_sided import NOT_HELD_TEXT, all_choices_of_bearing_supports
+from drumlin.brake.one_sided import (
+    ERROR_TEXT_ON_SHOE_THAT_IS_NOT_HELD,
+    all_choices_of_bearing_supports,
+)
 from drumlin.contact import active_set, self_locking
 from drumlin.fem.equilibrium import reach
-from drumlin.fem.equilibrium.problems import GroupProblems
-from drumlin.fem.equilibrium.sharing import LARGEST_FORCE_THAT_DOES_NOT_PUSH, WOULD_PULL_TEXT
+from drumlin.fem.equilibrium.problems import ContactProblemsOfShoeGroup
+from drumlin.fem.equilibrium.sharing import (
+    ERROR_TEXT_ON_CAM_OR_STRUT_THAT_WOULD_PULL,
+    LARGEST_STRUT_OR_CAM_FORCE_COUNTED_AS_ZERO,
+)
 from drumlin.fem.preparation.bodies import (
     ShoeSubstructure,
-    load_column_factors_and_pin_moment_per_newton,
+    actuation_factors_and_pin_moment_per_newton,
     moment_of_loads_besides_actuation_about_pin,
 )
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.laws import rigid
 from drumlin.laws.anchored import which_supports_of_rigid_shoes_bear
 
-FOOT_LEAVES_TEXT = "no equilibrium, a foot leaves its abutment"
+ERROR_TEXT_ON_FOOT_LEAVING_ABUTMENT = "no equilibrium, a foot leaves its abutment"
 """Text of the refusal of a brake in which the foot of a shoe would lift off its abutment."""
-ELASTIC_BRAKE_WORDS = "elastic as it is"
+WORDS_FOR_ELASTIC_MODEL_IN_LOCKING_MESSAGE = "elastic as it is"
 """Words for the elastic model in the message that a brake locks itself.
 
 The message also states the limit by the law of the rigid shoe.
 """
-FRICTION_STEP = self_locking.LARGEST_FRICTION_STEP / 4
+LARGEST_FRICTION_STEP_BETWEEN_CHECKS = self_locking.LARGEST_STEP_OF_GROWING_FRICTION / 4
 """Largest step of the drum's friction coefficient between two checks of feet, cam and struts.
 
 The checks are made while the friction grows to the limit of self-locking. A check finds in which
@@ -45,7 +51,7 @@ direction the feet of the shoes slide on their abutments, and whether the cam an
 push all shoes. Above a friction coefficient of 1 the step is relative to the coefficient. A foot
 that leaves its abutment and comes back within a step goes unnoticed; a smaller step costs time.
 """
-CHECK_DISTANCE_FROM_POLE = 1e-4
+RELATIVE_DISTANCE_OF_LAST_CHECK_BELOW_LOCKING = 1e-4
 """Relative distance below the limit of self-locking at which feet, cam and struts are last checked.
 
 The limit is the friction coefficient at which the pressures would be infinite. If a foot begins to
@@ -54,32 +60,32 @@ fraction, which is the last of the four digits that are printed.
 """
 
 
-class SharedForceWouldPull(NoAnswer):
+class CamOrStrutWouldPullError(NoAnswer):
     """The error that a cam or a strut would have to pull a shoe, while it can only push."""
 
 
-class FollowedFrictionLimit(NamedTuple):
+class DrumFrictionLimitOfShoeGroup(NamedTuple):
     """The friction coefficient of the drum up to which a group of shoes has an equilibrium.
 
     Attributes
     ----------
     limit : the limit of the friction coefficient
-    pulling_part : text that names the cam, strut or foot that would have to pull at the limit;
-        empty if the equilibrium ends for another reason
+    text_on_part_that_would_pull : text that names the cam, strut or foot that would have to pull at
+        the limit; empty if the equilibrium ends for another reason
     """
 
-    limit: self_locking.FrictionLimit
-    pulling_part: str
+    limit: self_locking.LargestFrictionWithEquilibrium
+    text_on_part_that_would_pull: str
 
 
 class SolvedGroup(NamedTuple):
     """A group with the friction directions at its abutments that a solve found, and its contact."""
 
     group: "ShoeGroup"
-    contact: active_set.Contact
+    contact: active_set.ContactSolution
 
 
-class ShoeGroup(GroupProblems):
+class ShoeGroup(ContactProblemsOfShoeGroup):
     """A group of shoes that are solved together; its methods solve its contact problems."""
 
     def copy_of_group_with_other_drum_friction(self, friction: float) -> "ShoeGroup":
@@ -91,14 +97,14 @@ class ShoeGroup(GroupProblems):
         return replace(
             self,
             brake=self.brake.brake_with_new_friction_coefficient(friction),
-            relative_frictions=self.friction_of_each_shoe_over_brake_friction,
+            shoe_frictions_over_brake_friction=self.friction_of_each_shoe_over_brake_friction,
         )
 
     # These methods solve the contact under given directions of friction at the abutments.
 
     def solve_contact_for_given_abutment_friction(
         self, first_contact_set: Bools | None = None
-    ) -> active_set.Contact:
+    ) -> active_set.ContactSolution:
         """Solve the contact for the group's present directions of friction at the abutments.
 
         Returns pressures and motions per newton of `largest_actuation_force`. `first_contact_set`
@@ -121,20 +127,20 @@ class ShoeGroup(GroupProblems):
                 first_contact_set,
                 self.contact_node_areas,
                 rigid_law_limit=law,
-                brake_words=ELASTIC_BRAKE_WORDS,
+                brake_words=WORDS_FOR_ELASTIC_MODEL_IN_LOCKING_MESSAGE,
             )
         except NoAnswer as error:
             # If the solution ends where the force of a strut or cam falls to zero, the brake does
             # not lock: a shoe leaves the drum.
-            if isinstance(error, self_locking.FrictionBeyondLimit) and (
+            if isinstance(error, self_locking.FrictionBeyondSelfLockingError) and (
                 refusal := self._error_text_if_force_pulls_at_friction_limit(error.limit)
             ):
-                raise SharedForceWouldPull(refusal) from error
+                raise CamOrStrutWouldPullError(refusal) from error
             raise NoAnswer(f"{self.names_of_shoes_as_text}: {error}") from error
         self._require_small_turns_of_shoes(contact)
         return contact
 
-    def _require_small_turns_of_shoes(self, contact: active_set.Contact) -> None:
+    def _require_small_turns_of_shoes(self, contact: active_set.ContactSolution) -> None:
         """Raise NoAnswer if a shoe of a solution turns too far for small displacements."""
         for k, coordinates in enumerate(self.rigid_body_coordinates_of_each_shoe(contact)):
             turns = self.largest_actuation_force * coordinates
@@ -171,22 +177,22 @@ class ShoeGroup(GroupProblems):
         If the shoe is hinged or on anchors, and the drum drags it the same way as in the prepared
         model, the value is taken from the model.
         """
-        shoe, known = self.brake.shoes[i], self.scene.brake.shoes[i]
+        shoe, known = self.brake.shoes[i], self.prepared_model.brake.shoes[i]
         kinds = {shoe.kind_of_support, known.kind_of_support}
         of_model = kinds in ({"hinge"}, {"anchor"})
         drag = self.brake.sign_of_motion * shoe.frame.sense
-        if of_model and drag == self.scene.brake.sign_of_motion * known.frame.sense:
-            return self.scene.locking_frictions_of_rigid_shoes[i]
+        if of_model and drag == self.prepared_model.brake.sign_of_motion * known.frame.sense:
+            return self.prepared_model.locking_frictions_of_rigid_shoes[i]
         return rigid.self_locking_friction_of_rigid_shoe(self.brake, shoe)
 
     def _error_text_if_force_pulls_at_friction_limit(
-        self, limit: self_locking.FrictionLimit
+        self, limit: self_locking.LargestFrictionWithEquilibrium
     ) -> str:
         """The error text if a strut or cam ceases to push at a limit of friction; otherwise empty.
 
         The limit is the friction coefficient of the drum up to which the contact has a solution.
         """
-        sharing = self._strut_and_cam_force_problem_at_friction(limit.last_friction)
+        sharing = self._strut_and_cam_contact_problem_at_friction(limit.last_friction)
         return (
             ""
             if sharing is None
@@ -198,8 +204,8 @@ class ShoeGroup(GroupProblems):
     def _error_text_if_actuation_force_pulls(self, forces: Floats) -> str:
         """The error text if one of the actuation forces (shoes,) does not push; otherwise empty."""
         i = int(forces.argmin())
-        if forces[i] <= LARGEST_FORCE_THAT_DOES_NOT_PUSH * forces.max():
-            return f"shoe {self.shoes[i].name!r}: {WOULD_PULL_TEXT}"
+        if forces[i] <= LARGEST_STRUT_OR_CAM_FORCE_COUNTED_AS_ZERO * forces.max():
+            return f"shoe {self.shoes[i].name!r}: {ERROR_TEXT_ON_CAM_OR_STRUT_THAT_WOULD_PULL}"
         return ""
 
     # These methods find the directions of friction at the abutments that agree with the solution.
@@ -250,7 +256,11 @@ class ShoeGroup(GroupProblems):
     @property
     def _error_text_that_shoes_are_not_held(self) -> str:
         """The error text for a group that no choice of supports and friction directions holds."""
-        return NOT_HELD_TEXT if self.one_sided_supports else FOOT_LEAVES_TEXT
+        return (
+            ERROR_TEXT_ON_SHOE_THAT_IS_NOT_HELD
+            if self.one_sided_supports
+            else ERROR_TEXT_ON_FOOT_LEAVING_ABUTMENT
+        )
 
     def groups_with_each_abutment_friction_direction(self) -> Iterator["ShoeGroup"]:
         """Yield the group with each possible choice of friction directions at its abutments.
@@ -258,7 +268,7 @@ class ShoeGroup(GroupProblems):
         The present directions come first; if they are unknown, the directions for rigid shoes. For
         each choice of directions, each choice of bearing one-sided supports follows.
         """
-        begin = self.friction_senses or tuple(
+        begin = self.abutment_friction_directions_of_shoes or tuple(
             _abutment_friction_direction_of_rigid_shoe(self.brake, shoe) for shoe in self.shoes
         )
         choices = []
@@ -267,8 +277,8 @@ class ShoeGroup(GroupProblems):
             choices.append((own, *others))
         for senses in product(*choices):
             group = self
-            if senses != self.friction_senses:
-                group = replace(self, friction_senses=senses)
+            if senses != self.abutment_friction_directions_of_shoes:
+                group = replace(self, abutment_friction_directions_of_shoes=senses)
             yield from group._groups_with_each_choice_of_supports()
 
     def _groups_with_each_choice_of_supports(self) -> Iterator["ShoeGroup"]:
@@ -289,7 +299,7 @@ class ShoeGroup(GroupProblems):
             ):
                 yield self if bearing == self.bearing else replace(self, bearing=bearing)
 
-    def does_contact_confirm_support_assumptions(self, contact: active_set.Contact) -> bool:
+    def does_contact_confirm_support_assumptions(self, contact: active_set.ContactSolution) -> bool:
         """Whether a solution agrees with what was assumed to solve it.
 
         Assumed are the directions of friction at the abutments, and which one-sided supports bear.
@@ -298,10 +308,12 @@ class ShoeGroup(GroupProblems):
             self.can_abutment_exert_computed_reaction(contact, k) for k in range(len(self.members))
         ):
             return False
-        supports = self.bearing_supports
+        supports = self.contact_problem_on_bearing_supports_or_none
         return supports is None or supports.do_supports_bear_as_assumed(contact.p, contact.y)
 
-    def can_abutment_exert_computed_reaction(self, contact: active_set.Contact, k: int) -> bool:
+    def can_abutment_exert_computed_reaction(
+        self, contact: active_set.ContactSolution, k: int
+    ) -> bool:
         """Whether the abutment can exert the computed reaction on the foot of shoe `k`.
 
         It can if it presses on the foot, and if its friction has the direction assumed for the
@@ -317,7 +329,7 @@ class ShoeGroup(GroupProblems):
             slide,
         )
 
-    def abutment_force_on_shoe(self, contact: active_set.Contact, k: int) -> Floats:
+    def abutment_force_on_shoe(self, contact: active_set.ContactSolution, k: int) -> Floats:
         """The force (2,) of the abutment on the foot of shoe `k`, in the frame of the brake.
 
         The force is relative to `largest_actuation_force`.
@@ -365,9 +377,12 @@ class ShoeGroup(GroupProblems):
             return ""
         law = min(map(self.locking_friction_of_group_shoe_by_rigid_law, range(len(self.members))))
         locked = self_locking.self_locking_error_text(
-            friction, end.limit.friction, rigid_law_limit=law, brake_words=ELASTIC_BRAKE_WORDS
+            friction,
+            end.limit.friction,
+            rigid_law_limit=law,
+            brake_words=WORDS_FOR_ELASTIC_MODEL_IN_LOCKING_MESSAGE,
         )
-        return end.pulling_part or f"{self.names_of_shoes_as_text}: {locked}"
+        return end.text_on_part_that_would_pull or f"{self.names_of_shoes_as_text}: {locked}"
 
     # These methods follow the solution as the friction coefficient of the drum grows.
 
@@ -383,7 +398,7 @@ class ShoeGroup(GroupProblems):
 
     def find_friction_limit_by_following_contact(
         self, largest_friction: float
-    ) -> FollowedFrictionLimit:
+    ) -> DrumFrictionLimitOfShoeGroup:
         """Find the friction coefficient of the drum up to which the group has an equilibrium.
 
         The friction grows in steps from the least one that has a solution, until the solution ends
@@ -398,11 +413,15 @@ class ShoeGroup(GroupProblems):
                 largest_friction,
                 areas=self.contact_node_areas,
             )
-            return FollowedFrictionLimit(limit, pulling_part="")
+            return DrumFrictionLimitOfShoeGroup(limit, text_on_part_that_would_pull="")
         low, at = self._find_least_friction_with_equilibrium_and_its_solution(largest_friction)
         end = at.self_locking_limit_with_present_supports(low, largest_friction)
-        while low < (last := min(end.friction * (1 - CHECK_DISTANCE_FROM_POLE), largest_friction)):
-            high = min(low + FRICTION_STEP * max(1.0, low), last)
+        while low < (
+            last := min(
+                end.friction * (1 - RELATIVE_DISTANCE_OF_LAST_CHECK_BELOW_LOCKING), largest_friction
+            )
+        ):
+            high = min(low + LARGEST_FRICTION_STEP_BETWEEN_CHECKS * max(1.0, low), last)
             after = at.solution_at_higher_friction_or_none(high)
             # Under more friction the group may have a solution again, but the solution that is
             # followed ends between `low` and `high`.
@@ -411,9 +430,10 @@ class ShoeGroup(GroupProblems):
             low, before, at = high, at, after
             if at.problem is not before.problem:
                 end = at.self_locking_limit_with_present_supports(low, largest_friction)
-        group = at.settled.group
-        return FollowedFrictionLimit(
-            end, pulling_part=group._error_text_if_force_pulls_at_friction_limit(end)
+        group = at.solved_group.group
+        return DrumFrictionLimitOfShoeGroup(
+            end,
+            text_on_part_that_would_pull=group._error_text_if_force_pulls_at_friction_limit(end),
         )
 
     def _find_least_friction_with_equilibrium_and_its_solution(
@@ -421,15 +441,15 @@ class ShoeGroup(GroupProblems):
     ) -> tuple[float, "_FollowedSolution"]:
         """Find the least friction coefficient of the drum with an equilibrium, and the equilibrium.
 
-        The friction grows from 0 in steps of FRICTION_STEP. It need not be 0: a shoe may need the
-        friction of the drum to press its foot on the abutment.
+        The friction grows from 0 in steps of LARGEST_FRICTION_STEP_BETWEEN_CHECKS. It need not be
+        0: a shoe may need the friction of the drum to press its foot on the abutment.
         """
         friction = 0.0
         while friction < largest_friction:
             found = self._solve_if_struts_and_cam_push(friction)
             if found is not None:
                 return friction, _followed_solution_of_settled_group(found)
-            friction += FRICTION_STEP * max(1.0, friction)
+            friction += LARGEST_FRICTION_STEP_BETWEEN_CHECKS * max(1.0, friction)
         # The group has no solution at any friction. The next line raises an error with the reason
         # at friction 0.
         found = self.copy_of_group_with_other_drum_friction(
@@ -450,12 +470,12 @@ class ShoeGroup(GroupProblems):
             return None
         return found if found.group._do_struts_and_cam_push(found.contact) else None
 
-    def _do_struts_and_cam_push(self, contact: active_set.Contact) -> bool:
+    def _do_struts_and_cam_push(self, contact: active_set.ContactSolution) -> bool:
         """Whether the struts and the cam push all shoes in a solution of the contact."""
         forces = self.actuation_forces_under_contact_pressures(contact.p)
         return not self._error_text_if_actuation_force_pulls(forces)
 
-    def is_contact_solution_physically_possible(self, contact: active_set.Contact) -> bool:
+    def is_contact_solution_physically_possible(self, contact: active_set.ContactSolution) -> bool:
         """Whether supports, struts, the cam and the turns of the shoes allow a contact solution.
 
         Supports, struts and the cam must be able to exert the computed forces. No shoe may turn
@@ -479,7 +499,7 @@ class ShoeGroup(GroupProblems):
         """
         try:
             contact = self.solve_contact_for_given_abutment_friction()
-        except SharedForceWouldPull as error:
+        except CamOrStrutWouldPullError as error:
             return str(error)
         except NoAnswer:
             return ""
@@ -488,10 +508,11 @@ class ShoeGroup(GroupProblems):
         )
         if pull:
             return pull
-        if self.bearing_supports is not None and not self.does_contact_confirm_support_assumptions(
-            contact
+        if (
+            self.contact_problem_on_bearing_supports_or_none is not None
+            and not self.does_contact_confirm_support_assumptions(contact)
         ):
-            return f"{self.names_of_shoes_as_text}: {NOT_HELD_TEXT}"
+            return f"{self.names_of_shoes_as_text}: {ERROR_TEXT_ON_SHOE_THAT_IS_NOT_HELD}"
         for k, shoe in enumerate(self.shoes):
             if (
                 shoe.kind_of_support == "abutment"
@@ -499,7 +520,7 @@ class ShoeGroup(GroupProblems):
                 @ shoe.unit_vector_of_smooth_abutment_force
                 > 0
             ):
-                return f"{self.names_of_shoes_as_text}: {FOOT_LEAVES_TEXT}"
+                return f"{self.names_of_shoes_as_text}: {ERROR_TEXT_ON_FOOT_LEAVING_ABUTMENT}"
         return ""
 
 
@@ -508,21 +529,24 @@ class _FollowedSolution(NamedTuple):
 
     Attributes
     ----------
-    settled : the group with its directions of friction and bearing supports, and its contact
+    solved_group : the group with its directions of friction and bearing supports, and its contact
     problem : the contact problem under these directions and supports, at every friction
     """
 
-    settled: SolvedGroup
+    solved_group: SolvedGroup
     problem: self_locking.FrictionDependentProblem
 
     @property
-    def choice(self) -> tuple[object, ...]:
+    def friction_directions_and_bearing_supports(self) -> tuple[object, ...]:
         """The directions of friction at the abutments, and which one-sided supports bear."""
-        return self.settled.group.friction_senses, self.settled.group.bearing
+        return (
+            self.solved_group.group.abutment_friction_directions_of_shoes,
+            self.solved_group.group.bearing,
+        )
 
     def self_locking_limit_with_present_supports(
         self, friction: float, largest: float
-    ) -> self_locking.FrictionLimit:
+    ) -> self_locking.LargestFrictionWithEquilibrium:
         """The limit of self-locking if directions and supports stay; inf if above `largest`.
 
         `friction` is the friction coefficient of the solution.
@@ -530,21 +554,21 @@ class _FollowedSolution(NamedTuple):
         return self_locking.find_largest_friction_with_equilibrium(
             self.problem,
             largest,
-            (friction, self.settled.contact),
-            self.settled.group.contact_node_areas,
+            (friction, self.solved_group.contact),
+            self.solved_group.group.contact_node_areas,
         )
 
     def solution_continued_with_present_supports_or_none(
         self, friction: float
     ) -> "_FollowedSolution | None":
         """The solution at a higher friction with the present directions and supports, or None."""
-        group = self.settled.group.copy_of_group_with_other_drum_friction(friction)
+        group = self.solved_group.group.copy_of_group_with_other_drum_friction(friction)
         contact = self_locking.stable_contact_continued_to_higher_friction_or_none(
-            self.problem, friction, self.settled.contact, group.contact_node_areas
+            self.problem, friction, self.solved_group.contact, group.contact_node_areas
         )
         if contact is None or not group.is_contact_solution_physically_possible(contact):
             return None
-        return self._replace(settled=SolvedGroup(group, contact))
+        return self._replace(solved_group=SolvedGroup(group, contact))
 
     def solution_at_higher_friction_or_none(self, friction: float) -> "_FollowedSolution | None":
         """The solution at a higher friction coefficient; None if there is none.
@@ -555,11 +579,16 @@ class _FollowedSolution(NamedTuple):
         continued = self.solution_continued_with_present_supports_or_none(friction)
         if continued is not None:
             return continued
-        found = self.settled.group._solve_if_struts_and_cam_push(friction)
+        found = self.solved_group.group._solve_if_struts_and_cam_push(friction)
         if found is None:
             return None
-        other = self._replace(settled=found)
-        return other if other.choice == self.choice else _followed_solution_of_settled_group(found)
+        other = self._replace(solved_group=found)
+        return (
+            other
+            if other.friction_directions_and_bearing_supports
+            == self.friction_directions_and_bearing_supports
+            else _followed_solution_of_settled_group(found)
+        )
 
 
 def _followed_solution_of_settled_group(settled: SolvedGroup) -> _FollowedSolution:
@@ -568,8 +597,11 @@ def _followed_solution_of_settled_group(settled: SolvedGroup) -> _FollowedSoluti
 
 
 def _friction_limit_by_bisection(
-    at: _FollowedSolution, limit_before: self_locking.FrictionLimit, low: float, high: float
-) -> FollowedFrictionLimit:
+    at: _FollowedSolution,
+    limit_before: self_locking.LargestFrictionWithEquilibrium,
+    low: float,
+    high: float,
+) -> DrumFrictionLimitOfShoeGroup:
     """Find by bisection the friction coefficient of the drum at which a solution ends.
 
     Parameters
@@ -580,12 +612,12 @@ def _friction_limit_by_bisection(
     high : friction coefficient without a solution
     """
     tried: set[tuple[object, ...]] = set()
-    reach = self_locking.POLE_DISTANCE * high
-    while high - low > self_locking.POLE_DISTANCE * high:
-        if at.choice not in tried:
+    reach = self_locking.TEST_DISTANCE_BELOW_SINGULAR_FRICTION * high
+    while high - low > self_locking.TEST_DISTANCE_BELOW_SINGULAR_FRICTION * high:
+        if at.friction_directions_and_bearing_supports not in tried:
             # The solution mostly ends where its directions of friction and its supports cease to
             # hold. Each step of the search for this friction takes one contact solve.
-            tried.add(at.choice)
+            tried.add(at.friction_directions_and_bearing_supports)
             at, low, end = _bisect_friction_at_which_supports_change(at, low, high)
         else:
             # Where one choice takes over from another, both hold up to round-off, and an earlier
@@ -598,8 +630,10 @@ def _friction_limit_by_bisection(
         else:
             low, at = end, after
     limit = limit_before._replace(friction=low, pressure_stays_finite=True, last_friction=low)
-    beyond = at.settled.group.copy_of_group_with_other_drum_friction(high)
-    return FollowedFrictionLimit(limit, beyond._error_text_on_cam_strut_or_support_that_pulls())
+    beyond = at.solved_group.group.copy_of_group_with_other_drum_friction(high)
+    return DrumFrictionLimitOfShoeGroup(
+        limit, beyond._error_text_on_cam_strut_or_support_that_pulls()
+    )
 
 
 def _bisect_friction_at_which_supports_change(
@@ -617,7 +651,9 @@ def _bisect_friction_at_which_supports_change(
     """
     # If the present choice of directions and supports fails at every friction above 0, the search
     # ends at a friction that is practically 0.
-    while high - low > self_locking.POLE_DISTANCE * max(high, self_locking.FRICTION_RESOLUTION):
+    while high - low > self_locking.TEST_DISTANCE_BELOW_SINGULAR_FRICTION * max(
+        high, self_locking.RELATIVE_RESOLUTION_OF_FRICTION_LIMIT
+    ):
         middle = 0.5 * (low + high)
         after = at.solution_continued_with_present_supports_or_none(middle)
         if after is None:
@@ -691,7 +727,10 @@ def divide_shoes_into_groups(
         group = ShoeGroup(scene, brake, each, penalty)
         # Without friction at abutments there are no directions of this friction to be found.
         if not group.has_abutment_with_friction:
-            group = replace(group, friction_senses=group.known_abutment_friction_directions)
+            group = replace(
+                group,
+                abutment_friction_directions_of_shoes=group.known_abutment_friction_directions,
+            )
         groups.append(group)
     return groups
 
@@ -720,7 +759,7 @@ def is_shoe_pressed_on_drum(body: ShoeSubstructure, brake: Brake, shoe: Shoe) ->
         return False
     if shoe.kind_of_support != "hinge":
         return rigid.sign_of_pressure_that_balances_actuation(brake, shoe) >= 0
-    _, moment = load_column_factors_and_pin_moment_per_newton(body, shoe)
+    _, moment = actuation_factors_and_pin_moment_per_newton(body, shoe)
     if shoe.has_loads_besides_actuation:
         pushed = abs(shoe.actuation.force) * moment + moment_of_loads_besides_actuation_about_pin(
             shoe

@@ -12,7 +12,7 @@ from drumlin.brake.brake import Brake
 from drumlin.brake.friction import first_key_of_pressure_dependent_friction
 from drumlin.contact.active_set import solve_contact_by_block_pivoting
 from drumlin.contact.self_locking import (
-    COARSE_PATH_ABOVE_NODES,
+    NODES_ABOVE_WHICH_FRICTION_PATH_IS_COARSE,
     find_largest_friction_with_equilibrium,
     is_equilibrium_certain_up_to_friction,
 )
@@ -23,26 +23,26 @@ from drumlin.fem.equilibrium.pressure_friction import (
 )
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.response.self_locking import (
-    WARNED_SHARE,
-    LockedShoes,
+    WARNED_FRACTION_OF_LOCKING_FRICTION,
+    LockedShoesAndLockingFriction,
     SelfLocking,
     SelfLockingFactor,
     first_shoes_to_lock,
 )
 
-NEAR_LAW = 0.5
+SMALLEST_FRICTION_RATIO_FOR_ELASTIC_LIMIT = 0.5
 """Friction, relative to the self-locking limit mu_lock of the rigid-shoe law, above which the limit
 of the elastic brake is sought and stated.
 
 At lower friction the elastic limit is sought only as far as is needed to decide whether a warning
 is printed. The value is a judgement that changes the time and the printed line alone.
 """
-FURTHEST_SEARCH = 3.0
+LARGEST_SOUGHT_ELASTIC_LIMIT_OVER_FRICTION = 3.0
 """Upper end of the search for the elastic limit of self-locking, relative to the brake's friction.
 
-It holds for brakes whose friction is above NEAR_LAW of the rigid-shoe limit. In the studies,
-elastic limits are up to 1.8 times as high as rigid-shoe limits. The value changes the time and the
-printed line alone.
+It holds for brakes whose friction is above SMALLEST_FRICTION_RATIO_FOR_ELASTIC_LIMIT of the
+rigid-shoe limit. In the studies, elastic limits are up to 1.8 times as high as rigid-shoe limits.
+The value changes the time and the printed line alone.
 """
 
 
@@ -51,12 +51,13 @@ def compare_friction_with_self_locking_limits(
 ) -> SelfLocking:
     """Compare a brake's friction with its self-locking limits by law and by finite elements.
 
-    If the friction is above NEAR_LAW times the smallest rigid-shoe limit, the elastic limit is
-    sought up to FURTHEST_SEARCH times the friction. Otherwise it is sought up to 1/WARNED_SHARE
-    times the friction, which is enough to decide on a warning; mostly a single contact solve shows
-    that no limit lies so low. The elastic limit is not sought if a cam, a strut or an abutment may
-    end the equilibrium earlier, nor on meshes of more than COARSE_PATH_ABOVE_NODES contact nodes,
-    on which the search would take longer than the solve.
+    If the friction is above SMALLEST_FRICTION_RATIO_FOR_ELASTIC_LIMIT times the smallest rigid-shoe
+    limit, the elastic limit is sought up to LARGEST_SOUGHT_ELASTIC_LIMIT_OVER_FRICTION times the
+    friction. Otherwise it is sought up to 1/WARNED_FRACTION_OF_LOCKING_FRICTION times the friction,
+    which is enough to decide on a warning; mostly a single contact solve shows that no limit lies
+    so low. The elastic limit is not sought if a cam, a strut or an abutment may end the equilibrium
+    earlier, nor on meshes of more than NODES_ABOVE_WHICH_FRICTION_PATH_IS_COARSE contact nodes, on
+    which the search would take longer than the solve.
 
     Parameters
     ----------
@@ -74,11 +75,11 @@ def compare_friction_with_self_locking_limits(
     by_law = []
     for shoe, own in zip(brake.shoes, scene.locking_frictions_of_rigid_shoes, strict=True):
         limit = brake.brake_friction_that_gives_shoe_friction(shoe, own)
-        by_law.append(LockedShoes((shoe.name,), limit))
+        by_law.append(LockedShoesAndLockingFriction((shoe.name,), limit))
     law = first_shoes_to_lock(by_law)
     groups = divide_pressed_shoes_into_groups(scene, brake, penalty) if friction > 0 else []
     if not groups or not all(map(_is_locking_friction_of_group_cheap_to_compute, groups)):
-        return SelfLocking(friction, law, scaled=scaled)
+        return SelfLocking(friction, law, key_of_lining_with_own_friction=scaled)
 
     def smallest_locking_friction_of_group_by_rigid_law(group: ShoeGroup) -> float:
         """The smallest self-locking friction of the shoes of a group, by the rigid-shoe law."""
@@ -87,12 +88,14 @@ def compare_friction_with_self_locking_limits(
     # The search begins with the group that locks at the least friction by the rigid-shoe law. The
     # limit of each group bounds the search in the next groups, since only the smallest limit is
     # stated.
-    limits, sought = [], friction / WARNED_SHARE
-    if friction > NEAR_LAW * law.friction:
-        sought = friction * FURTHEST_SEARCH
+    limits, sought = [], friction / WARNED_FRACTION_OF_LOCKING_FRICTION
+    if friction > SMALLEST_FRICTION_RATIO_FOR_ELASTIC_LIMIT * law.friction:
+        sought = friction * LARGEST_SOUGHT_ELASTIC_LIMIT_OVER_FRICTION
     for group in sorted(groups, key=smallest_locking_friction_of_group_by_rigid_law):
         shoes = tuple(brake.shoes[i].name for i in group.members)
-        limits.append(LockedShoes(shoes, _locking_friction_of_elastic_group(group, sought)))
+        limits.append(
+            LockedShoesAndLockingFriction(shoes, _locking_friction_of_elastic_group(group, sought))
+        )
         sought = min(sought, limits[-1].friction)
     return SelfLocking(friction, law, first_shoes_to_lock(limits), sought, scaled)
 
@@ -124,14 +127,14 @@ def compare_friction_over_pressure_with_self_locking_limit(
         limit / brake.friction_coefficient_curve_of_shoe(shoe).mu.max()
         for shoe, limit in zip(brake.shoes, scene.locking_frictions_of_rigid_shoes, strict=True)
     ]
-    limits, sought = [], 1 / WARNED_SHARE
-    if NEAR_LAW * min(by_law) < 1:
-        sought = FURTHEST_SEARCH
+    limits, sought = [], 1 / WARNED_FRACTION_OF_LOCKING_FRICTION
+    if SMALLEST_FRICTION_RATIO_FOR_ELASTIC_LIMIT * min(by_law) < 1:
+        sought = LARGEST_SOUGHT_ELASTIC_LIMIT_OVER_FRICTION
     for group in groups:
         shoes = tuple(brake.shoes[i].name for i in group.members)
         settled = solve_shoe_group_with_lining_friction(group)
         limit = find_friction_factor_that_locks_group(settled, sought, single_step=True)
-        limits.append(LockedShoes(shoes, limit.factor))
+        limits.append(LockedShoesAndLockingFriction(shoes, limit.factor))
         sought = min(sought, limit.factor)
     return SelfLockingFactor(key, first_shoes_to_lock(limits), sought)
 
@@ -139,7 +142,10 @@ def compare_friction_over_pressure_with_self_locking_limit(
 def _is_locking_friction_of_group_cheap_to_compute(group: ShoeGroup) -> bool:
     """Whether the elastic limit of a group takes only a few contact solves of moderate size."""
     nodes = len(group.contact_node_areas)
-    return group.has_neither_strut_cam_nor_abutment and nodes <= COARSE_PATH_ABOVE_NODES
+    return (
+        group.has_neither_strut_cam_nor_abutment
+        and nodes <= NODES_ABOVE_WHICH_FRICTION_PATH_IS_COARSE
+    )
 
 
 def _locking_friction_of_elastic_group(group: ShoeGroup, sought: float) -> float:

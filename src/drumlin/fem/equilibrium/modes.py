@@ -27,17 +27,18 @@ class RigidBodyModes(NamedTuple):
     contact_modes : displacements (2n, k) of the n contact nodes in the contact modes
     test_modes : displacements (2n, k) of the contact nodes in the test modes
     actuation_work : work (k,) of the actuation on the test modes, per newton of its force
-    further_work : work (k,) of springs, weight and further forces on the test modes [N m for a
-        turn, N for a slide]
-    tip_travel : displacement (k,) of the point of actuation along its force in the contact modes
+    work_of_further_loads : work (k,) of springs, weight and further forces on the test modes [N m
+        for a turn, N for a slide]
+    load_point_travel : displacement (k,) of the point of actuation along its force in the contact
+        modes
     pin_motion : displacements x and y of the pin, and turn of the shoe (3, k), in the contact modes
     """
 
     contact_modes: Floats
     test_modes: Floats
     actuation_work: Floats
-    further_work: Floats
-    tip_travel: Floats
+    work_of_further_loads: Floats
+    load_point_travel: Floats
     pin_motion: Floats
 
 
@@ -64,7 +65,7 @@ def make_rigid_body_modes(
     shoe : the shoe
     moment : moment of the actuation about the pin [m], per newton of its force
     sense : direction of the friction at an abutment: +1 or -1 along its face, 0 if the foot sticks,
-        see `Held.rigid_body_modes_of_support`
+        see `SupportedShoe.rigid_body_modes_of_support`
     """
     if shoe.kind_of_support == "hinge":
         return _rigid_body_mode_of_turn_about_pin(body, shoe, moment)
@@ -75,10 +76,10 @@ def make_rigid_body_modes(
     size = abs(shoe.actuation.force) or 1.0
     modes = RigidBodyModes(
         contact_modes=_contact_node_displacements_in_rigid_body_motions(body, shoe, free.motions),
-        test_modes=_contact_node_displacements_in_rigid_body_motions(body, shoe, free.tests),
-        actuation_work=free.work / size,
-        further_work=free.further_work,
-        tip_travel=free.tip * math.copysign(1.0, shoe.actuation.force),
+        test_modes=_contact_node_displacements_in_rigid_body_motions(body, shoe, free.test_modes),
+        actuation_work=free.actuation_work / size,
+        work_of_further_loads=free.work_of_further_loads,
+        load_point_travel=free.actuation_point_travel * math.copysign(1.0, shoe.actuation.force),
         pin_motion=pin_motions_in_rigid_body_motions(shoe, free.motions),
     )
     if free.names[0] == "turn":

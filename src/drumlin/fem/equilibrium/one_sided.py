@@ -17,8 +17,8 @@ import numpy as np
 
 from drumlin.base.arrays import Floats
 from drumlin.brake.one_sided import (
-    LARGEST_PULL,
-    Bearing,
+    LARGEST_ROUND_OFF_PULL_OF_SUPPORT,
+    BearingFlagsOfOneSidedSupports,
     divide_motions_into_held_and_free,
     do_linings_resist_free_motions,
 )
@@ -26,7 +26,7 @@ from drumlin.contact.equations import ContactProblem
 
 
 @dataclass(frozen=True)
-class SupportMatrices:
+class OneSidedSupportMatrices:
     """The effects of m one-sided supports on n pressures and k rigid-body motions of a group.
 
     Forces and displacements are per newton of the group's actuation force.
@@ -51,7 +51,7 @@ class SupportMatrices:
 
 
 @dataclass(frozen=True)
-class BearingSupports:
+class ContactProblemOnBearingSupports:
     """The contact problem of a group of shoes on the one-sided supports that bear.
 
     Attributes
@@ -67,8 +67,8 @@ class BearingSupports:
     """
 
     problem: ContactProblem
-    bearing: Bearing
-    matrices: SupportMatrices
+    bearing: BearingFlagsOfOneSidedSupports
+    matrices: OneSidedSupportMatrices
     forces_without_pressure: Floats
     forces_by_pressure: Floats
     motions_without_pressure: Floats
@@ -99,14 +99,18 @@ class BearingSupports:
         opening, largest = np.sum(parts, axis=0), float(np.abs(parts).max())
         on = np.array(self.bearing)
         # The largest actuation force is 1, since forces are relative to it.
-        pulls = forces[on] < -LARGEST_PULL * max(1.0, float(np.abs(forces).max()))
-        overlaps = opening[~on] < -LARGEST_PULL * largest
+        pulls = forces[on] < -LARGEST_ROUND_OFF_PULL_OF_SUPPORT * max(
+            1.0, float(np.abs(forces).max())
+        )
+        overlaps = opening[~on] < -LARGEST_ROUND_OFF_PULL_OF_SUPPORT * largest
         return not (pulls.any() or overlaps.any())
 
 
 def contact_problem_on_supports_that_bear(
-    problem: ContactProblem, matrices: SupportMatrices, bearing: Bearing
-) -> BearingSupports | None:
+    problem: ContactProblem,
+    matrices: OneSidedSupportMatrices,
+    bearing: BearingFlagsOfOneSidedSupports,
+) -> ContactProblemOnBearingSupports | None:
     """Make the contact problem of a group of shoes on the one-sided supports that bear.
 
     The result is None if the bearing supports are redundant, or leave a motion free that the
@@ -142,6 +146,6 @@ def contact_problem_on_supports_that_bear(
         C=free.T @ C,
         h=free.T @ h,
     )
-    return BearingSupports(
+    return ContactProblemOnBearingSupports(
         reduced, bearing, matrices, constant, by_pressure, motion, motion_by_pressure, free
     )

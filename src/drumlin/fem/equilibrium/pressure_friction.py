@@ -8,19 +8,19 @@ import numpy as np
 
 from drumlin.base.arrays import Bools, Floats
 from drumlin.base.errors import NoAnswer
-from drumlin.brake.friction import FrictionCurve
-from drumlin.contact.active_set import Contact
+from drumlin.brake.friction import FrictionOverPressureCurve
+from drumlin.contact.active_set import ContactSolution
 from drumlin.contact.pressure_friction import (
-    FRICTION_TOLERANCE,
+    NEWTON_TOLERANCE_OF_CONTACT_PRESSURES,
     FrictionFactorLimit,
-    NodalFriction,
+    NodalFrictionAndSlope,
     find_largest_friction_factor_with_equilibrium,
     is_equilibrium_certain_up_to_friction_factor,
     solve_contact_with_pressure_dependent_friction,
 )
 from drumlin.fem.equilibrium.group import ShoeGroup, SolvedGroup
 
-MOST_CHANGES_OF_SUPPORT = 5
+MAX_REPEATED_SOLVES_WITH_CHANGED_SUPPORTS = 5
 """Most repetitions of a solve with pressure-dependent friction in which supports may change.
 
 The bearing one-sided supports and the directions of friction at abutments may differ between two
@@ -37,43 +37,47 @@ def solve_shoe_group_with_lining_friction(
     The result has the friction coefficient of each node if friction depends on the pressure.
     `first` (n,) is a contact set to start from. Raises NoAnswer as
     `ShoeGroup.solve_contact_and_abutment_friction` does, and if the friction at the nodes does not
-    converge to within FRICTION_TOLERANCE of the friction that belongs to the pressures.
+    converge to within NEWTON_TOLERANCE_OF_CONTACT_PRESSURES of the friction that belongs to the
+    pressures.
     """
     curves = [group.brake.friction_coefficient_curve_of_shoe(shoe) for shoe in group.shoes]
     if all(len(curve.mu) == 1 for curve in curves):
         return group.solve_contact_and_abutment_friction(first)
     start, settled = _solve_group_at_smallest_else_largest_friction(group, curves, first)
-    for _ in range(MOST_CHANGES_OF_SUPPORT):
+    for _ in range(MAX_REPEATED_SOLVES_WITH_CHANGED_SUPPORTS):
         contact = _contact_whose_friction_fits_its_pressures(settled, start)
         friction = _friction_and_its_slopes_at_nodes(settled.group, contact.p).coefficient
         # The contact is solved once more at these fixed coefficients, as for any other brake. This
         # solve checks that the solution is the one that friction growing from zero reaches.
         settled = _solve_group_at_nodal_friction(settled.group, friction, contact.active)
         reached = _friction_and_its_slopes_at_nodes(settled.group, settled.contact.p).coefficient
-        if np.abs(reached - friction).max() <= FRICTION_TOLERANCE * friction.max():
+        if (
+            np.abs(reached - friction).max()
+            <= NEWTON_TOLERANCE_OF_CONTACT_PRESSURES * friction.max()
+        ):
             return settled
     raise NoAnswer(
         f"{group.names_of_shoes_as_text}: friction and pressure do not agree, not converged"
     )
 
 
-def friction_and_its_slopes_at_nodes_of_group(group: ShoeGroup, p: Floats) -> NodalFriction:
+def friction_and_its_slopes_at_nodes_of_group(group: ShoeGroup, p: Floats) -> NodalFrictionAndSlope:
     """The friction coefficients at nodal pressures p (n,) [Pa], and their derivatives [1/Pa]."""
     parts = []
     for shoe, nodes in zip(group.shoes, group.contact_node_slices_of_shoes, strict=True):
         curve = group.brake.friction_coefficient_curve_of_shoe(shoe)
         parts.append(
-            NodalFriction(
+            NodalFrictionAndSlope(
                 curve.friction_coefficients_at_pressures(p[nodes]),
                 curve.friction_slopes_at_pressures(p[nodes]),
             )
         )
-    return NodalFriction(*(np.concatenate(each) for each in zip(*parts, strict=True)))
+    return NodalFrictionAndSlope(*(np.concatenate(each) for each in zip(*parts, strict=True)))
 
 
 def group_with_friction_at_nodes(group: ShoeGroup, friction: Floats) -> ShoeGroup:
     """A copy of a group with a friction coefficient (n,) for each of its contact nodes."""
-    return replace(group, friction_at_nodes=friction / group.brake.friction)
+    return replace(group, node_frictions_over_brake_friction=friction / group.brake.friction)
 
 
 def find_friction_factor_that_locks_group(
@@ -90,7 +94,7 @@ def find_friction_factor_that_locks_group(
     single_step : whether a single step to the largest factor is tried before the search
     """
     group = settled.group
-    unit = replace(group, friction_at_nodes=np.ones(len(group.contact_node_areas)))
+    unit = replace(group, node_frictions_over_brake_friction=np.ones(len(group.contact_node_areas)))
     problem, areas = unit.contact_problem_as_function_of_friction, group.contact_node_areas
     friction = partial(_friction_and_its_slopes_at_nodes, group)
     if single_step and is_equilibrium_certain_up_to_friction_factor(
@@ -117,7 +121,7 @@ def group_with_tangent_of_friction_stress(group: ShoeGroup, p: Floats) -> ShoeGr
 
 
 def _solve_group_at_smallest_else_largest_friction(
-    group: ShoeGroup, curves: list[FrictionCurve], first: Bools | None
+    group: ShoeGroup, curves: list[FrictionOverPressureCurve], first: Bools | None
 ) -> tuple[Floats, SolvedGroup]:
     """Solve a group with the least friction of each lining's curve, or, failing that, the largest.
 
@@ -144,17 +148,19 @@ def _solve_group_at_nodal_friction(
     return group_with_friction_at_nodes(group, friction).solve_contact_and_abutment_friction(first)
 
 
-def _friction_and_its_slopes_at_nodes(group: ShoeGroup, p: Floats) -> NodalFriction:
+def _friction_and_its_slopes_at_nodes(group: ShoeGroup, p: Floats) -> NodalFrictionAndSlope:
     """The friction coefficients at nodal pressures p (n,), and their derivatives by pressure.
 
     The pressures are per newton of the group's largest actuation force.
     """
     size = group.largest_actuation_force
     found = friction_and_its_slopes_at_nodes_of_group(group, size * p)
-    return NodalFriction(found.coefficient, size * found.slope)
+    return NodalFrictionAndSlope(found.coefficient, size * found.slope)
 
 
-def _contact_whose_friction_fits_its_pressures(settled: SolvedGroup, start: Floats) -> Contact:
+def _contact_whose_friction_fits_its_pressures(
+    settled: SolvedGroup, start: Floats
+) -> ContactSolution:
     """The contact in which the friction at each node agrees with the pressure there.
 
     The bearing supports and the friction directions at abutments are those of `settled`. `start`
@@ -163,7 +169,7 @@ def _contact_whose_friction_fits_its_pressures(settled: SolvedGroup, start: Floa
     group = settled.group
     # The problem of `unit` has the friction coefficient 1 at every node. Its terms with friction
     # can then be scaled by the coefficient of each node.
-    unit = replace(group, friction_at_nodes=np.ones(len(start)))
+    unit = replace(group, node_frictions_over_brake_friction=np.ones(len(start)))
     try:
         return solve_contact_with_pressure_dependent_friction(
             unit.contact_problem_as_function_of_friction,

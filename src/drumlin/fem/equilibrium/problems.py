@@ -8,18 +8,22 @@ import numpy as np
 from drumlin.base.arrays import Floats
 from drumlin.base.lapack import block_diag
 from drumlin.brake.brake import Shoe
-from drumlin.brake.one_sided import Bearing, SupportForce, forces_of_one_sided_supports_on_shoe
-from drumlin.contact.active_set import Contact
+from drumlin.brake.one_sided import (
+    BearingFlagsOfOneSidedSupports,
+    OneSidedSupportForce,
+    forces_of_one_sided_supports_on_shoe,
+)
+from drumlin.contact.active_set import ContactSolution
 from drumlin.contact.equations import ContactProblem
 from drumlin.contact.self_locking import FrictionDependentProblem
 from drumlin.fem.equilibrium.one_sided import (
-    BearingSupports,
-    SupportMatrices,
+    ContactProblemOnBearingSupports,
+    OneSidedSupportMatrices,
     contact_problem_on_supports_that_bear,
 )
 from drumlin.fem.equilibrium.sharing import (
-    ForceEffects,
-    ForceSharing,
+    ContactProblemWithStrutAndCamForces,
+    EffectsOfActuationForceOnShoe,
     make_contact_problem_with_strut_and_cam_forces,
 )
 from drumlin.fem.equilibrium.springs import (
@@ -28,15 +32,15 @@ from drumlin.fem.equilibrium.springs import (
     unit_pulls_on_shoe,
     work_of_force_on_test_modes,
 )
-from drumlin.fem.equilibrium.state import GroupState
+from drumlin.fem.equilibrium.state import ShoeGroupData
 from drumlin.fem.preparation.bodies import (
     ShoeSubstructure,
-    load_column_factors_of_force_at_point,
-    load_column_factors_of_loads_besides_actuation,
-    load_column_factors_under_all_loads,
+    unit_load_factors_of_force_at_point,
+    unit_load_factors_of_loads_besides_actuation,
+    unit_load_factors_under_all_loads,
 )
 
-ROWS_AT_A_TIME = 64
+COMPLIANCE_ROWS_ASSEMBLED_AT_A_TIME = 64
 """Number of rows of a shoe's compliance matrix that are assembled at a time.
 
 With more rows the parts of a large matrix do not fit into the processor's cache; fewer rows take
@@ -44,7 +48,7 @@ more calls of numpy. The number changes no result.
 """
 
 
-class GroupProblems(GroupState):
+class ContactProblemsOfShoeGroup(ShoeGroupData):
     """A group of shoes with its contact problem at every friction coefficient of the drum.
 
     The drum drags the linings by the traction mu p. The weighted gap is w = M (g + p/eps) - N u +
@@ -76,10 +80,10 @@ class GroupProblems(GroupState):
 
         Its matrices are linear functions of the friction coefficient.
         """
-        supports = self._bearing_supports_at_friction(friction)
+        supports = self._contact_problem_on_bearing_supports(friction)
         if supports is not None:
             return supports.problem
-        sharing = self._strut_and_cam_force_problem_at_friction(friction)
+        sharing = self._strut_and_cam_contact_problem_at_friction(friction)
         return (
             self.contact_problem_with_given_actuation_forces(friction)
             if sharing is None
@@ -132,18 +136,23 @@ class GroupProblems(GroupState):
         friction coefficient of the brake.
         """
         own: float | Floats = friction * self.friction_of_each_shoe_over_brake_friction[k]
-        if self.friction_at_nodes is not None:
-            own = friction * self.friction_at_nodes[self.contact_node_slices_of_shoes[k]]
+        if self.node_frictions_over_brake_friction is not None:
+            own = (
+                friction
+                * self.node_frictions_over_brake_friction[self.contact_node_slices_of_shoes[k]]
+            )
         return own * self.brake.sign_of_motion * self.shoes[k].frame.sense
 
     # The following methods treat the forces of struts and of a cam.
 
     @cached_property
-    def strut_and_cam_force_problem(self) -> ForceSharing | None:
+    def strut_and_cam_contact_problem_or_none(self) -> ContactProblemWithStrutAndCamForces | None:
         """The contact problem with strut and cam forces; None without struts and a cam."""
-        return self._strut_and_cam_force_problem_at_friction(self.brake.friction)
+        return self._strut_and_cam_contact_problem_at_friction(self.brake.friction)
 
-    def _strut_and_cam_force_problem_at_friction(self, friction: float) -> ForceSharing | None:
+    def _strut_and_cam_contact_problem_at_friction(
+        self, friction: float
+    ) -> ContactProblemWithStrutAndCamForces | None:
         """The contact problem with strut and cam forces; None without struts and a cam.
 
         All matrices hold at the friction coefficient `friction` of the brake.
@@ -166,7 +175,9 @@ class GroupProblems(GroupState):
             self.sum_of_cam_forces_over_largest_force,
         )
 
-    def contact_effects_of_each_actuation_force(self, friction: float) -> list[ForceEffects]:
+    def contact_effects_of_each_actuation_force(
+        self, friction: float
+    ) -> list[EffectsOfActuationForceOnShoe]:
         """For each shoe, the effects of its force, and the causes of its tip travel and foot force.
 
         The tip is the point where the actuation force acts. All values are linear in the friction
@@ -176,14 +187,16 @@ class GroupProblems(GroupState):
             self._effects_of_actuation_force_on_shoe(k, friction) for k in range(len(self.shoes))
         ]
 
-    def _effects_of_actuation_force_on_shoe(self, k: int, friction: float) -> ForceEffects:
+    def _effects_of_actuation_force_on_shoe(
+        self, k: int, friction: float
+    ) -> EffectsOfActuationForceOnShoe:
         """The effects of shoe k's actuation force, and the causes of tip travel and foot force."""
         body, shoe, modes = (
             self.substructures_of_shoes[k],
             self.shoes[k],
             self.rigid_body_modes_of_shoes[k],
         )
-        load = self.actuation_of_each_shoe_by_one_newton[k].load_factors
+        load = self.actuation_of_each_shoe_by_one_newton[k].load_column_factors
         drag = self._friction_coefficient_signed_by_drag_on_shoe(k, friction)
         tip = self._elastic_load_point_travel_per_nodal_pressure(k, load, friction)
         # `contact` has the force of pressure and friction on the lining, per nodal pressure.
@@ -195,7 +208,7 @@ class GroupProblems(GroupState):
         further = np.zeros(len(load))
         if shoe.has_loads_besides_actuation:
             further = (
-                load_column_factors_of_loads_besides_actuation(body, shoe)
+                unit_load_factors_of_loads_besides_actuation(body, shoe)
                 / self.largest_actuation_force
             )
         if shoe.abutment is not None:
@@ -211,15 +224,17 @@ class GroupProblems(GroupState):
                 @ shoe.resultant_of_loads_besides_actuation[:2]
             )
             borne = -float(of_loads) / self.largest_actuation_force
-        return ForceEffects(
+        return EffectsOfActuationForceOnShoe(
             nodes=self.contact_node_slices_of_shoes[k],
             modes=self.rigid_body_mode_slices_of_shoes[k],
-            gap_by_force=-(body.closure_by_load @ load),
-            tip_travel_by_pressure=tip,
-            tip_travel_by_force=float(load @ body.load_motion_by_load @ load),
-            tip_travel_by_further_loads=float(load @ body.load_motion_by_load @ further),
+            gap_by_force=-(body.gap_closure_by_load @ load),
+            load_point_travel_by_pressure=tip,
+            load_point_travel_by_force=float(load @ body.load_point_motion_by_load @ load),
+            load_point_travel_by_further_loads=float(
+                load @ body.load_point_motion_by_load @ further
+            ),
             work=modes.actuation_work,
-            tip_travel_by_modes=modes.tip_travel,
+            load_point_travel_by_modes=modes.load_point_travel,
             foot_force_by_pressure=bearing,
             foot_force_by_force=direct,
             foot_force_by_further_loads=borne,
@@ -234,11 +249,11 @@ class GroupProblems(GroupState):
         """
         body = self.substructures_of_shoes[k]
         drag = self._friction_coefficient_signed_by_drag_on_shoe(k, friction)
-        travel = -(load @ body.closure_by_load.T)
+        travel = -(load @ body.gap_closure_by_load.T)
         # A model that was prepared without friction does not know how friction moves the points of
         # loads.
-        if body.load_motion_by_friction is not None:
-            travel = travel + drag * (load @ body.load_motion_by_friction)
+        if body.load_point_motion_by_friction is not None:
+            travel = travel + drag * (load @ body.load_point_motion_by_friction)
         return np.asarray(travel)
 
     # The following method treats springs between shoes, or from a shoe to the frame.
@@ -268,13 +283,13 @@ class GroupProblems(GroupState):
         shoe, body = self.shoes[i], self.substructures_of_shoes[i]
         sense = self.known_abutment_friction_directions[i]
         nodes, modes = self.contact_node_slices_of_shoes[i], self.rigid_body_mode_slices_of_shoes[i]
-        acting = self.actuation_of_each_shoe_by_one_newton[i].load_factors
+        acting = self.actuation_of_each_shoe_by_one_newton[i].load_column_factors
         pulls = unit_pulls_on_shoe(self.brake, shoe)
         for j, place, pull in pulls:
-            load = load_column_factors_of_force_at_point(body, shoe, place, pull)
-            found.load_factors[j][i][:] = load
+            load = unit_load_factors_of_force_at_point(body, shoe, place, pull)
+            found.load_column_factors[j][i][:] = load
             found.resultants[j, i] = pull.resultant
-            found.gap_by_pull[nodes, j] = -(body.closure_by_load @ load)
+            found.gap_by_pull[nodes, j] = -(body.gap_closure_by_load @ load)
             found.work[modes, j] = work_of_force_on_test_modes(shoe, sense, pull)
             found.approach_by_motion[j, modes] = displacement_of_point_along_force_in_modes(
                 shoe, sense, pull
@@ -282,19 +297,21 @@ class GroupProblems(GroupState):
             found.approach_by_pressure[j, nodes] = (
                 self._elastic_load_point_travel_per_nodal_pressure(i, load, friction)
             )
-            found.approach_by_force[j, i] = load @ body.load_motion_by_load @ acting
-            found.tip_travel_by_pull[i, j] = acting @ body.load_motion_by_load @ load
+            found.approach_by_force[j, i] = load @ body.load_point_motion_by_load @ acting
+            found.tip_travel_by_pull[i, j] = acting @ body.load_point_motion_by_load @ load
             if shoe.abutment is not None:
                 found.foot_force_by_pull[i, j] = -float(
                     shoe.unit_vector_of_smooth_abutment_force @ np.array(pull.force)
                 )
         for (one, *_), (other, *_) in product(pulls, repeat=2):
-            loads = found.load_factors[one][i], found.load_factors[other][i]
-            found.approach_by_pull[one, other] += loads[0] @ body.load_motion_by_load @ loads[1]
+            loads = found.load_column_factors[one][i], found.load_column_factors[other][i]
+            found.approach_by_pull[one, other] += (
+                loads[0] @ body.load_point_motion_by_load @ loads[1]
+            )
 
     # The following methods treat supports that push and cannot pull.
 
-    def one_sided_support_matrices_at_friction(self, friction: float) -> SupportMatrices:
+    def one_sided_support_matrices_at_friction(self, friction: float) -> OneSidedSupportMatrices:
         """The effects of the one-sided supports of the group at a friction coefficient.
 
         The effects are linear in the friction coefficient.
@@ -318,21 +335,23 @@ class GroupProblems(GroupState):
                 k, load = side.shoe, loads[j][side.shoe]
                 nodes, body = self.contact_node_slices_of_shoes[k], self.substructures_of_shoes[k]
                 force = self.shoes[k].actuation.force
-                acting = load_column_factors_under_all_loads(body, self.shoes[k], force)
-                travel = load @ body.load_motion_by_load @ acting
+                acting = unit_load_factors_under_all_loads(body, self.shoes[k], force)
+                travel = load @ body.load_point_motion_by_load @ acting
                 opening[j] += travel / self.largest_actuation_force
                 by_pressure[j, nodes] = self._elastic_load_point_travel_per_nodal_pressure(
                     k, load, friction
                 )
                 modes = self.rigid_body_mode_slices_of_shoes[k]
-                by_motion[j, modes] = self.work_of_support_push_on_shoe_modes(k, side.push)
-                gap[nodes, j] = -(body.closure_by_load @ load)
+                by_motion[j, modes] = self.work_of_support_push_on_shoe_modes(
+                    k, side.push_of_one_newton
+                )
+                gap[nodes, j] = -(body.gap_closure_by_load @ load)
         by_force = np.zeros((count, count))
         for i, j in product(range(count), repeat=2):
             for k in loads[i].keys() & loads[j].keys():
                 body = self.substructures_of_shoes[k]
-                by_force[i, j] += loads[i][k] @ body.load_motion_by_load @ loads[j][k]
-        return SupportMatrices(opening, by_pressure, by_force, by_motion, gap, sizes)
+                by_force[i, j] += loads[i][k] @ body.load_point_motion_by_load @ loads[j][k]
+        return OneSidedSupportMatrices(opening, by_pressure, by_force, by_motion, gap, sizes)
 
     def _mode_amounts_that_move_shoe_about_one_metre(self, shoe: Shoe) -> Floats:
         """The amount (k,) of each rigid-body motion of a shoe by which its points move about 1 m.
@@ -343,11 +362,13 @@ class GroupProblems(GroupState):
         return np.where(turns, 1 / self.brake.size, 1.0)
 
     @cached_property
-    def bearing_supports(self) -> BearingSupports | None:
+    def contact_problem_on_bearing_supports_or_none(self) -> ContactProblemOnBearingSupports | None:
         """The contact problem on the one-sided supports that bear; None without such supports."""
-        return self._bearing_supports_at_friction(self.brake.friction)
+        return self._contact_problem_on_bearing_supports(self.brake.friction)
 
-    def _bearing_supports_at_friction(self, friction: float) -> BearingSupports | None:
+    def _contact_problem_on_bearing_supports(
+        self, friction: float
+    ) -> ContactProblemOnBearingSupports | None:
         """The contact problem, at a friction coefficient, on the one-sided supports that bear.
 
         It is None for a group without one-sided supports. Raises RuntimeError if it is not known
@@ -364,8 +385,8 @@ class GroupProblems(GroupState):
         return found
 
     def contact_problem_on_given_supports_or_none(
-        self, bearing: Bearing, friction: float
-    ) -> BearingSupports | None:
+        self, bearing: BearingFlagsOfOneSidedSupports, friction: float
+    ) -> ContactProblemOnBearingSupports | None:
         """The contact problem on chosen bearing supports; None if they do not hold the shoes."""
         if len(bearing) != len(self.one_sided_supports):
             return None
@@ -375,15 +396,16 @@ class GroupProblems(GroupState):
             bearing,
         )
 
-    def support_forces_on_shoe(self, p: Floats, k: int) -> tuple[SupportForce, ...]:
+    def support_forces_on_shoe(self, p: Floats, k: int) -> tuple[OneSidedSupportForce, ...]:
         """The forces [N] of one-sided supports on shoe `k`.
 
         p (n,) are the pressures per newton of `largest_actuation_force`.
         """
-        if self.bearing_supports is None:
+        if self.contact_problem_on_bearing_supports_or_none is None:
             return ()
-        forces = self.largest_actuation_force * self.bearing_supports.forces_of_one_sided_supports(
-            p
+        forces = (
+            self.largest_actuation_force
+            * self.contact_problem_on_bearing_supports_or_none.forces_of_one_sided_supports(p)
         )
         return forces_of_one_sided_supports_on_shoe(self.one_sided_supports, forces, k)
 
@@ -392,25 +414,25 @@ class GroupProblems(GroupState):
 
         Forces and pressures are per newton of `largest_actuation_force`.
         """
-        return (
-            self.actuation_forces_of_file_over_largest_force
-            if self.strut_and_cam_force_problem is None
-            else self.strut_and_cam_force_problem.actuation_forces_under_contact_pressures(p)
-        )
+        shared = self.strut_and_cam_contact_problem_or_none
+        if shared is None:
+            return self.actuation_forces_of_file_over_largest_force
+        return shared.actuation_forces_under_contact_pressures(p)
 
-    def rigid_body_coordinates_of_each_shoe(self, contact: Contact) -> list[Floats]:
+    def rigid_body_coordinates_of_each_shoe(self, contact: ContactSolution) -> list[Floats]:
         """The generalised coordinates (k_i,) of each shoe, the amounts of its rigid-body modes.
 
         They belong to a solution of the group's contact, and are per newton of
         `largest_actuation_force`.
         """
         y = contact.y
-        if self.bearing_supports is not None:
-            y = self.bearing_supports.rigid_body_motions(contact.p, contact.y)
-        if self.strut_and_cam_force_problem is not None:
-            y = self.strut_and_cam_force_problem.rigid_body_coordinates_from_contact_solution(
+        if self.contact_problem_on_bearing_supports_or_none is not None:
+            y = self.contact_problem_on_bearing_supports_or_none.rigid_body_motions(
                 contact.p, contact.y
             )
+        shared = self.strut_and_cam_contact_problem_or_none
+        if shared is not None:
+            y = shared.rigid_body_coordinates_from_contact_solution(contact.p, contact.y)
         return [y[part] for part in self.rigid_body_mode_slices_of_shoes]
 
 
@@ -428,10 +450,14 @@ def _shoe_compliance_with_penalty(
         for each of its n nodes
     stiffness : contact stiffness of the penalty per area [Pa/m]
     """
-    pressed, dragged, M = body.closure_by_pressure, body.closure_by_friction, body.coupling.M
+    pressed, dragged, M = (
+        body.gap_closure_by_pressure,
+        body.gap_closure_by_friction,
+        body.coupling.M,
+    )
     A = np.empty(M.shape)
-    for first in range(0, len(A), ROWS_AT_A_TIME):
-        rows = slice(first, first + ROWS_AT_A_TIME)
+    for first in range(0, len(A), COMPLIANCE_ROWS_ASSEMBLED_AT_A_TIME):
+        rows = slice(first, first + COMPLIANCE_ROWS_ASSEMBLED_AT_A_TIME)
         part = np.divide(M[rows], stiffness, out=A[rows])
         part -= pressed[rows]
         if dragged is not None:

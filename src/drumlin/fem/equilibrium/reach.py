@@ -8,7 +8,7 @@ from drumlin.base.arrays import Floats
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Shoe
 
-LARGEST_TURN_TO_TOUCH = 0.2
+LARGEST_SHOE_TURN_BEFORE_CONTACT = 0.2
 """Largest rotation [rad] by which a shoe may have to turn before it touches the drum.
 
 The model assumes small displacements: at this angle the sine differs from the angle by 0.7 %. A
@@ -30,12 +30,12 @@ def require_small_turn_of_hinged_shoe(shoe: Shoe, xy: Floats, gap: Floats, momen
     gap : gaps (n,) [m] of the unloaded lining; a lining that touches anywhere passes
     moment : moment of all loads about the pin; its sign is the direction of the turn
     """
-    if shoe.kind_of_support != "hinge" or shoe.flat or (gap <= 0).any():
+    if shoe.kind_of_support != "hinge" or shoe.is_on_plane or (gap <= 0).any():
         return
     a, r = shoe.pin.radius, np.hypot(*xy)
     # The contact nodes lie on the drum's radius. The unloaded lining stands back from them by its
     # gap.
-    lining = xy * ((r - shoe.sign * gap) / r)
+    lining = xy * ((r - shoe.sign_internal_plus_external_minus * gap) / r)
     from_pin = lining - np.array([[a], [0.0]])
     d = np.hypot(*from_pin)
     psi = np.arctan2(from_pin[1], from_pin[0])
@@ -67,11 +67,11 @@ def require_small_shoe_turns_in_contact_solution(
     ----------
     shoe : the shoe
     sense : direction of the friction at its abutment: +1 or -1 along the face, 0 if the foot
-        sticks, see `Held.rigid_body_modes_of_support`
+        sticks, see `SupportedShoe.rigid_body_modes_of_support`
     gap : gaps (n,) [m] of the unloaded lining; a lining that touches anywhere passes
     coordinates : generalised coordinates (k,) [rad, m] of the shoe in the solution
     """
-    if (shoe.kind_of_support in {"hinge", "guide"} and not shoe.flat) or (gap <= 0).any():
+    if (shoe.kind_of_support in {"hinge", "guide"} and not shoe.is_on_plane) or (gap <= 0).any():
         return
     turns = coordinates[np.isin(shoe.rigid_body_modes_of_support(sense).names, ["turn", "tilt"])]
     # A shoe on a pivot turns with its lever and tilts on the lever. Each of the two turns counts,
@@ -80,10 +80,10 @@ def require_small_shoe_turns_in_contact_solution(
 
 
 def _require_small_turn_of_shoe(shoe: Shoe, turn: float) -> None:
-    """Raise NoAnswer for a turn [rad] beyond LARGEST_TURN_TO_TOUCH."""
-    if turn > LARGEST_TURN_TO_TOUCH:
+    """Raise NoAnswer for a turn [rad] beyond LARGEST_SHOE_TURN_BEFORE_CONTACT."""
+    if turn > LARGEST_SHOE_TURN_BEFORE_CONTACT:
         raise NoAnswer(
             f"shoe {shoe.name!r}: it would have to turn by {math.degrees(turn):.3g} deg "
-            f"to touch the {shoe.surface.word}; small displacements hold up to "
-            f"{math.degrees(LARGEST_TURN_TO_TOUCH):.3g} deg"
+            f"to touch the {shoe.surface.name}; small displacements hold up to "
+            f"{math.degrees(LARGEST_SHOE_TURN_BEFORE_CONTACT):.3g} deg"
         )

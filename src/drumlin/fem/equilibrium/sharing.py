@@ -21,18 +21,18 @@ import numpy as np
 from drumlin.base.arrays import Floats, Ints
 from drumlin.contact.equations import ContactProblem
 
-LARGEST_FORCE_THAT_DOES_NOT_PUSH = 1e-9
+LARGEST_STRUT_OR_CAM_FORCE_COUNTED_AS_ZERO = 1e-9
 """Force of a strut or a cam, relative to the largest force of the group, that counts as zero.
 
 A smaller force is the round-off of a force that has fallen to zero, and a negative force would
 pull. In both cases the solution is refused. The value is far above round-off and far below the
 force of any strut or cam that pushes.
 """
-WOULD_PULL_TEXT = "no equilibrium, what pushes it would have to pull"
+ERROR_TEXT_ON_CAM_OR_STRUT_THAT_WOULD_PULL = "no equilibrium, what pushes it would have to pull"
 """Text of the refusal of a shoe whose cam or strut would have to pull it."""
 
 
-class ForceEffects(NamedTuple):
+class EffectsOfActuationForceOnShoe(NamedTuple):
     """The effects of a shoe's actuation force, and the causes of its tip travel and foot force.
 
     The tip is the point of the shoe where the force acts. The foot is the end of the shoe that
@@ -45,11 +45,12 @@ class ForceEffects(NamedTuple):
     modes : indices of the shoe's k generalised coordinates among the coordinates of the group
     gap_by_force : opening (n,) of the weighted gaps, the integrals of the gap times each node's
         shape function, by the force
-    tip_travel_by_pressure : elastic travel (n,) of the tip along the force, by the pressures
-    tip_travel_by_force : elastic travel of the tip along the force, by the force
-    tip_travel_by_further_loads : elastic travel of the tip by springs, weight and further forces
+    load_point_travel_by_pressure : elastic travel (n,) of the tip along the force, by the pressures
+    load_point_travel_by_force : elastic travel of the tip along the force, by the force
+    load_point_travel_by_further_loads : elastic travel of the tip by springs, weight and further
+        forces
     work : work (k,) of the force on the test modes
-    tip_travel_by_modes : travel (k,) of the tip along the force, by the rigid-body modes
+    load_point_travel_by_modes : travel (k,) of the tip along the force, by the rigid-body modes
     foot_force_by_pressure : force (n,) along the strut that the foot transmits, by the pressures
     foot_force_by_force : force along the strut that the foot transmits, by the actuation force
     foot_force_by_further_loads : force along the strut that the foot transmits, by springs, weight
@@ -59,18 +60,18 @@ class ForceEffects(NamedTuple):
     nodes: slice | Ints
     modes: slice
     gap_by_force: Floats
-    tip_travel_by_pressure: Floats
-    tip_travel_by_force: float
-    tip_travel_by_further_loads: float
+    load_point_travel_by_pressure: Floats
+    load_point_travel_by_force: float
+    load_point_travel_by_further_loads: float
     work: Floats
-    tip_travel_by_modes: Floats
+    load_point_travel_by_modes: Floats
     foot_force_by_pressure: Floats
     foot_force_by_force: float
     foot_force_by_further_loads: float
 
 
 @dataclass(frozen=True)
-class ForceSharing:
+class ContactProblemWithStrutAndCamForces:
     """The contact problem of m shoes under strut and cam forces, which follow from its solution.
 
     Attributes
@@ -105,7 +106,7 @@ class ForceSharing:
         return by_unknowns + self.coordinates_of_loads
 
 
-class _LinearForces(NamedTuple):
+class _ActuationForcesLinearInPressures(NamedTuple):
     """The actuation forces (m,) of a group as a linear function of the pressures p (n,).
 
     The forces are without_pressure + by_pressure p, with `without_pressure` (m,) and `by_pressure`
@@ -118,12 +119,12 @@ class _LinearForces(NamedTuple):
 
 def make_contact_problem_with_strut_and_cam_forces(
     problem: ContactProblem,
-    effects: list[ForceEffects],
+    effects: list[EffectsOfActuationForceOnShoe],
     own_forces: Floats,
     struts: list[tuple[int, int]],
     cam_shoes: list[int],
     cam_force_sum: float,
-) -> ForceSharing:
+) -> ContactProblemWithStrutAndCamForces:
     """Make the contact problem of shoes under strut and cam forces.
 
     The problem stays a linear function of the friction coefficient.
@@ -141,7 +142,9 @@ def make_contact_problem_with_strut_and_cam_forces(
     with_forces = _replace_actuation_forces_in_contact_problem(problem, effects, own_forces, forces)
     n, k = problem.B.shape
     if not cam_shoes:
-        return ForceSharing(with_forces, *forces, np.eye(k), np.zeros((k, n)), np.zeros(k))
+        return ContactProblemWithStrutAndCamForces(
+            with_forces, *forces, np.eye(k), np.zeros((k, n)), np.zeros(k)
+        )
     return _contact_problem_with_cam_travel_as_unknown(
         problem, with_forces, effects, forces, cam_shoes, cam_force_sum
     )
@@ -149,11 +152,11 @@ def make_contact_problem_with_strut_and_cam_forces(
 
 def _actuation_forces_linear_in_pressures(
     problem: ContactProblem,
-    effects: list[ForceEffects],
+    effects: list[EffectsOfActuationForceOnShoe],
     own_forces: Floats,
     struts: list[tuple[int, int]],
     cam_shoes: list[int],
-) -> _LinearForces:
+) -> _ActuationForcesLinearInPressures:
     """The actuation force of each shoe as a linear function of the pressures.
 
     The forces of a cam and of struts depend on the pressures; other shoes keep their own forces.
@@ -177,11 +180,14 @@ def _actuation_forces_linear_in_pressures(
         by_pressure[to] += pushing.foot_force_by_force * by_pressure[source]
         fixed[to] = pushing.foot_force_by_force * fixed[source]
         fixed[to] += pushing.foot_force_by_further_loads
-    return _LinearForces(fixed, by_pressure)
+    return _ActuationForcesLinearInPressures(fixed, by_pressure)
 
 
 def _replace_actuation_forces_in_contact_problem(
-    problem: ContactProblem, effects: list[ForceEffects], own_forces: Floats, forces: _LinearForces
+    problem: ContactProblem,
+    effects: list[EffectsOfActuationForceOnShoe],
+    own_forces: Floats,
+    forces: _ActuationForcesLinearInPressures,
 ) -> ContactProblem:
     """Return a contact problem with strut and cam forces in place of the shoes' own forces (m,).
 
@@ -201,11 +207,11 @@ def _replace_actuation_forces_in_contact_problem(
 def _contact_problem_with_cam_travel_as_unknown(
     blocks: ContactProblem,
     with_forces: ContactProblem,
-    effects: list[ForceEffects],
-    forces: _LinearForces,
+    effects: list[EffectsOfActuationForceOnShoe],
+    forces: _ActuationForcesLinearInPressures,
     cam_shoes: list[int],
     cam_force_sum: float,
-) -> ForceSharing:
+) -> ContactProblemWithStrutAndCamForces:
     """Return the contact problem under a cam, with the travel of the cam as an unknown.
 
     The cam moves the points of actuation of its two shoes by the same travel. The travel replaces
@@ -235,17 +241,17 @@ def _contact_problem_with_cam_travel_as_unknown(
         mode = _index_of_mode_replaced_by_cam_travel(blocks, shoe)
         main = shoe.modes.start + mode
         mains.append(main)
-        size = shoe.tip_travel_by_modes[mode]
+        size = shoe.load_point_travel_by_modes[mode]
         # The main mode gives the tip (the point of actuation) the travel of the cam, less the
         # elastic travel and the travel by all other modes.
         by_pressure[main] = (
             -_elastic_actuation_point_travel_per_pressure(shoe, forces.by_pressure[i]) / size
         )
-        elastic = shoe.tip_travel_by_force * forces.without_pressure[i]
-        of_loads[main] = -(elastic + shoe.tip_travel_by_further_loads) / size
+        elastic = shoe.load_point_travel_by_force * forces.without_pressure[i]
+        of_loads[main] = -(elastic + shoe.load_point_travel_by_further_loads) / size
         # The subtraction also makes the entry of the main mode itself zero, because the coordinate
         # of this mode is no longer an unknown.
-        of_coordinates[main, shoe.modes] -= shoe.tip_travel_by_modes / size
+        of_coordinates[main, shoe.modes] -= shoe.load_point_travel_by_modes / size
         per_travel[main] = 1 / size
     # The travel of the cam replaces the coordinates of the main modes, and is the first unknown.
     kept = np.delete(np.arange(k), mains)
@@ -258,25 +264,27 @@ def _contact_problem_with_cam_travel_as_unknown(
         C=np.vstack([sum_of_forces, C[kept]]),
         h=np.append(forces.without_pressure[cam_shoes].sum() - cam_force_sum, h[kept]),
     )
-    return ForceSharing(problem, *forces, of_coordinates, by_pressure, of_loads)
+    return ContactProblemWithStrutAndCamForces(
+        problem, *forces, of_coordinates, by_pressure, of_loads
+    )
 
 
 def _elastic_actuation_point_travel_per_pressure(
-    shoe: ForceEffects, force_by_pressure: Floats
+    shoe: EffectsOfActuationForceOnShoe, force_by_pressure: Floats
 ) -> Floats:
     """The elastic travel (n,) of a shoe's point of actuation per pressure on each contact node.
 
     The n contact nodes are those of the group. `force_by_pressure` (n,) is the shoe's actuation
     force per pressure at each of them.
     """
-    elastic = shoe.tip_travel_by_force * force_by_pressure
-    elastic[shoe.nodes] += shoe.tip_travel_by_pressure
+    elastic = shoe.load_point_travel_by_force * force_by_pressure
+    elastic[shoe.nodes] += shoe.load_point_travel_by_pressure
     return elastic
 
 
 def contact_matrix_with_forces_as_unknowns(
     problem: ContactProblem,
-    effects: list[ForceEffects],
+    effects: list[EffectsOfActuationForceOnShoe],
     struts: list[tuple[int, int]],
     cam_shoes: list[int],
 ) -> Floats:
@@ -317,21 +325,24 @@ def contact_matrix_with_forces_as_unknowns(
     # sum of the cam's forces.
     for i in cam_shoes:
         shoe, row = effects[i], matrix[force + i]
-        row[shoe.nodes] = shoe.tip_travel_by_pressure
-        row[n + shoe.modes.start : n + shoe.modes.stop] = shoe.tip_travel_by_modes
-        row[force + i] = shoe.tip_travel_by_force
+        row[shoe.nodes] = shoe.load_point_travel_by_pressure
+        row[n + shoe.modes.start : n + shoe.modes.stop] = shoe.load_point_travel_by_modes
+        row[force + i] = shoe.load_point_travel_by_force
         row[-1] = -1.0
         matrix[-1, force + i] = 1.0
     return matrix
 
 
-def _index_of_mode_replaced_by_cam_travel(blocks: ContactProblem, shoe: ForceEffects) -> int:
+def _index_of_mode_replaced_by_cam_travel(
+    blocks: ContactProblem, shoe: EffectsOfActuationForceOnShoe
+) -> int:
     """The number, within a shoe, of the rigid-body mode that the travel of a cam replaces.
 
     On this main mode the force does most work, relative to the squared effect of the mode on the
     gaps. The choice is the same at every friction coefficient.
     """
-    # Turns and slides have different units. The work on them is comparable after division by their
-    # squared effect on the gaps.
+    # A rotation and a translation have different units. The work and the travel of the load point
+    # are both proportional to the size of the mode. Their product is comparable after division by
+    # the squared effect of the mode on the gaps.
     size = np.linalg.norm(blocks.B[:, shoe.modes], axis=0)
-    return int((shoe.work * shoe.tip_travel_by_modes / size**2).argmax())
+    return int((shoe.work * shoe.load_point_travel_by_modes / size**2).argmax())

@@ -17,14 +17,14 @@ from drumlin.base.arrays import Floats, Ints
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake
 from drumlin.brake.further_loads import brake_with_loads_assigned_to_shoes
-from drumlin.contact.active_set import Contact
+from drumlin.contact.active_set import ContactSolution
 from drumlin.contact.equations import ContactProblem
 from drumlin.fem.equilibrium.group import ShoeGroup
 from drumlin.fem.equilibrium.sharing import (
-    ForceEffects,
+    EffectsOfActuationForceOnShoe,
     make_contact_problem_with_strut_and_cam_forces,
 )
-from drumlin.fem.preparation.bodies import load_column_factors_under_all_loads
+from drumlin.fem.preparation.bodies import unit_load_factors_under_all_loads
 
 
 class SpringNodes(NamedTuple):
@@ -123,9 +123,11 @@ def spring_border_at_friction(
     opening = -nodes.preloads / (nodes.rates * size)
     for k, body in enumerate(group.substructures_of_shoes):
         own_force = group.shoes[k].actuation.force
-        acting = load_column_factors_under_all_loads(body, group.shoes[k], own_force) / size
+        acting = unit_load_factors_under_all_loads(body, group.shoes[k], own_force) / size
         for row, j in enumerate(numbers.tolist()):
-            opening[row] += float(springs.load_factors[j][k] @ body.load_motion_by_load @ acting)
+            opening[row] += float(
+                springs.load_column_factors[j][k] @ body.load_point_motion_by_load @ acting
+            )
     of_pulls = springs.approach_by_pull[np.ix_(numbers, numbers)]
     return SpringBorder(
         gap_by_force=springs.gap_by_pull[:, numbers] * signs,
@@ -174,7 +176,7 @@ def contact_problem_with_spring_nodes(
 
 def actuation_effects_with_spring_nodes(
     group: ShoeGroup, nodes: SpringNodes, friction: float, first: int | None = None
-) -> list[ForceEffects]:
+) -> list[EffectsOfActuationForceOnShoe]:
     """The effects of each actuation force, with spring nodes after the contact nodes of each shoe.
 
     `first` is the number of the first spring node among the nodes of the group; by default the
@@ -192,8 +194,8 @@ def actuation_effects_with_spring_nodes(
                 gap_by_force=np.append(
                     own.gap_by_force, nodes.signs * springs.approach_by_force[numbers, k]
                 ),
-                tip_travel_by_pressure=np.append(
-                    own.tip_travel_by_pressure,
+                load_point_travel_by_pressure=np.append(
+                    own.load_point_travel_by_pressure,
                     nodes.signs * springs.tip_travel_by_pull[k, numbers],
                 ),
                 foot_force_by_pressure=np.append(
@@ -205,7 +207,7 @@ def actuation_effects_with_spring_nodes(
     return effects
 
 
-def contact_without_spring_nodes(contact: Contact, nodes: SpringNodes) -> Contact:
+def contact_without_spring_nodes(contact: ContactSolution, nodes: SpringNodes) -> ContactSolution:
     """The part of a solution with spring nodes that belongs to the contact nodes of the linings."""
     n = len(contact.p) - len(nodes.numbers)
     return replace(contact, p=contact.p[:n], w=contact.w[:n], active=contact.active[:n])

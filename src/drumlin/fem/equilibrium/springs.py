@@ -16,19 +16,19 @@ from drumlin.base.arrays import Floats
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.further_loads import ForceAtPoint, brake_with_loads_assigned_to_shoes
-from drumlin.fem.preparation.bodies import ShoeSubstructure, load_column_factors_of_force_at_point
+from drumlin.fem.preparation.bodies import ShoeSubstructure, unit_load_factors_of_force_at_point
 
-SETTLED_PULL = 1e-12
+RELATIVE_TOLERANCE_OF_SPRING_PULLS = 1e-12
 """Largest error of a spring's pull, relative to the largest force, at which the iteration ends.
 
 It is far below the relative error of 1e-9 that is allowed in the balance of forces, and above the
 round-off error of a motion times the spring rate. A spring that is stiffer than the brake has a
 larger round-off and is refused. The value is a judgement.
 """
-MOST_SPRING_STEPS = 40
+MAX_CONTACT_SOLVES_FOR_SPRING_PULLS = 40
 """Contact solves after which the iteration for the spring pulls fails. Usual brakes take four."""
 
-Answer = TypeVar("Answer")
+SolverAnswerTypeVariable = TypeVar("SolverAnswerTypeVariable")
 
 
 @dataclass(frozen=True)
@@ -41,8 +41,8 @@ class SpringMatrices:
 
     Attributes
     ----------
-    load_factors : for each spring and shoe, the factors (l,) by which the load columns of the
-        shoe's body make up a pull of 1 N
+    load_column_factors : for each spring and shoe, the factors (l,) by which the load columns of
+        the shoe's body make up a pull of 1 N
     resultants : (m, s, 3) force x, force y [N] and moment about the origin [N m] on each shoe of a
         pull of 1 N
     gap_by_pull : opening (n, m) of the weighted gaps per pull
@@ -55,7 +55,7 @@ class SpringMatrices:
     tip_travel_by_pull : elastic travel (s, m) of each shoe's point of actuation along its force
     """
 
-    load_factors: tuple[tuple[Floats, ...], ...]
+    load_column_factors: tuple[tuple[Floats, ...], ...]
     resultants: Floats
     gap_by_pull: Floats
     work: Floats
@@ -79,7 +79,7 @@ class SpringMatrices:
         """
         m, shoes = springs, len(load_columns)
         return cls(
-            load_factors=tuple(tuple(map(np.zeros, load_columns)) for _ in range(m)),
+            load_column_factors=tuple(tuple(map(np.zeros, load_columns)) for _ in range(m)),
             resultants=np.zeros((m, shoes, 3)),
             gap_by_pull=np.zeros((nodes, m)),
             work=np.zeros((modes, m)),
@@ -115,7 +115,7 @@ def work_of_force_on_test_modes(shoe: Shoe, sense: int, force: ForceAtPoint) -> 
     `sense` is the direction of friction at the shoe's abutment.
     """
     free = shoe.rigid_body_modes_of_support(sense)
-    return _signs_of_modes_in_shoe_frame(shoe, free.names) * (free.tests @ force.resultant)
+    return _signs_of_modes_in_shoe_frame(shoe, free.names) * (free.test_modes @ force.resultant)
 
 
 def displacement_of_point_along_force_in_modes(
@@ -135,8 +135,8 @@ def _signs_of_modes_in_shoe_frame(shoe: Shoe, names: tuple[str, ...]) -> Floats:
 
 
 def find_spring_pulls_that_fit_shoe_motions(
-    brake: Brake, solve: Callable[[Brake], tuple[Answer, Floats]]
-) -> tuple[Answer, tuple[float, ...]]:
+    brake: Brake, solve: Callable[[Brake], tuple[SolverAnswerTypeVariable, Floats]]
+) -> tuple[SolverAnswerTypeVariable, tuple[float, ...]]:
     """Find the pulls of all springs that agree with the motions of the springs' points.
 
     Parameters
@@ -159,10 +159,10 @@ def find_spring_pulls_that_fit_shoe_motions(
     largest = max(*np.abs(preloads), *(shoe.largest_force_of_any_load for shoe in brake.shoes))
     pulls, inverse = preloads.copy(), -np.eye(len(preloads))
     step = excess = np.zeros(len(preloads))
-    for count in range(MOST_SPRING_STEPS):
+    for count in range(MAX_CONTACT_SOLVES_FOR_SPRING_PULLS):
         answer, approach = solve(brake_with_loads_assigned_to_shoes(brake, pulls.tolist()))
         before, excess = excess, preloads - rates * approach - pulls
-        if np.abs(excess).max() <= SETTLED_PULL * largest:
+        if np.abs(excess).max() <= RELATIVE_TOLERANCE_OF_SPRING_PULLS * largest:
             _check_springs_are_not_slack(preloads, pulls)
             return answer, tuple(pulls.tolist())
         if count > 0:
@@ -205,7 +205,7 @@ def displacements_of_spring_points_along_pulls(
     """
     found = np.zeros(len(brake.springs))
     for j, place, pull in unit_pulls_on_shoe(brake, shoe):
-        at_own_place = load_column_factors_of_force_at_point(body, shoe, place, pull)
+        at_own_place = unit_load_factors_of_force_at_point(body, shoe, place, pull)
         fx, fy, moment = pull.resultant.tolist()
         about_pin = shoe.frame.sense * (moment - (shoe.pin.x * fy - shoe.pin.y * fx))
         at_pin = np.array(

@@ -11,52 +11,53 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drumlin.base.arrays import Floats, slices_of_consecutive_parts
+from drumlin.base.arrays import Floats, slices_from_lengths_of_consecutive_parts
 from drumlin.base.lapack import block_diag
 from drumlin.brake import clearance
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.components import Actuation
 from drumlin.brake.one_sided import (
-    Bearing,
+    BearingFlagsOfOneSidedSupports,
     OneSidedSupport,
-    SideOfSupport,
+    SupportPushOnShoe,
     one_sided_supports_of_brake,
     work_of_support_push_in_rigid_body_modes,
 )
 from drumlin.fem.equilibrium.modes import RigidBodyModes, make_rigid_body_modes
 from drumlin.fem.preparation.bodies import (
     ShoeSubstructure,
-    load_column_factors_and_pin_moment_per_newton,
-    load_column_factors_of_one_sided_support_push,
-    load_column_factors_under_all_loads,
+    actuation_factors_and_pin_moment_per_newton,
     penalty_stiffness_of_contact_per_area,
+    unit_load_factors_of_one_sided_support_push,
+    unit_load_factors_under_all_loads,
 )
 from drumlin.fem.preparation.scene import PreparedModel
 
 
-class UnitLoad(NamedTuple):
+class ActuationByOneNewton(NamedTuple):
     """The actuation of a shoe by a force of one newton.
 
-    `load_factors` (l,) are the factors by which the load columns of the substructure make up the
-    load. `moment_about_pin` is the moment of the actuation about the pin [m].
+    `load_column_factors` (l,) are the factors by which the load columns of the substructure make up
+    the load. `moment_about_pin` is the moment of the actuation about the pin [m].
     """
 
-    load_factors: Floats
+    load_column_factors: Floats
     moment_about_pin: float
 
 
-class ModeClosures(NamedTuple):
+class GapClosuresOfTestModes(NamedTuple):
     """The effects of a shoe's k test modes on its n contact nodes, per unit of each mode.
 
-    `normal` (n, k) are the weighted closures N u of the gap, and `tangential` (n, k) the weighted
-    slips T u. A test mode is a rigid-body motion on which the shoe's support does no work.
+    `normal` (n, k) are the closures N u of the gap, and `tangential` (n, k) the slips T u. Both are
+    integrated along the contact line with the shape function of each node. A test mode is a
+    rigid-body motion on which the shoe's support does no work.
     """
 
     normal: Floats
     tangential: Floats
 
 
-class FrictionlessTerms(NamedTuple):
+class ContactTermsIndependentOfFriction(NamedTuple):
     """The parts of a shoe's contact problem that friction does not change.
 
     These are the weighted gaps q (n,) at zero pressure (integrals of the gap times each node's
@@ -69,7 +70,7 @@ class FrictionlessTerms(NamedTuple):
     h: Floats
 
 
-class RingFlexibilityRoots(NamedTuple):
+class FactorsOfRingFlexibility(NamedTuple):
     """Factors (m, n) whose products are the flexibility matrices of the drum's ring at n nodes.
 
     The weighted gaps that the ring opens are pressed^T pressed per pressure of the shoes, and
@@ -91,7 +92,7 @@ class RingFlexibility(NamedTuple):
 
 
 @dataclass(frozen=True)
-class GroupState:
+class ShoeGroupData:
     """Shoes of a brake that are solved together, on a prepared model.
 
     All contact problems of the group are stated per newton of `largest_actuation_force`. If only
@@ -99,33 +100,34 @@ class GroupState:
 
     Attributes
     ----------
-    scene : the prepared model
+    prepared_model : the prepared model
     brake : the brake, whose friction, forces and clearances may differ from those of the model
     members : positions of the shoes in the brake
     penalty : factor alpha of the contact stiffness alpha E/t; inf for exact contact
-    friction_senses : direction of the friction at each shoe's abutment: +1 or -1 along its face, 0
-        if the foot sticks. It is empty until `ShoeGroup.solve_contact_and_abutment_friction` has
-        found the directions; a group with a rough abutment has no contact problem before.
-    relative_frictions : (shoes,) friction coefficient of each shoe divided by the brake's
-        coefficient; empty to compute it from the brake, which is impossible once the brake's
-        friction is set to 0
+    abutment_friction_directions_of_shoes : direction of the friction at each shoe's abutment: +1 or
+        -1 along its face, 0 if the foot sticks. It is empty until
+        `ShoeGroup.solve_contact_and_abutment_friction` has found the directions; a group with a
+        rough abutment has no contact problem before.
+    shoe_frictions_over_brake_friction : (shoes,) friction coefficient of each shoe divided by the
+        brake's coefficient; empty to compute it from the brake, which is impossible once the
+        brake's friction is set to 0
     bearing : whether each one-sided support of the group bears; empty until the solve has found
         which of them do. A group with such supports has no contact problem before.
-    friction_at_nodes : (n,) friction coefficient at each contact node divided by the brake's
-        coefficient; None if it is the same at all nodes of a shoe
-    worn_depth : (n,) [m], depth by which wear has opened the gap at the contact nodes of the group;
-        None for unworn linings
+    node_frictions_over_brake_friction : (n,) friction coefficient at each contact node divided by
+        the brake's coefficient; None if it is the same at all nodes of a shoe
+    worn_depths_at_contact_nodes : (n,) [m], depth by which wear has opened the gap at the contact
+        nodes of the group; None for unworn linings
     """
 
-    scene: PreparedModel
+    prepared_model: PreparedModel
     brake: Brake
     members: tuple[int, ...]
     penalty: float = math.inf
-    friction_senses: tuple[int, ...] = ()
-    relative_frictions: tuple[float, ...] = ()
-    friction_at_nodes: Floats | None = None
-    worn_depth: Floats | None = None
-    bearing: Bearing = ()
+    abutment_friction_directions_of_shoes: tuple[int, ...] = ()
+    shoe_frictions_over_brake_friction: tuple[float, ...] = ()
+    node_frictions_over_brake_friction: Floats | None = None
+    worn_depths_at_contact_nodes: Floats | None = None
+    bearing: BearingFlagsOfOneSidedSupports = ()
 
     # These properties describe the shoes of the group and the friction on them.
 
@@ -137,7 +139,7 @@ class GroupState:
     @cached_property
     def substructures_of_shoes(self) -> tuple[ShoeSubstructure, ...]:
         """The substructures of the shoes."""
-        return tuple(self.scene.bodies[i] for i in self.members)
+        return tuple(self.prepared_model.bodies[i] for i in self.members)
 
     @property
     def names_of_shoes_as_text(self) -> str:
@@ -156,17 +158,17 @@ class GroupState:
         It is 0 for a foot that sticks, and +1 for a smooth or missing abutment. Raises RuntimeError
         if an abutment is rough and the direction is not known yet.
         """
-        if not self.friction_senses and self.has_abutment_with_friction:
+        if not self.abutment_friction_directions_of_shoes and self.has_abutment_with_friction:
             raise RuntimeError(
                 f"{self.names_of_shoes_as_text}: friction at the abutment has no sense yet, "
                 "ask for `solve_contact_and_abutment_friction`"
             )
-        return self.friction_senses or (1,) * len(self.members)
+        return self.abutment_friction_directions_of_shoes or (1,) * len(self.members)
 
     @cached_property
     def friction_of_each_shoe_over_brake_friction(self) -> tuple[float, ...]:
         """The friction coefficient of each shoe's lining divided by the brake's coefficient."""
-        return self.relative_frictions or tuple(
+        return self.shoe_frictions_over_brake_friction or tuple(
             map(self.brake.shoe_friction_over_brake_friction, self.shoes)
         )
 
@@ -189,9 +191,9 @@ class GroupState:
     def node_friction_over_shoe_friction(self, k: int) -> Floats:
         """The friction coefficient (n_k,) at each node of shoe `k`, divided by the shoe's own."""
         nodes = self.contact_node_slices_of_shoes[k]
-        if self.friction_at_nodes is None:
+        if self.node_frictions_over_brake_friction is None:
             return np.ones(nodes.stop - nodes.start)
-        own = self.friction_at_nodes[nodes]
+        own = self.node_frictions_over_brake_friction[nodes]
         return np.asarray(own / self.friction_of_each_shoe_over_brake_friction[k])
 
     # These properties give the indices of each shoe's unknowns among the unknowns of the group.
@@ -199,14 +201,14 @@ class GroupState:
     @cached_property
     def contact_node_slices_of_shoes(self) -> tuple[slice, ...]:
         """The slice of each shoe's contact nodes among the nodes of the group."""
-        return slices_of_consecutive_parts(
+        return slices_from_lengths_of_consecutive_parts(
             len(body.line.nodes) for body in self.substructures_of_shoes
         )
 
     @cached_property
     def rigid_body_mode_slices_of_shoes(self) -> tuple[slice, ...]:
         """The slice of each shoe's rigid-body modes among the modes of the group."""
-        return slices_of_consecutive_parts(
+        return slices_from_lengths_of_consecutive_parts(
             modes.actuation_work.size for modes in self.rigid_body_modes_of_shoes
         )
 
@@ -225,12 +227,12 @@ class GroupState:
         )
 
     @cached_property
-    def actuation_of_each_shoe_by_one_newton(self) -> tuple[UnitLoad, ...]:
+    def actuation_of_each_shoe_by_one_newton(self) -> tuple[ActuationByOneNewton, ...]:
         """The actuation of each shoe by a force of one newton."""
         return tuple(
-            UnitLoad(*each)
+            ActuationByOneNewton(*each)
             for each in map(
-                load_column_factors_and_pin_moment_per_newton,
+                actuation_factors_and_pin_moment_per_newton,
                 self.substructures_of_shoes,
                 self.shoes,
             )
@@ -249,7 +251,7 @@ class GroupState:
 
     @cached_property
     def gaps_of_unloaded_linings(self) -> tuple[Floats, ...]:
-        """The gaps (n_i,) [m] of each unloaded lining at its contact nodes."""
+        """For each shoe the gaps (n_i,) [m] of its unloaded linings at contact nodes."""
         gaps = []
         for body, shoe, part in zip(
             self.substructures_of_shoes,
@@ -258,7 +260,11 @@ class GroupState:
             strict=True,
         ):
             gap = unloaded_lining_gaps_at_points(body.line.xy, body.line.phi, self.brake, shoe)
-            gaps.append(gap if self.worn_depth is None else gap + self.worn_depth[part])
+            gaps.append(
+                gap
+                if self.worn_depths_at_contact_nodes is None
+                else gap + self.worn_depths_at_contact_nodes[part]
+            )
         return tuple(gaps)
 
     @cached_property
@@ -269,36 +275,38 @@ class GroupState:
         )
 
     @cached_property
-    def gap_closures_of_test_modes(self) -> tuple[ModeClosures, ...]:
+    def gap_closures_of_test_modes(self) -> tuple[GapClosuresOfTestModes, ...]:
         """The gap closures and slips of the test modes of each shoe."""
         closures = []
         for body, shoe, modes in zip(
             self.substructures_of_shoes, self.shoes, self.rigid_body_modes_of_shoes, strict=True
         ):
             if shoe.kind_of_support == "hinge":
-                found = ModeClosures(*body.gap_closure_and_slip_per_turn_about_pin)
+                found = GapClosuresOfTestModes(*body.gap_closure_and_slip_per_turn_about_pin)
             else:
                 coupling, u = body.coupling, modes.test_modes
-                found = ModeClosures(coupling.N @ u, coupling.T @ u)
+                found = GapClosuresOfTestModes(coupling.N @ u, coupling.T @ u)
             closures.append(found)
         return tuple(closures)
 
     @cached_property
-    def contact_terms_independent_of_friction(self) -> tuple[FrictionlessTerms, ...]:
+    def contact_terms_independent_of_friction(
+        self,
+    ) -> tuple[ContactTermsIndependentOfFriction, ...]:
         """The parts of each shoe's contact problem that friction does not change."""
         return tuple(map(self._contact_terms_of_shoe_without_friction, range(len(self.members))))
 
-    def _contact_terms_of_shoe_without_friction(self, k: int) -> FrictionlessTerms:
+    def _contact_terms_of_shoe_without_friction(self, k: int) -> ContactTermsIndependentOfFriction:
         """The parts of the contact problem of shoe `k` that friction does not change."""
         body, modes = self.substructures_of_shoes[k], self.rigid_body_modes_of_shoes[k]
         own_force = self.shoes[k].actuation.force
         force = abs(own_force) / self.largest_actuation_force
         gap = body.coupling.M @ (self.gaps_of_unloaded_linings[k] / self.largest_actuation_force)
         acting = (
-            load_column_factors_under_all_loads(body, self.shoes[k], own_force)
+            unit_load_factors_under_all_loads(body, self.shoes[k], own_force)
             / self.largest_actuation_force
         )
-        q = gap - body.closure_by_load @ acting
+        q = gap - body.gap_closure_by_load @ acting
         # Without friction at an abutment the contact modes are the test modes.
         if modes.contact_modes is modes.test_modes:
             closure = self.gap_closures_of_test_modes[k].normal
@@ -306,8 +314,8 @@ class GroupState:
             closure = body.coupling.N @ modes.contact_modes
         h = -force * modes.actuation_work
         if self.shoes[k].has_loads_besides_actuation:
-            h = h - modes.further_work / self.largest_actuation_force
-        return FrictionlessTerms(q, -closure, h)
+            h = h - modes.work_of_further_loads / self.largest_actuation_force
+        return ContactTermsIndependentOfFriction(q, -closure, h)
 
     # These properties describe supports that push and cannot pull.
 
@@ -333,10 +341,12 @@ class GroupState:
         work[0] *= shoe.frame.sense
         return work
 
-    def load_column_factors_of_support_push(self, side: SideOfSupport) -> Floats:
+    def load_column_factors_of_support_push(self, side: SupportPushOnShoe) -> Floats:
         """The factors (l,) by which a shoe's load columns make up the push of a support by 1 N."""
         body, shoe = self.substructures_of_shoes[side.shoe], self.shoes[side.shoe]
-        return load_column_factors_of_one_sided_support_push(body, shoe, side.push, self.brake.size)
+        return unit_load_factors_of_one_sided_support_push(
+            body, shoe, side.push_of_one_newton, self.brake.size
+        )
 
     # These properties are integrals over the linings.
 
@@ -352,8 +362,8 @@ class GroupState:
     @cached_property
     def friction_of_nodes_over_brake_friction(self) -> Floats:
         """The friction coefficient (n,) at each contact node divided by the brake's coefficient."""
-        if self.friction_at_nodes is not None:
-            return self.friction_at_nodes
+        if self.node_frictions_over_brake_friction is not None:
+            return self.node_frictions_over_brake_friction
         counts = [len(body.line.nodes) for body in self.substructures_of_shoes]
         return np.repeat(self.friction_of_each_shoe_over_brake_friction, counts)
 
@@ -372,12 +382,12 @@ class GroupState:
     # These properties describe the ring, the struts and the cam.
 
     @cached_property
-    def factors_of_ring_flexibility(self) -> RingFlexibilityRoots | None:
+    def factors_of_ring_flexibility(self) -> FactorsOfRingFlexibility | None:
         """The factors of the drum ring's flexibility under the linings; None without a ring."""
-        ring = self.scene.ring
+        ring = self.prepared_model.ring
         if ring is None:
             return None
-        return RingFlexibilityRoots(
+        return FactorsOfRingFlexibility(
             pressed=np.hstack([ring.normal_half_flexibilities[i] for i in self.members]),
             dragged=np.hstack([ring.friction_half_flexibilities[i] for i in self.members]),
         )
@@ -439,7 +449,7 @@ def unloaded_lining_gaps_at_points(xy: Floats, phi: Floats, brake: Brake, shoe: 
     brake : the brake
     shoe : the shoe of the lining
     """
-    theta, radius = shoe.frame.theta(phi), brake.size
+    theta, radius = shoe.frame.surface_coordinates_of_phi(phi), brake.size
     off = shoe.distances_from_friction_surface(xy, radius)
     # Round-off moves nodes off the drum's radius. This must not count as a gap or an overlap.
     off = np.where(np.abs(off) < 1e-12 * radius, 0.0, off)

@@ -15,21 +15,25 @@ from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.base.texts import error_text_in_percent
 from drumlin.brake import clearance
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.fem.error_control.estimate import SOFTER, Errors, estimate_errors_from_two_mesh_levels
+from drumlin.fem.error_control.estimate import (
+    SAFETY_FACTOR_OF_PENALTY_ERROR,
+    EstimatedErrors,
+    estimate_errors_from_two_mesh_levels,
+)
 from drumlin.fem.error_control.levels import (
-    ResponseFunction,
+    FunctionThatComputesResponse,
     SolvedLevel,
     solve_brake_on_finer_and_finer_mesh_levels,
 )
 from drumlin.fem.error_control.singular_points import reason_if_contact_is_too_short
 from drumlin.fem.hp.corner import (
-    TIP_TOLERANCE,
+    TOLERANCE_OF_COLUMN_END_AT_GAP_KINK,
     remaining_pressure_error_at_lining_corners,
     remaining_pressure_error_at_pointed_gap_kinks,
     response_with_power_laws_at_corners,
 )
-from drumlin.fem.hp.division import SMALLEST_COLUMN
-from drumlin.fem.preparation.cache import Cache
+from drumlin.fem.hp.division import SMALLEST_ELEMENT_SIZE_OVER_LINING_THICKNESS
+from drumlin.fem.preparation.cache import CacheOfCondensedBodies
 from drumlin.fem.preparation.scene import PreparedModel
 from drumlin.response.response import (
     Response,
@@ -41,7 +45,7 @@ from drumlin.response.resultants import (
     length_of_edge_zone_left_out_of_pressure_errors,
 )
 
-PEAK_NEAR_END = 0.5
+LARGEST_PRESSURE_AT_LINING_END_OVER_PEAK = 0.5
 """Fraction of the peak pressure that p may reach in the hp element at a lining's end.
 
 If the largest p in this element exceeds this fraction of the peak, the peak pressure is stated as
@@ -50,7 +54,7 @@ pressure would lie there. The value is a judgement.
 """
 
 
-class Tolerance(NamedTuple):
+class TolerancesOfPressureAndTorque(NamedTuple):
     """The relative errors of pressure and torque below which a solve ends.
 
     `pressure` is the error of the pressure p on the worst shoe, in the L2 norm outside the zones at
@@ -61,39 +65,40 @@ class Tolerance(NamedTuple):
     torque: float
 
 
-DEFAULT_TOLERANCE = Tolerance(5e-3, 1e-4)
-"""Tolerance of a solve without the option `--tolerance`: 0.5 % of p and 0.01 % of the torque.
+DEFAULT_TOLERANCES_OF_PRESSURE_AND_TORQUE = TolerancesOfPressureAndTorque(5e-3, 1e-4)
+"""Tolerances of a solve without the option `--tolerance`: 0.5 % of p and 0.01 % of the torque.
 
 No brake is manufactured so precisely that smaller errors would matter.
 """
 
 
-class _Progress(NamedTuple):
+class _LevelsSolvedSoFar(NamedTuple):
     """The levels on which a brake has been solved so far.
 
     Attributes
     ----------
-    scene : prepared model of the last level
+    prepared_model : prepared model of the last level
     responses : responses of all levels
     error : estimated errors of the last response; empty on the first level
     unknowns : largest number of unknowns of a shoe
-    missed : text that says why the tolerance is not reached; empty if it is reached
+    text_on_missed_tolerance : text that says why the tolerance is not reached; empty if it is
+        reached
     """
 
-    scene: PreparedModel
+    prepared_model: PreparedModel
     responses: list[Response]
-    error: Errors
+    error: EstimatedErrors
     unknowns: int
-    missed: str
+    text_on_missed_tolerance: str
 
 
 def solve_brake_to_tolerance(
     brake: Brake,
-    tolerance: Tolerance,
-    respond: ResponseFunction,
+    tolerance: TolerancesOfPressureAndTorque,
+    respond: FunctionThatComputesResponse,
     *,
     must: bool = True,
-    cache: Cache | None = None,
+    cache: CacheOfCondensedBodies | None = None,
     levels: Iterable[SolvedLevel] | None = None,
 ) -> SolvedLevel:
     """Solve a brake on finer and finer levels until its estimated errors meet a tolerance.
@@ -121,22 +126,22 @@ def solve_brake_to_tolerance(
     """
     levels = levels or solve_brake_on_finer_and_finer_mesh_levels(brake, respond, cache)
     progress = _refine_mesh_levels_until_tolerance(brake, tolerance, levels)
-    if not progress.missed:
-        return SolvedLevel(progress.scene, _last_response_with_estimated_errors(progress))
+    if not progress.text_on_missed_tolerance:
+        return SolvedLevel(progress.prepared_model, _last_response_with_estimated_errors(progress))
     why = _shoes_with_unbounded_pressure_as_text(brake, progress.responses[-1])
     if must:
         reached = _reached_errors_as_text(progress, tolerance)
         raise NoAnswer(
-            f"{progress.missed} on {len(progress.responses)} meshes of up to {progress.unknowns} "
-            f"unknowns a shoe: {reached}{why}"
+            f"{progress.text_on_missed_tolerance} on {len(progress.responses)} meshes of "
+            f"up to {progress.unknowns} unknowns a shoe: {reached}{why}"
         )
-    progress = progress._replace(missed=progress.missed + why)
-    return SolvedLevel(progress.scene, _last_response_with_estimated_errors(progress))
+    progress = progress._replace(text_on_missed_tolerance=progress.text_on_missed_tolerance + why)
+    return SolvedLevel(progress.prepared_model, _last_response_with_estimated_errors(progress))
 
 
 def _refine_mesh_levels_until_tolerance(
-    brake: Brake, tolerance: Tolerance, levels: Iterable[SolvedLevel]
-) -> _Progress:
+    brake: Brake, tolerance: TolerancesOfPressureAndTorque, levels: Iterable[SolvedLevel]
+) -> _LevelsSolvedSoFar:
     """Solve a brake up to the first level that meets the tolerance, or to the last level.
 
     The solve also ends if a finer level has no solution, or if a contact is too short to know its
@@ -144,7 +149,7 @@ def _refine_mesh_levels_until_tolerance(
     unknown.
     """
     responses: list[Response] = []
-    error = Errors({}, ())
+    error = EstimatedErrors({}, ())
     unknowns = 0
     missed = f"tolerance {tolerance.pressure:g} not reached"
     try:
@@ -161,7 +166,9 @@ def _refine_mesh_levels_until_tolerance(
                 of_levels, brake, last
             )
             if is_tolerance_met(error, tolerance):
-                return _Progress(scene, responses, error, unknowns, missed="")
+                return _LevelsSolvedSoFar(
+                    scene, responses, error, unknowns, text_on_missed_tolerance=""
+                )
             if unknown:
                 missed += f": {unknown}"
                 break
@@ -171,10 +178,10 @@ def _refine_mesh_levels_until_tolerance(
         if not error.brake:
             raise
         missed += f", the next level: {refusal}"
-    return _Progress(scene, responses, error, unknowns, missed)
+    return _LevelsSolvedSoFar(scene, responses, error, unknowns, missed)
 
 
-def is_tolerance_met(error: Errors, tolerance: Tolerance) -> bool:
+def is_tolerance_met(error: EstimatedErrors, tolerance: TolerancesOfPressureAndTorque) -> bool:
     """Whether the estimated errors of a brake meet a tolerance."""
     pressure, torque = error.brake["pressure"], error.brake["torque"]
     return pressure <= tolerance.pressure and torque <= tolerance.torque
@@ -187,14 +194,19 @@ def _shoes_with_unbounded_pressure_as_text(brake: Brake, response: Response) -> 
     """
     unbounded = []
     for shoe, answer in zip(brake.shoes, response.shoes, strict=True):
-        if _missing_fraction_of_peak_pressure(shoe, brake.scale_factor, answer) == 1.0:
+        if (
+            _missing_fraction_of_peak_pressure(shoe, brake.length_per_surface_coordinate, answer)
+            == 1.0
+        ):
             unbounded.append(repr(shoe.name))
     if not unbounded:
         return ""
     return f"; p is unbounded at an end of the lining or a tip of the gap of {', '.join(unbounded)}"
 
 
-def _reached_errors_as_text(progress: _Progress, tolerance: Tolerance) -> str:
+def _reached_errors_as_text(
+    progress: _LevelsSolvedSoFar, tolerance: TolerancesOfPressureAndTorque
+) -> str:
     """The text that states the errors which were reached.
 
     If the finite contact stiffness (penalty) causes more than half of the allowed error of p, the
@@ -207,7 +219,7 @@ def _reached_errors_as_text(progress: _Progress, tolerance: Tolerance) -> str:
     )
     text = f"estimated error of p {pressure}, of the torque {torque}"
     shoes = progress.responses[-1].shoes
-    by_penalty = SOFTER * max(shoe.softness.pressure for shoe in shoes)
+    by_penalty = SAFETY_FACTOR_OF_PENALTY_ERROR * max(shoe.softness.pressure for shoe in shoes)
     if by_penalty > 0.5 * tolerance.pressure:
         text += (
             f"; the penalty makes {error_text_in_percent(by_penalty)} of it; a larger --penalty "
@@ -216,7 +228,7 @@ def _reached_errors_as_text(progress: _Progress, tolerance: Tolerance) -> str:
     return text
 
 
-def _last_response_with_estimated_errors(progress: _Progress) -> Response:
+def _last_response_with_estimated_errors(progress: _LevelsSolvedSoFar) -> Response:
     """The last level's response with its errors, the time of all levels and a note on them.
 
     If the errors miss the tolerance, the notes end with a warning.
@@ -225,13 +237,13 @@ def _last_response_with_estimated_errors(progress: _Progress) -> Response:
         f"solved on {len(progress.responses)} meshes, each adapted to the answer before; "
         f"the last has {progress.unknowns} unknowns for each shoe"
     ]
-    if progress.missed:
-        notes.append(f"warning: {progress.missed}")
+    if progress.text_on_missed_tolerance:
+        notes.append(f"warning: {progress.text_on_missed_tolerance}")
     return response_with_estimated_errors(progress.responses, progress.error, notes)
 
 
 def response_with_estimated_errors(
-    responses: Sequence[Response], error: Errors, notes: Sequence[str]
+    responses: Sequence[Response], error: EstimatedErrors, notes: Sequence[str]
 ) -> Response:
     """The last of several responses, with its errors, the time of all responses, and further notes.
 
@@ -264,8 +276,8 @@ def response_with_estimated_errors(
 
 
 def errors_with_singular_points_and_text_on_short_contacts(
-    error: Errors, brake: Brake, response: Response
-) -> tuple[Errors, str]:
+    error: EstimatedErrors, brake: Brake, response: Response
+) -> tuple[EstimatedErrors, str]:
     """The estimated errors with the errors at singular points added, and a text on short contacts.
 
     Near corners of the lining, and under kinks of the gap that point to the drum (tips), the
@@ -283,9 +295,13 @@ def errors_with_singular_points_and_text_on_short_contacts(
     """
     shoes, text = [], ""
     for i, (shoe, answer) in enumerate(zip(brake.shoes, response.shoes, strict=True)):
-        missing_peak = _missing_fraction_of_peak_pressure(shoe, brake.scale_factor, answer)
+        missing_peak = _missing_fraction_of_peak_pressure(
+            shoe, brake.length_per_surface_coordinate, answer
+        )
         at_corners = remaining_pressure_error_at_lining_corners(brake, i, answer)
-        under_tips = remaining_pressure_error_at_pointed_gap_kinks(shoe, brake.scale_factor, answer)
+        under_tips = remaining_pressure_error_at_pointed_gap_kinks(
+            shoe, brake.length_per_surface_coordinate, answer
+        )
         at_singular_points = at_corners + under_tips
         errors = {
             **error.shoes[i],
@@ -297,7 +313,9 @@ def errors_with_singular_points_and_text_on_short_contacts(
             text = f"{reason}; torque and forces do not need it"
             errors = _errors_of_shoe_with_unknown_pressure(errors)
         shoes.append(errors)
-    return Errors.brake_errors_from_torque_and_shoe_errors(error.brake["torque"], shoes), text
+    return EstimatedErrors.brake_errors_from_torque_and_shoe_errors(
+        error.brake["torque"], shoes
+    ), text
 
 
 def _errors_of_shoe_with_unknown_pressure(errors: Mapping[str, float]) -> dict[str, float]:
@@ -307,19 +325,21 @@ def _errors_of_shoe_with_unknown_pressure(errors: Mapping[str, float]) -> dict[s
 
 
 def _missing_fraction_of_peak_pressure(
-    shoe: Shoe, scale_factor: float, answer: ShoeResponse
+    shoe: Shoe, length_per_surface_coordinate: float, answer: ShoeResponse
 ) -> float:
     """The fraction by which the computed peak pressure of a shoe may be too small.
 
     A computed peak is too small if the exact pressure p grows without bound nearby: at an end of
     the lining, or under a kink of the gap that points to the drum (a tip). The fraction is then 1,
-    which means that the peak is unknown. `scale_factor` is the length per unit of the surface's
-    coordinate [m/rad; 1 on a plane].
+    which means that the peak is unknown. `length_per_surface_coordinate` is the length per unit of
+    the surface's coordinate [m/rad; 1 on a plane].
     """
-    zone = length_of_edge_zone_left_out_of_peak_search(shoe, scale_factor)
+    zone = length_of_edge_zone_left_out_of_peak_search(shoe, length_per_surface_coordinate)
     if _is_peak_pressure_at_lining_end(answer, zone):
         return 1.0
-    return _missing_fraction_of_peak_at_pointed_gap_kinks(shoe, scale_factor, answer, zone)
+    return _missing_fraction_of_peak_at_pointed_gap_kinks(
+        shoe, length_per_surface_coordinate, answer, zone
+    )
 
 
 def _is_peak_pressure_at_lining_end(answer: ShoeResponse, zone: float) -> bool:
@@ -327,8 +347,8 @@ def _is_peak_pressure_at_lining_end(answer: ShoeResponse, zone: float) -> bool:
 
     `zone` is the length of the zone at each end of the lining in which the peak is usually not
     sought. If the peak was sought there nevertheless, the result is also true if the pressure in an
-    end element exceeds PEAK_NEAR_END times the peak: on finer elements the largest pressure would
-    lie there.
+    end element exceeds LARGEST_PRESSURE_AT_LINING_END_OVER_PEAK times the peak: on finer elements
+    the largest pressure would lie there.
     """
     theta, p, order = answer.theta, answer.pressure, answer.order
     # `heights` are the largest pressures in the elements at pressed ends of linings, relative to
@@ -340,7 +360,7 @@ def _is_peak_pressure_at_lining_end(answer: ShoeResponse, zone: float) -> bool:
             heights.append(height / answer.peak_pressure)
     if any(math.isclose(height, 1.0) for height in heights):
         return True
-    is_high = max(heights, default=0.0) > PEAK_NEAR_END
+    is_high = max(heights, default=0.0) > LARGEST_PRESSURE_AT_LINING_END_OVER_PEAK
     return (
         is_high
         and length_of_edge_zone_left_out_of_pressure_errors(theta, p, order, zone, answer.slots)
@@ -362,14 +382,15 @@ def _elements_at_ends_of_linings(answer: ShoeResponse) -> list[tuple[int, slice]
 
 
 def _missing_fraction_of_peak_at_pointed_gap_kinks(
-    shoe: Shoe, scale_factor: float, answer: ShoeResponse, zone: float
+    shoe: Shoe, length_per_surface_coordinate: float, answer: ShoeResponse, zone: float
 ) -> float:
     """The fraction by which the computed pressure peak may be too small because of tips of the gap.
 
     A tip is a kink of the gap that points to the drum: the slope of the gap jumps there. The exact
     pressure p is unbounded at a tip. A wedge whose slope changes by s has the pressure E s/(2 pi)
     ln(1/x) on a half-plane of modulus E, at the distance x (Johnson, Contact Mechanics, ch. 5). The
-    computed p at the tip is extrapolated by this law to elements as small as SMALLEST_COLUMN.
+    computed p at the tip is extrapolated by this law to elements as small as
+    SMALLEST_ELEMENT_SIZE_OVER_LINING_THICKNESS.
 
     If the extrapolated pressure exceeds the computed peak, the peak is too small. If two elements
     meet at the tip, the peak counts as unknown, and the fraction is 1. No elements meet at a tip
@@ -380,7 +401,8 @@ def _missing_fraction_of_peak_at_pointed_gap_kinks(
     Parameters
     ----------
     shoe, answer : the shoe and its response
-    scale_factor : length per unit of the surface's coordinate [m/rad; 1 on a plane]
+    length_per_surface_coordinate : length per unit of the surface's coordinate [m/rad; 1 on a
+        plane]
     zone : length of the zone at each end of the lining in which the peak is usually not sought
     """
     order = answer.order
@@ -399,13 +421,20 @@ def _missing_fraction_of_peak_at_pointed_gap_kinks(
         # the tip.
         nearest = int(np.abs(theta[::order] - tip).argmin()) * order
         around = slice(max(nearest - order, 0), nearest + order + 1)
-        width = scale_factor * float(theta[around][-1] - theta[around][0])
-        size_ratio = max(width / (SMALLEST_COLUMN * shoe.lining.thickness), 1.0)
-        growth = modulus * slope / scale_factor * math.log(size_ratio) / (2 * math.pi)
+        width = length_per_surface_coordinate * float(theta[around][-1] - theta[around][0])
+        size_ratio = max(
+            width / (SMALLEST_ELEMENT_SIZE_OVER_LINING_THICKNESS * shoe.lining.thickness), 1.0
+        )
+        growth = (
+            modulus * slope / length_per_surface_coordinate * math.log(size_ratio) / (2 * math.pi)
+        )
         possible_peak = (
             largest_value_of_piecewise_polynomial(theta[around], p[around], order) + growth
         )
-        elements_end_at_tip = abs(theta[nearest] - tip) < TIP_TOLERANCE * shoe.frame.unit
+        elements_end_at_tip = (
+            abs(theta[nearest] - tip)
+            < TOLERANCE_OF_COLUMN_END_AT_GAP_KINK * shoe.frame.surface_coordinate_per_phi
+        )
         if possible_peak > answer.peak_pressure:
             excess = possible_peak / answer.peak_pressure - 1.0
             missing = max(missing, 1.0 if elements_end_at_tip else excess)

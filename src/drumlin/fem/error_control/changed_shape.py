@@ -64,7 +64,7 @@ def prepared_model_with_moved_nodes(
     pressures = nodal_contact_pressures_of_each_lining(brake, response)
     bodies = []
     for i, body in enumerate(scene.bodies):
-        if body.of_file is not None:
+        if body.mesh_read_from_file is not None:
             moves = moves_of_nodes(body.basis)
             forces = _nodal_forces_due_to_moved_nodes(
                 body, under_forces, under_forces.shoes[i], response.shoes[i], pressures[i], moves

@@ -7,9 +7,10 @@ e_(k-1) - e_k >= (r - 1) e_k, so that
 
     e_k <= c d_k,   c = 1/(r - 1).
 
-The factor c of each quantity is fitted on random brakes of every kind, see `FACTORS`. The
-difference of a single number may be small by accident although its error is large. The errors of
-forces and of peak pressures are therefore estimated by more than their own difference:
+The factor c of each quantity is fitted on random brakes of every kind, see
+`SAFETY_FACTORS_OF_ERROR_ESTIMATE`. The difference of a single number may be small by accident
+although its error is large. The errors of forces and of peak pressures are therefore estimated by
+more than their own difference:
 
 - A force (torque, reaction) is an integral of the pressure p, and the differences of p in several
   columns of hp elements may cancel in it. Therefore a fraction, `cancelled`, of another change is
@@ -44,7 +45,7 @@ from drumlin.response.response import (
 )
 from drumlin.response.resultants import length_of_edge_zone_left_out_of_pressure_errors
 
-QUANTITIES = ("pressure", "torque", "peak", "reaction")
+QUANTITIES_WITH_STATED_ERROR = ("pressure", "torque", "peak", "reaction")
 """Names of the quantities of a shoe that have a stated error.
 
 They are the pressure in L2 outside the zones at the lining's ends, the torque, the peak pressure
@@ -52,7 +53,7 @@ and the support reaction.
 """
 
 
-class Factors(NamedTuple):
+class SafetyFactorsOfErrorEstimate(NamedTuple):
     """The factors that turn differences between two levels into error estimates.
 
     Attributes
@@ -71,7 +72,7 @@ class Factors(NamedTuple):
     peak: float
 
     def safety_factors_of_level_differences(self, shoes: int) -> Floats:
-        """The factors (1 + 4 shoes,) that turn the `steps` of `LevelDifferences` into errors."""
+        """The factors (1 + 4 shoes,) that turn differences of two levels into errors."""
         own = (self.pressure, self.force, self.peak, self.force)
         return np.array([self.force, *own * shoes])
 
@@ -85,13 +86,15 @@ def read_safety_factors(path: Path) -> dict[str, float]:
     return {name: each["value"] for name, each in data.items() if name not in origin}
 
 
-FACTORS = Factors(**read_safety_factors(Path(__file__).with_name("factors.json")))
+SAFETY_FACTORS_OF_ERROR_ESTIMATE = SafetyFactorsOfErrorEstimate(
+    **read_safety_factors(Path(__file__).with_name("factors.json"))
+)
 """The factors of the error estimate, which `make calibrate` fits.
 
 The file factors.json says on which brakes they are fitted, and what each factor does.
 """
 
-SOFTER = 2.0
+SAFETY_FACTOR_OF_PENALTY_ERROR = 2.0
 """Safety factor on the estimated error by the finite contact stiffness, the penalty.
 
 `ShoeResponse.softness` is the first-order change of the results by the penalty. The actual change
@@ -100,8 +103,8 @@ is compressed.
 """
 
 
-class Errors(NamedTuple):
-    """Estimated relative errors of a brake and of each of its shoes, by the names of QUANTITIES.
+class EstimatedErrors(NamedTuple):
+    """Estimated relative errors of a brake and of its shoes, by QUANTITIES_WITH_STATED_ERROR.
 
     `brake` holds the error of the brake's torque and, for the other quantities, the error of the
     shoe with the largest error. `shoes` holds the errors of each shoe.
@@ -113,35 +116,38 @@ class Errors(NamedTuple):
     @classmethod
     def brake_errors_from_torque_and_shoe_errors(
         cls, torque: float, shoes: Sequence[Mapping[str, float]]
-    ) -> "Errors":
+    ) -> "EstimatedErrors":
         """Make the errors of a brake from the error of its torque and the errors of its shoes.
 
         For each other quantity the error of the brake is the largest error of a shoe.
         """
-        most = {name: max(shoe[name] for shoe in shoes) for name in QUANTITIES}
+        most = {name: max(shoe[name] for shoe in shoes) for name in QUANTITIES_WITH_STATED_ERROR}
         return cls(most | {"torque": torque}, tuple(shoes))
 
 
-class LevelDifferences(NamedTuple):
+class ResponseDifferencesOfTwoLevels(NamedTuple):
     """Relative differences of the responses on two levels.
 
     Both arrays (1 + 4 shoes,) begin with the torque of the brake, for which the absolute
-    differences of the shoes are summed. The four QUANTITIES of each shoe follow.
+    differences of the shoes are summed. The four QUANTITIES_WITH_STATED_ERROR of each shoe follow.
 
     Attributes
     ----------
-    steps : difference of each quantity between the two levels
-    chance : change that each force would have if the columns of elements contributed to it with
-        random signs; 0 for pressures
+    differences : difference of each quantity between the two levels
+    changes_with_random_signs : change that each force would have if the columns of elements
+        contributed to it with random signs; 0 for pressures
     """
 
-    steps: Floats
-    chance: Floats
+    differences: Floats
+    changes_with_random_signs: Floats
 
 
 def estimate_errors_from_two_mesh_levels(
-    brake: Brake, before: Response, last: Response, factors: Factors = FACTORS
-) -> Errors:
+    brake: Brake,
+    before: Response,
+    last: Response,
+    factors: SafetyFactorsOfErrorEstimate = SAFETY_FACTORS_OF_ERROR_ESTIMATE,
+) -> EstimatedErrors:
     """Estimate the relative errors of the response `last` on the finer of two levels.
 
     The errors follow from the difference to the response `before` on the coarser level, and are
@@ -152,8 +158,11 @@ def estimate_errors_from_two_mesh_levels(
 
 
 def estimate_errors_from_response_differences(
-    moved: LevelDifferences, last: Response, factors: Factors, further: Floats | float = 0.0
-) -> Errors:
+    moved: ResponseDifferencesOfTwoLevels,
+    last: Response,
+    factors: SafetyFactorsOfErrorEstimate,
+    further: Floats | float = 0.0,
+) -> EstimatedErrors:
     """The estimated relative errors of a response, from its differences to a coarser response.
 
     Parameters
@@ -161,34 +170,36 @@ def estimate_errors_from_response_differences(
     moved : differences of the response to the response on the coarser level
     last : the response
     factors : factors of the estimate
-    further : (1 + 4 shoes,) errors that are added, in the order of `LevelDifferences`
+    further : (1 + 4 shoes,) errors that are added, in the order of `ResponseDifferencesOfTwoLevels`
     """
     found = (
-        factors.safety_factors_of_level_differences(len(last.shoes)) * moved.steps
-        + factors.cancelled * moved.chance
+        factors.safety_factors_of_level_differences(len(last.shoes)) * moved.differences
+        + factors.cancelled * moved.changes_with_random_signs
         + further
     )
     # A quantity without any difference, such as the torque of a shoe without contact, keeps the
     # error 0.
     found = np.where(found > 0, found + sum_of_penalty_and_round_off_errors(last.shoes), found)
-    rows = np.reshape(found[1:], (-1, len(QUANTITIES))).tolist()
-    errors_of_shoes = [dict(zip(QUANTITIES, row, strict=True)) for row in rows]
-    return Errors.brake_errors_from_torque_and_shoe_errors(float(found[0]), errors_of_shoes)
+    rows = np.reshape(found[1:], (-1, len(QUANTITIES_WITH_STATED_ERROR))).tolist()
+    errors_of_shoes = [dict(zip(QUANTITIES_WITH_STATED_ERROR, row, strict=True)) for row in rows]
+    return EstimatedErrors.brake_errors_from_torque_and_shoe_errors(
+        float(found[0]), errors_of_shoes
+    )
 
 
 def sum_of_penalty_and_round_off_errors(shoes: Sequence[ShoeResponse]) -> Floats:
     """The relative errors by the penalty plus the relative errors by round-off (1 + 4 shoes,).
 
-    The torque of the brake comes first, then the four QUANTITIES of each shoe. The penalty is the
-    finite contact stiffness.
+    The torque of the brake comes first, then the four QUANTITIES_WITH_STATED_ERROR of each shoe.
+    The penalty is the finite contact stiffness.
     """
-    return SOFTER * _relative_changes_of_shoes_due_to_cause(
+    return SAFETY_FACTOR_OF_PENALTY_ERROR * _relative_changes_of_shoes_due_to_cause(
         shoes, "softness"
     ) + _relative_changes_of_shoes_due_to_cause(shoes, "lost")
 
 
 def _relative_changes_of_shoes_due_to_cause(shoes: Sequence[ShoeResponse], name: str) -> Floats:
-    """The relative changes (1 + 4 shoes,) by one cause, in the order of `LevelDifferences`.
+    """The relative changes (1 + 4 shoes,) by one cause, in the order of the differences.
 
     `name` is the attribute of `ShoeResponse` that holds the changes by this cause, "softness" for
     the penalty or "lost" for round-off.
@@ -204,7 +215,7 @@ def _relative_changes_of_shoes_due_to_cause(shoes: Sequence[ShoeResponse], name:
 
 def relative_differences_of_responses_on_two_levels(
     brake: Brake, a: Response, b: Response
-) -> LevelDifferences:
+) -> ResponseDifferencesOfTwoLevels:
     """The relative differences of two responses of one brake, `a` and, on finer elements, `b`.
 
     The result also holds the changes that forces would have if the columns of hp elements
@@ -213,8 +224,14 @@ def relative_differences_of_responses_on_two_levels(
     pairs = list(zip(a.shoes, b.shoes, strict=True))
     rows = []
     for shoe, (of_a, of_b) in zip(brake.shoes, pairs, strict=True):
-        zone = length_of_edge_zone_left_out_of_peak_search(shoe, brake.scale_factor)
-        rows.append(_relative_shoe_response_differences_of_levels(zone, brake.unit, of_a, of_b))
+        zone = length_of_edge_zone_left_out_of_peak_search(
+            shoe, brake.length_per_surface_coordinate
+        )
+        rows.append(
+            _relative_shoe_response_differences_of_levels(
+                zone, brake.surface_coordinate_per_phi, of_a, of_b
+            )
+        )
     of_shoes = np.array(rows)  # (shoes, 2, 4)
     # The difference of the brake's torque is the sum of the absolute differences of its shoes.
     total = b.torque or a.torque or 1.0
@@ -224,7 +241,7 @@ def relative_differences_of_responses_on_two_levels(
         torque_of_brake = float(values[:, 1] @ shares)
         both.append(np.array([torque_of_brake, *values.ravel()]))
     steps, chance = both
-    return LevelDifferences(steps, chance)
+    return ResponseDifferencesOfTwoLevels(steps, chance)
 
 
 def _relative_shoe_response_differences_of_levels(
@@ -232,9 +249,9 @@ def _relative_shoe_response_differences_of_levels(
 ) -> tuple[tuple[float, ...], ...]:
     """The relative differences between two responses of a shoe, and the changes with random signs.
 
-    Each of the two results is a tuple (4,) in the order of QUANTITIES. The second tuple has the
-    changes that torque and reaction would have if the columns of elements contributed to them with
-    random signs, and zeros.
+    Each of the two results is a tuple (4,) in the order of QUANTITIES_WITH_STATED_ERROR. The second
+    tuple has the changes that torque and reaction would have if the columns of elements contributed
+    to them with random signs, and zeros.
 
     Parameters
     ----------
@@ -248,7 +265,7 @@ def _relative_shoe_response_differences_of_levels(
     reaction = math.dist(a.hinge_reaction, b.hinge_reaction) / held
     if not b.pressure.any():
         pressure = float(a.pressure.any())
-        return (pressure, torque, peak, reaction), (0.0,) * len(QUANTITIES)
+        return (pressure, torque, peak, reaction), (0.0,) * len(QUANTITIES_WITH_STATED_ERROR)
     singular = length_of_uncompared_edge_zone(b.length_of_shortest_lining, unit)
     edge = length_of_edge_zone_left_out_of_pressure_errors(
         b.theta, b.pressure, b.order, singular, b.slots

@@ -20,29 +20,29 @@ from drumlin.fem.error_control.adapt import (
     response_with_estimated_errors,
 )
 from drumlin.fem.error_control.estimate import (
-    FACTORS,
-    QUANTITIES,
-    Errors,
-    Factors,
+    QUANTITIES_WITH_STATED_ERROR,
+    SAFETY_FACTORS_OF_ERROR_ESTIMATE,
+    EstimatedErrors,
+    SafetyFactorsOfErrorEstimate,
     relative_differences_of_responses_on_two_levels,
     sum_of_penalty_and_round_off_errors,
 )
 from drumlin.fem.error_control.levels import (
-    LEVELS,
-    ResponseFunction,
+    REFINEMENT_LEVELS_FROM_COARSE_TO_FINE,
+    FunctionThatComputesResponse,
     SolvedLevel,
     solve_brake_on_finer_and_finer_mesh_levels,
 )
 from drumlin.fem.error_control.singular_points import (
-    CONTACT_END_BITS,
+    BINARY_DIGITS_OF_ROUNDED_CONTACT_END,
     singular_points_of_each_shoe_shape,
 )
 from drumlin.fem.hp.corner import response_with_power_laws_at_corners
-from drumlin.fem.hp.division import Singularity, SingularPoint
-from drumlin.fem.preparation.cache import Cache
+from drumlin.fem.hp.division import KindOfSingularPoint, SingularPoint
+from drumlin.fem.preparation.cache import CacheOfCondensedBodies
 from drumlin.response.response import Response
 
-SAMPLE_SAFETY = 2.0
+SAFETY_FACTOR_OF_LARGEST_ERROR_IN_SAMPLE = 2.0
 """Safety factor on the largest error of the first level in a sample, for brakes out of the sample.
 
 The stated error of a brake that is not in the sample is this factor times the largest error of the
@@ -53,28 +53,30 @@ and manufacturing tolerances. With a smaller factor some stated errors are too s
 factor stated errors are larger than they need be.
 """
 
-FIRST_LEVEL_FACTORS = Factors(
-    pressure=1.0 + FACTORS.pressure,
-    force=1.0 + FACTORS.force,
-    cancelled=FACTORS.cancelled,
-    peak=1.0 + FACTORS.peak,
+FACTORS_FROM_DISTANCE_TO_FIRST_LEVEL_ERROR = SafetyFactorsOfErrorEstimate(
+    pressure=1.0 + SAFETY_FACTORS_OF_ERROR_ESTIMATE.pressure,
+    force=1.0 + SAFETY_FACTORS_OF_ERROR_ESTIMATE.force,
+    cancelled=SAFETY_FACTORS_OF_ERROR_ESTIMATE.cancelled,
+    peak=1.0 + SAFETY_FACTORS_OF_ERROR_ESTIMATE.peak,
 )
 """Largest ratio of the error of the first level to its distance from the last level.
 
 The error of the first level is at most its distance from the last level plus the error of the last
-level. The error of the last level is at most FACTORS times this distance.
+level. The error of the last level is at most SAFETY_FACTORS_OF_ERROR_ESTIMATE times this distance.
 """
 
 
 def solve_brake_on_first_refinement_level(
-    brake: Brake, respond: ResponseFunction, cache: Cache | None = None
+    brake: Brake, respond: FunctionThatComputesResponse, cache: CacheOfCondensedBodies | None = None
 ) -> Response:
     """The response of a brake on the first level of a solve, without errors.
 
     `respond` computes the response on a prepared model, and `cache` keeps the condensed bodies.
     Raises NoAnswer if the first level has no solution.
     """
-    levels = solve_brake_on_finer_and_finer_mesh_levels(brake, respond, cache, LEVELS[:1])
+    levels = solve_brake_on_finer_and_finer_mesh_levels(
+        brake, respond, cache, REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[:1]
+    )
     solved = next(levels, None)
     if solved is None:
         raise NoAnswer("the first level has no solution")
@@ -82,7 +84,10 @@ def solve_brake_on_first_refinement_level(
 
 
 def solve_on_levels_and_hand_out_first(
-    brake: Brake, respond: ResponseFunction, cache: Cache | None, use: Callable[[Response], None]
+    brake: Brake,
+    respond: FunctionThatComputesResponse,
+    cache: CacheOfCondensedBodies | None,
+    use: Callable[[Response], None],
 ) -> Iterator[SolvedLevel]:
     """Solve a brake on finer and finer levels, and hand out the response on the first level.
 
@@ -101,7 +106,7 @@ def solve_on_levels_and_hand_out_first(
     """
     for solved in solve_brake_on_finer_and_finer_mesh_levels(brake, respond, cache):
         # Only the first level has elements of its degree.
-        if solved.response.shoes[0].order == LEVELS[0].degree:
+        if solved.response.shoes[0].order == REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[0].degree:
             use(response_with_power_laws_at_corners(brake, solved.response))
         yield solved
 
@@ -111,16 +116,21 @@ def errors_of_first_refinement_level(
 ) -> dict[str, float]:
     """The errors of the response on the first level, from its distance to the last level.
 
-    The errors are relative and have the names of QUANTITIES. Errors at singular points, by the
-    penalty and by round-off are not included. On a plane the errors of the torque are those of the
-    braking force.
+    The errors are relative and have the names of QUANTITIES_WITH_STATED_ERROR. Errors at singular
+    points, by the penalty and by round-off are not included. On a plane the errors of the torque
+    are those of the braking force.
     """
     first, last = map(_response_with_braking_forces_as_torques, (first, last))
     moved = relative_differences_of_responses_on_two_levels(brake, first, last)
-    factors = FIRST_LEVEL_FACTORS.safety_factors_of_level_differences(len(last.shoes))
-    found = factors * moved.steps + FIRST_LEVEL_FACTORS.cancelled * moved.chance
-    worst = np.reshape(found[1:], (-1, len(QUANTITIES))).max(axis=0).tolist()
-    return dict(zip(QUANTITIES, worst, strict=True)) | {"torque": float(found[0])}
+    factors = FACTORS_FROM_DISTANCE_TO_FIRST_LEVEL_ERROR.safety_factors_of_level_differences(
+        len(last.shoes)
+    )
+    found = (
+        factors * moved.differences
+        + FACTORS_FROM_DISTANCE_TO_FIRST_LEVEL_ERROR.cancelled * moved.changes_with_random_signs
+    )
+    worst = np.reshape(found[1:], (-1, len(QUANTITIES_WITH_STATED_ERROR))).max(axis=0).tolist()
+    return dict(zip(QUANTITIES_WITH_STATED_ERROR, worst, strict=True)) | {"torque": float(found[0])}
 
 
 def _response_with_braking_forces_as_torques(response: Response) -> Response:
@@ -139,16 +149,19 @@ def first_level_response_with_errors_of_sample(
     """A copy of a response on the first level, with stated errors from a sample of similar brakes.
 
     `largest` are the largest errors of the first level in the sample, as
-    `errors_of_first_refinement_level` returns them. The stated errors are SAMPLE_SAFETY times these
-    errors, plus the errors of the brake itself at singular points, by the penalty and by round-off.
+    `errors_of_first_refinement_level` returns them. The stated errors are
+    SAFETY_FACTOR_OF_LARGEST_ERROR_IN_SAMPLE times these errors, plus the errors of the brake itself
+    at singular points, by the penalty and by round-off.
     """
-    of_sample = {name: SAMPLE_SAFETY * error for name, error in largest.items()}
+    of_sample = {
+        name: SAFETY_FACTOR_OF_LARGEST_ERROR_IN_SAMPLE * error for name, error in largest.items()
+    }
     own = sum_of_penalty_and_round_off_errors(first.shoes)
     shoes = []
-    for row in np.reshape(own[1:], (-1, len(QUANTITIES))).tolist():
-        by_name = zip(QUANTITIES, row, strict=True)
+    for row in np.reshape(own[1:], (-1, len(QUANTITIES_WITH_STATED_ERROR))).tolist():
+        by_name = zip(QUANTITIES_WITH_STATED_ERROR, row, strict=True)
         shoes.append({name: of_sample[name] + more for name, more in by_name})
-    errors = Errors.brake_errors_from_torque_and_shoe_errors(
+    errors = EstimatedErrors.brake_errors_from_torque_and_shoe_errors(
         of_sample["torque"] + float(own[0]), shoes
     )
     errors, _ = errors_with_singular_points_and_text_on_short_contacts(errors, brake, first)
@@ -164,7 +177,7 @@ def text_that_identifies_kind_of_contact(brake: Brake, response: Response) -> st
     abutments and struts bear.
     """
     every_shoe_by_itself = tuple(range(len(brake.shoes)))
-    error = LEVELS[0].pressure_error_due_to_column_size_ratio
+    error = REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[0].pressure_error_due_to_column_size_ratio
     points = singular_points_of_each_shoe_shape(brake, response, every_shoe_by_itself, error)
     words = []
     for i, (shoe, answer) in enumerate(zip(brake.shoes, response.shoes, strict=True)):
@@ -176,10 +189,10 @@ def text_that_identifies_kind_of_contact(brake: Brake, response: Response) -> st
 
 def _kind_of_singular_point(shoe: Shoe, point: SingularPoint) -> str:
     """The kind of a singular point of the pressure on a shoe; "corner" at an end of a lining."""
-    # The position of the point may be rounded, see CONTACT_END_BITS. A point this near to a
-    # lining's end therefore lies at the end.
-    near = 2.0 ** (1 - CONTACT_END_BITS) * point.length
-    at_end_of_lining = any(abs(point.at - end) <= near for arc in shoe.arcs for end in arc)
-    if point.kind == Singularity.END and at_end_of_lining:
+    # The position of the point may be rounded, see BINARY_DIGITS_OF_ROUNDED_CONTACT_END. A point
+    # this near to a lining's end therefore lies at the end.
+    near = 2.0 ** (1 - BINARY_DIGITS_OF_ROUNDED_CONTACT_END) * point.length
+    at_end_of_lining = any(abs(point.position - end) <= near for arc in shoe.arcs for end in arc)
+    if point.kind == KindOfSingularPoint.END and at_end_of_lining:
         return "corner"
     return str(point.kind.name)

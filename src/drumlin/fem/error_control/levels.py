@@ -11,25 +11,30 @@ from functools import partial
 from itertools import chain
 from typing import NamedTuple, Protocol
 
-from drumlin.base.errors import LostDigits, NoAnswer
+from drumlin.base.errors import AnswerLostToRoundOff, NoAnswer
 from drumlin.brake.brake import Brake
 from drumlin.fem.error_control.singular_points import (
-    SHORTEST_KNOWN_CONTACT,
+    SHORTEST_CONTACT_WITH_KNOWN_PRESSURE,
     singular_points_of_each_shoe_shape,
 )
-from drumlin.fem.hp.division import UNRESOLVED_LENGTH, Level, Singularity, SingularPoint
-from drumlin.fem.preparation.cache import Cache
+from drumlin.fem.hp.division import (
+    UNRESOLVED_LENGTH_OVER_CONTACT_LENGTH,
+    KindOfSingularPoint,
+    RefinementLevel,
+    SingularPoint,
+)
+from drumlin.fem.preparation.cache import CacheOfCondensedBodies
 from drumlin.fem.preparation.cache import indices_of_first_shoes_of_equal_shape as equal_shapes
-from drumlin.fem.preparation.meshes import ELEMENTS
+from drumlin.fem.preparation.meshes import DEFAULT_ELEMENTS_ALONG_LINING
 from drumlin.fem.preparation.prepare import make_prepared_model
-from drumlin.fem.preparation.scene import PointsByShape, PreparedModel
+from drumlin.fem.preparation.scene import PreparedModel, SingularPointsByShoeShape
 from drumlin.response.response import Response
 
-DEG = math.pi / 180
+DEGREE_IN_RADIANS = math.pi / 180
 """One degree [rad]."""
 
 
-class LevelRule(NamedTuple):
+class RuleOfDegreeAndGradingByLevel(NamedTuple):
     """The rule that gives the degree and the grading of the hp elements on each level of a solve.
 
     On level k = 1, 2, ... the displacements are polynomials of degree p. The element sizes are
@@ -39,7 +44,7 @@ class LevelRule(NamedTuple):
         e = first_error / fall^(k - 1)
 
     From p and e follow the ratio q of the sizes of neighbouring elements, and the sizes of the
-    elements at singular points, relative to lengths that are explained in `Level`:
+    elements at singular points, relative to lengths that are explained in `RefinementLevel`:
 
         sqrt q(e) = (1 - e^(1/p)) / (1 + e^(1/p))
 
@@ -79,22 +84,22 @@ class LevelRule(NamedTuple):
     corner: float
     largest: float
 
-    def refinement_level_with_number(self, k: int) -> Level:
+    def refinement_level_with_number(self, k: int) -> RefinementLevel:
         """The degree and grading of the level with the number k, counted from 1."""
         p = self.first_degree + k - 1
         e = self.first_error / self.fall ** (k - 1)
         corner = self.corner * e**self.sizes
-        return Level(
+        return RefinementLevel(
             degree=p,
-            zone=corner,
-            edge=corner,
-            end=self.end * e**self.sizes,
-            ratio=_element_size_ratio_for_error(e, p),
-            opening=_element_size_ratio_for_error(e**self.sizes, p),
-            largest=self.largest,
-            back=corner,
-            hinge=corner,
-            through=_element_size_ratio_for_error(e**self.layers, p),
+            face_layer_size=corner,
+            lining_end_column_size=corner,
+            contact_end_column_size=self.end * e**self.sizes,
+            column_size_ratio=_element_size_ratio_for_error(e, p),
+            size_ratio_at_short_contacts=_element_size_ratio_for_error(e**self.sizes, p),
+            largest_column=self.largest,
+            interface_layer_size=corner,
+            hinge_column_size=corner,
+            layer_size_ratio=_element_size_ratio_for_error(e**self.layers, p),
         )
 
 
@@ -102,13 +107,14 @@ def _element_size_ratio_for_error(error: float, p: int) -> float:
     """The ratio q of the sizes of neighbouring elements, smaller to larger.
 
     Elements of degree p that grow by the factor 1/q from one to the next, away from a singular
-    point, leave the relative error `error`. The formula is explained in `LevelRule`.
+    point, leave the relative error `error`. The formula is explained in
+    `RuleOfDegreeAndGradingByLevel`.
     """
     root = error ** (1 / p)
     return ((1 - root) / (1 + root)) ** 2
 
 
-LEVEL_RULE = LevelRule(
+RULE_OF_DEGREE_AND_GRADING = RuleOfDegreeAndGradingByLevel(
     first_degree=3,
     first_error=0.02,
     fall=5.0,
@@ -116,7 +122,7 @@ LEVEL_RULE = LevelRule(
     layers=0.6,
     end=0.9,
     corner=12.0,
-    largest=15.0 * DEG,
+    largest=15.0 * DEGREE_IN_RADIANS,
 )
 """The eight numbers of the rule for degree and element sizes, found by experiment on random brakes.
 
@@ -140,9 +146,11 @@ larger.
   unknowns, and stated errors are no nearer to the true ones.
 - largest: with 60 deg the torque was three times as far off on the first level.
 """
-LEVELS = tuple(LEVEL_RULE.refinement_level_with_number(k) for k in range(1, 7))
+REFINEMENT_LEVELS_FROM_COARSE_TO_FINE = tuple(
+    RULE_OF_DEGREE_AND_GRADING.refinement_level_with_number(k) for k in range(1, 7)
+)
 """The six levels of a solve, from coarse to fine: degree and grading of their hp elements."""
-MOST_PASSES = 8
+MAX_DIVISIONS_OF_BRAKE_PER_LEVEL = 8
 """Largest number of divisions of a brake on one level of a solve; each division is a pass.
 
 The first response on a level shows where the contact ends. The next pass divides the brake again,
@@ -151,7 +159,7 @@ nevertheless.
 """
 
 
-class ResponseFunction(Protocol):
+class FunctionThatComputesResponse(Protocol):
     """The type of a function that computes the response of a brake on its prepared model."""
 
     def __call__(
@@ -163,24 +171,26 @@ class ResponseFunction(Protocol):
         """
 
 
-PrepareFunction = Callable[[Level, PointsByShape], PreparedModel]
+FunctionThatPreparesModelOfLevel = Callable[
+    [RefinementLevel, SingularPointsByShoeShape], PreparedModel
+]
 """Function that makes a prepared model from a level and the singular points of each shoe shape."""
 
 
 class SolvedLevel(NamedTuple):
     """The prepared model of one level of a solve, and the response of the brake on this model."""
 
-    scene: PreparedModel
+    prepared_model: PreparedModel
     response: Response
 
 
 def solve_brake_on_finer_and_finer_mesh_levels(
     brake: Brake,
-    respond: ResponseFunction,
-    cache: Cache | None = None,
-    levels: Sequence[Level] = (),
+    respond: FunctionThatComputesResponse,
+    cache: CacheOfCondensedBodies | None = None,
+    levels: Sequence[RefinementLevel] = (),
     *,
-    prepare: PrepareFunction | None = None,
+    prepare: FunctionThatPreparesModelOfLevel | None = None,
     start: Response | None = None,
 ) -> Iterator[SolvedLevel]:
     """Solve a brake on one level after the other, finer and finer, and yield each solved level.
@@ -188,16 +198,16 @@ def solve_brake_on_finer_and_finer_mesh_levels(
     The contact is found in steps of growing friction. At a lower friction the contact may lie where
     the elements are large, and a short contact on nodes far apart may have no solution. A level
     without a solution is therefore solved once more with narrower columns of elements: at least as
-    many along the lining as a uniform mesh has (ELEMENTS). All later levels keep this largest width
-    of a column. If a solution has lost too many digits to round-off, the level is not solved again,
-    because other elements would not restore the digits.
+    many along the lining as a uniform mesh has (DEFAULT_ELEMENTS_ALONG_LINING). All later levels
+    keep this largest width of a column. If a solution has lost too many digits to round-off, the
+    level is not solved again, because other elements would not restore the digits.
 
     Parameters
     ----------
     brake : the brake
     respond : function that computes the response on a prepared model
     cache : keeps the stiffness matrices of bodies from earlier solves
-    levels : the levels; LEVELS if it is empty
+    levels : the levels; REFINEMENT_LEVELS_FROM_COARSE_TO_FINE if it is empty
     prepare : function that makes the prepared model of a level; None for plane stress
     start : an earlier response; the first division has small elements at the ends of its contact
 
@@ -212,23 +222,23 @@ def solve_brake_on_finer_and_finer_mesh_levels(
     prepare = prepare or partial(make_prepared_model, brake, alike=alike, cache=cache)
     refusals, column_limit = 0, math.inf
     shortest_arc = min(end - start for shoe in brake.shoes for start, end in shoe.arcs)
-    for level in levels or LEVELS:
+    for level in levels or REFINEMENT_LEVELS_FROM_COARSE_TO_FINE:
         solved: SolvedLevel | None = None
         error = level.pressure_error_due_to_column_size_ratio
         points_after = partial(singular_points_of_each_shoe_shape, brake, alike=alike, error=error)
         points = points_after(last)
-        points_of_passes: list[PointsByShape] = []
-        for _ in range(MOST_PASSES):
+        points_of_passes: list[SingularPointsByShoeShape] = []
+        for _ in range(MAX_DIVISIONS_OF_BRAKE_PER_LEVEL):
             # The brake is divided with small elements at the singular points of the earlier pass,
             # and solved.
-            limited = replace(level, largest=min(level.largest, column_limit))
+            limited = replace(level, largest_column=min(level.largest_column, column_limit))
             model = prepare(limited, points)
             try:
                 response = respond(model, brake, start=last)
             except NoAnswer as refusal:
                 solved = None
-                if math.isinf(column_limit) and not isinstance(refusal, LostDigits):
-                    column_limit = shortest_arc / ELEMENTS
+                if math.isinf(column_limit) and not isinstance(refusal, AnswerLostToRoundOff):
+                    column_limit = shortest_arc / DEFAULT_ELEMENTS_ALONG_LINING
                     continue
                 refusals += 1
                 if refusals == 2 or (last is start and math.isfinite(column_limit)):
@@ -246,24 +256,26 @@ def solve_brake_on_finer_and_finer_mesh_levels(
 
 
 def _do_singular_points_repeat_earlier_pass(
-    brake: Brake, points_of_passes: Sequence[PointsByShape], points: PointsByShape
+    brake: Brake,
+    points_of_passes: Sequence[SingularPointsByShoeShape],
+    points: SingularPointsByShoeShape,
 ) -> bool:
     """Whether the singular points agree with the points of an earlier pass on the level."""
     return any(
-        not _has_any_lining_new_singular_points(brake, earlier, points)
+        not has_any_lining_new_singular_points(brake, earlier, points)
         for earlier in points_of_passes
     )
 
 
-def _has_any_lining_new_singular_points(
-    brake: Brake, before: PointsByShape, now: PointsByShape
+def has_any_lining_new_singular_points(
+    brake: Brake, before: SingularPointsByShoeShape, now: SingularPointsByShoeShape
 ) -> bool:
     """Whether the pressure has singular points where the elements on which it was solved are large.
 
-    Such a point is an end of the contact that has moved by more than UNRESOLVED_LENGTH, or a kink
-    of the gap that has not been a point before. Ends of contacts below SHORTEST_KNOWN_CONTACT do
-    not count, because no division resolves them. The keys of the points are the first shoes of each
-    shape.
+    Such a point is an end of the contact that has moved by more than
+    UNRESOLVED_LENGTH_OVER_CONTACT_LENGTH, or a kink of the gap that has not been a point before.
+    Ends of contacts below SHORTEST_CONTACT_WITH_KNOWN_PRESSURE do not count, because no division
+    resolves them. The keys of the points are the first shoes of each shape.
 
     Parameters
     ----------
@@ -273,7 +285,7 @@ def _has_any_lining_new_singular_points(
     """
     for i, points in now.items():
         shoe = brake.shoes[i]
-        shortest = SHORTEST_KNOWN_CONTACT * shoe.lining.thickness / brake.size
+        shortest = SHORTEST_CONTACT_WITH_KNOWN_PRESSURE * shoe.lining.thickness / brake.size
         if _has_lining_new_singular_points(shoe.arcs, before[i], points, shortest):
             return True
     return False
@@ -288,15 +300,19 @@ def _has_lining_new_singular_points(
     """Whether one of the singular points `now` of a shoe lies away from all points `before`.
 
     The elements are always small at the ends of the linings, which are the ends of `arcs`. An end
-    of the contact may move by UNRESOLVED_LENGTH times the length of the contact or opening that it
-    bounds. Ends of contacts and openings of less than the length `shortest` [rad] do not count.
+    of the contact may move by UNRESOLVED_LENGTH_OVER_CONTACT_LENGTH times the length of the contact
+    or opening that it bounds. Ends of contacts and openings of less than the length `shortest`
+    [rad] do not count.
     """
-    known = [*chain(*arcs), *(point.at for point in before)]
+    known = [*chain(*arcs), *(point.position for point in before)]
     for point in now:
-        if point.kind in {Singularity.KINK, Singularity.TIP} and point.at not in known:
+        if (
+            point.kind in {KindOfSingularPoint.KINK, KindOfSingularPoint.TIP}
+            and point.position not in known
+        ):
             return True
-        if point.kind == Singularity.END and point.length >= shortest:
-            moved = min(abs(point.at - at) for at in known)
-            if moved > UNRESOLVED_LENGTH * point.length:
+        if point.kind == KindOfSingularPoint.END and point.length >= shortest:
+            moved = min(abs(point.position - at) for at in known)
+            if moved > UNRESOLVED_LENGTH_OVER_CONTACT_LENGTH * point.length:
                 return True
     return False

@@ -15,6 +15,7 @@ these nodes it would open more of them.
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -23,50 +24,59 @@ from drumlin.base.arrays import Floats
 from drumlin.brake import clearance
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.components import Lining
-from drumlin.brake.friction import FrictionCurve
+from drumlin.brake.friction import FrictionOverPressureCurve
 from drumlin.fem.hp.corner import logarithmic_pressures_at_pointed_gap_kinks
-from drumlin.fem.hp.division import SMALLEST_COLUMN, UNRESOLVED_LENGTH, Singularity, SingularPoint
+from drumlin.fem.hp.division import (
+    SMALLEST_ELEMENT_SIZE_OVER_LINING_THICKNESS,
+    UNRESOLVED_LENGTH_OVER_CONTACT_LENGTH,
+    KindOfSingularPoint,
+    SingularPoint,
+)
 from drumlin.fem.preparation.cache import indices_of_first_shoes_of_equal_shape as equal_shapes
 from drumlin.response.response import Response, ShoeResponse
-from drumlin.response.resultants import polynomial_values_at_gauss_points
+from drumlin.response.resultants import (
+    contact_arcs_from_nodal_pressures,
+    polynomial_values_at_gauss_points,
+)
 
-NEGLIGIBLE_KINKS = 0.1
+NEGLIGIBLE_PRESSURE_ERROR_DUE_TO_GAP_KINKS = 0.1
 """Error of the pressure p that all neglected kinks of a gap together may cause.
 
 It is the error in the L2 norm, divided by the error of p for which the level is planned (called e
-in `LevelRule`). The weakest kinks are neglected first. The actual error of p on a level is about a
-tenth of the planned one, so that the neglected kinks cause less error than the elements. The gap of
-a worn lining, for example, is a table of many rows, between which it varies linearly. It is treated
-as a smooth curve until a level is fine enough to resolve the straight lines. If every kink were a
-singular point, such a table would take hundreds of hp elements. If no kink were a singular point, a
-table with a real kink would miss the tolerance on all levels.
+in `RuleOfDegreeAndGradingByLevel`). The weakest kinks are neglected first. The actual error of p on
+a level is about a tenth of the planned one, so that the neglected kinks cause less error than the
+elements. The gap of a worn lining, for example, is a table of many rows, between which it varies
+linearly. It is treated as a smooth curve until a level is fine enough to resolve the straight
+lines. If every kink were a singular point, such a table would take hundreds of hp elements. If no
+kink were a singular point, a table with a real kink would miss the tolerance on all levels.
 """
-CONTACT_END_BITS = 20
+BINARY_DIGITS_OF_ROUNDED_CONTACT_END = 20
 """Number of binary digits to which the position of an end of the contact is rounded.
 
 The digits count relative to the length of the contact: twenty binary digits are a millionth of it.
 With 36 digits all stored reference values are the same. With 10 digits the error of p rises from
 1e-4 to as much as 6e-4, because the elements then end beside the end of the contact.
 """
-SHORTEST_KNOWN_CONTACT = 1000 * SMALLEST_COLUMN
+SHORTEST_CONTACT_WITH_KNOWN_PRESSURE = 1000 * SMALLEST_ELEMENT_SIZE_OVER_LINING_THICKNESS
 """Length of a contact, in lining thicknesses, below which its pressure counts as unknown.
 
 An error of 1e-4 needs elements at the ends of the contact whose size is a thousandth of the
-contact's length, but round-off limits the size to about SMALLEST_COLUMN. For a shorter contact the
-response states the error 1 for the pressure.
+contact's length, but round-off limits the size to about
+SMALLEST_ELEMENT_SIZE_OVER_LINING_THICKNESS. For a shorter contact the response states the error 1
+for the pressure.
 """
 
 
-class _Opening(NamedTuple):
+class _OpeningInsideContact(NamedTuple):
     """A stretch without contact within a contact: an open node between two pressed nodes.
 
     Attributes
     ----------
-    at : coordinate phi of the open node [rad]
+    phi : coordinate phi of the open node [rad]
     width : distance of the two pressed nodes [rad]
     """
 
-    at: float
+    phi: float
     width: float
 
 
@@ -87,25 +97,30 @@ def singular_points_of_each_shoe_shape(
     alike : for each shoe the index of the first shoe of the same shape, see
         `cache.indices_of_first_shoes_of_equal_shape`; if it is empty, this function finds the
         indices
-    error : planned relative error of p on the next level (e in `LevelRule`); with 0 every kink of a
-        table near the contact is a singular point
+    error : planned relative error of p on the next level (e in `RuleOfDegreeAndGradingByLevel`);
+        with 0 every kink of a table near the contact is a singular point
     """
     points: dict[int, list[SingularPoint]] = {}
     first_alike = alike or equal_shapes(brake)
     for i, (shoe, first) in enumerate(zip(brake.shoes, first_alike, strict=True)):
         answer = None if response is None else response.shoes[i]
-        points_of_shoe = _singular_points_of_lining(shoe, answer, brake.scale_factor, error)
+        points_of_shoe = _singular_points_of_lining(
+            shoe, answer, brake.length_per_surface_coordinate, error
+        )
         curve = brake.friction_coefficient_curve_of_shoe(shoe)
         if answer is not None and answer.contact_arcs and len(curve.mu) > 1:
             points_of_shoe += _singular_points_at_kinks_of_friction(
-                shoe, answer, curve, brake.scale_factor, error
+                shoe, answer, curve, brake.length_per_surface_coordinate, error
             )
         points.setdefault(first, []).extend(points_of_shoe)
     return {first: sorted(points_of_shape) for first, points_of_shape in points.items()}
 
 
 def _singular_points_of_lining(
-    shoe: Shoe, answer: ShoeResponse | None, scale_factor: float, level_error: float
+    shoe: Shoe,
+    answer: ShoeResponse | None,
+    length_per_surface_coordinate: float,
+    level_error: float,
 ) -> list[SingularPoint]:
     """The singular points of the pressure on the lining of one shoe, in any order.
 
@@ -113,27 +128,44 @@ def _singular_points_of_lining(
     ----------
     shoe : the shoe
     answer : its earlier response, or None
-    scale_factor : length per unit of the surface's coordinate [m/rad; 1 on a plane]
+    length_per_surface_coordinate : length per unit of the surface's coordinate [m/rad; 1 on a
+        plane]
     level_error : planned error of p on the next level
     """
     arcs = [] if answer is None else contact_arcs_merged_over_narrow_gaps(shoe, answer)
     points = _singular_points_at_steps_of_lining(shoe, answer, arcs)
     if answer is None:
         return points
-    points += _singular_points_at_kinks_of_gap(shoe, answer, arcs, scale_factor, level_error)
+    points += _singular_points_at_kinks_of_gap(
+        shoe, answer, arcs, length_per_surface_coordinate, level_error
+    )
     # The ends of each contact arc are singular points. Their angles are rounded, and moved into the
     # lining if rounding has put them outside.
-    for arc_start, arc_end in arcs:
+    for arc_start, arc_end in [*arcs, *_contact_arcs_in_mid_plane(shoe, answer)]:
         start, end = _ends_of_lining_with_contact(shoe, arc_start, arc_end)
         length = arc_end - arc_start
         first = min(max(_rounded_angle_of_contact_end(arc_start, length), start), end)
         last = min(max(_rounded_angle_of_contact_end(arc_end, length), start), end)
-        points.append(SingularPoint(first, last - first, Singularity.END))
-        points.append(SingularPoint(last, last - first, Singularity.END))
+        points.append(SingularPoint(first, last - first, KindOfSingularPoint.END))
+        points.append(SingularPoint(last, last - first, KindOfSingularPoint.END))
     for opening in _openings_within_contact_arcs_of_lining(shoe, answer, arcs):
-        at = _rounded_angle_of_contact_end(opening.at, opening.width)
-        points.append(SingularPoint(at, opening.width, Singularity.END))
+        at = _rounded_angle_of_contact_end(opening.phi, opening.width)
+        points.append(SingularPoint(at, opening.width, KindOfSingularPoint.END))
     return points
+
+
+def _contact_arcs_in_mid_plane(shoe: Shoe, answer: ShoeResponse) -> list[list[float]]:
+    """The start and end phi [rad] of each contact in the mid-plane of a shoe with a width.
+
+    Where a lining overhangs its web, the contact beside the web may reach farther along the arc
+    than the contact under the web, with far smaller pressures. The list is empty for a response
+    without pressures over the width.
+    """
+    if answer.surface is None:
+        return []
+    middle = answer.surface.pressure[:, len(answer.surface.z) // 2]
+    arcs = contact_arcs_from_nodal_pressures(answer.theta, middle, answer.order)
+    return contact_arcs_merged_over_narrow_gaps(shoe, replace(answer, contact_arcs=arcs))
 
 
 def _ends_of_lining_with_contact(shoe: Shoe, first: float, last: float) -> tuple[float, float]:
@@ -160,14 +192,14 @@ def _singular_points_at_steps_of_lining(
     (kind OPEN_STEP): a polynomial for the gap across the step would oscillate.
     """
     start, end = shoe.arc
-    length = shoe.lining.step / shoe.frame.unit
+    length = shoe.lining.length_of_step_between_blocks / shoe.frame.surface_coordinate_per_phi
     points: list[SingularPoint] = []
     for phi in shoe.frame.phi_coordinates_as_list(
         clearance.coordinates_of_step_ends_between_blocks(shoe.lining)
     ):
         if start < phi < end:
             presses = answer is None or _is_angle_near_contact(phi, arcs)
-            kind = Singularity.STEP if presses else Singularity.OPEN_STEP
+            kind = KindOfSingularPoint.STEP if presses else KindOfSingularPoint.OPEN_STEP
             points.append(SingularPoint(phi, length, kind))
     return points
 
@@ -176,18 +208,20 @@ def _singular_points_at_kinks_of_gap(
     shoe: Shoe,
     answer: ShoeResponse,
     arcs: list[list[float]],
-    scale_factor: float,
+    length_per_surface_coordinate: float,
     level_error: float,
 ) -> list[SingularPoint]:
     """The singular points at the kinks of a lining's table of clearances.
 
     A kink is a row of the table, where the slope of the gap changes. Kinks that point to the drum
-    are added once more, with the kind TIP. The weakest kinks are left out, see NEGLIGIBLE_KINKS.
+    are added once more, with the kind TIP. The weakest kinks are left out, see
+    NEGLIGIBLE_PRESSURE_ERROR_DUE_TO_GAP_KINKS.
 
     Parameters
     ----------
     shoe, answer : the shoe and its earlier response
-    scale_factor : length per unit of the surface's coordinate [m/rad; 1 on a plane]
+    length_per_surface_coordinate : length per unit of the surface's coordinate [m/rad; 1 on a
+        plane]
     level_error : planned error of p on the next level
     arcs : contacts of the lining [rad]
     """
@@ -196,7 +230,7 @@ def _singular_points_at_kinks_of_gap(
     # Most linings have no table.
     if not len(angle):
         return []
-    change = pressure_change_norms_due_to_kinks_of_gap(shoe.lining, scale_factor)
+    change = pressure_change_norms_due_to_kinks_of_gap(shoe.lining, length_per_surface_coordinate)
     near = [
         start < phi < end and _is_angle_near_contact(phi, arcs)
         for phi in frame.phi_coordinates_as_list(angle)
@@ -206,20 +240,22 @@ def _singular_points_at_kinks_of_gap(
     # `norm` is the L2 norm of p. The neglected kinks together may change p by at most `negligible`
     # in this norm.
     norm = math.sqrt(float(np.sum(weight * p**2)))
-    negligible = NEGLIGIBLE_KINKS * level_error * norm
+    negligible = NEGLIGIBLE_PRESSURE_ERROR_DUE_TO_GAP_KINKS * level_error * norm
     kinks = _angles_of_strongest_gap_or_friction_kinks(angle[inside], change[inside], negligible)
     points = [
-        SingularPoint(phi, end - start, Singularity.KINK)
+        SingularPoint(phi, end - start, KindOfSingularPoint.KINK)
         for phi in frame.phi_coordinates_as_list(kinks)
     ]
-    return points + _singular_points_at_pointed_gap_kinks(shoe, scale_factor, norm, kinks)
+    return points + _singular_points_at_pointed_gap_kinks(
+        shoe, length_per_surface_coordinate, norm, kinks
+    )
 
 
 def _singular_points_at_kinks_of_friction(
     shoe: Shoe,
     answer: ShoeResponse,
-    curve: FrictionCurve,
-    scale_factor: float,
+    curve: FrictionOverPressureCurve,
+    length_per_surface_coordinate: float,
     level_error: float,
 ) -> list[SingularPoint]:
     """The singular points where the pressure has the value of a row of a friction table.
@@ -227,13 +263,14 @@ def _singular_points_at_kinks_of_friction(
     The table gives the friction coefficient mu(p). At such a place the slope of the friction stress
     mu(p) p along the lining changes by s. Between two such places at a distance h the stress
     deviates from a smooth curve by the parabola s x (1 - x/h)/2, whose root mean square is s
-    h/sqrt(120). The weakest kinks are left out, see NEGLIGIBLE_KINKS.
+    h/sqrt(120). The weakest kinks are left out, see NEGLIGIBLE_PRESSURE_ERROR_DUE_TO_GAP_KINKS.
 
     Parameters
     ----------
     shoe, answer : the shoe and its earlier response
     curve : friction coefficient of the shoe as a function of pressure
-    scale_factor : length per unit of the surface's coordinate [m/rad; 1 on a plane]
+    length_per_surface_coordinate : length per unit of the surface's coordinate [m/rad; 1 on a
+        plane]
     level_error : planned error of p on the next level
     """
     theta, p = answer.curve()
@@ -254,41 +291,47 @@ def _singular_points_at_kinks_of_friction(
     )
     norm = math.sqrt(float(np.sum(weight * stress**2)))
     kinks = _angles_of_strongest_gap_or_friction_kinks(
-        angle, change * spacing**1.5 / math.sqrt(120), NEGLIGIBLE_KINKS * level_error * norm
+        angle,
+        change * spacing**1.5 / math.sqrt(120),
+        NEGLIGIBLE_PRESSURE_ERROR_DUE_TO_GAP_KINKS * level_error * norm,
     )
     # The elements at such a point get the sizes of elements at a step between blocks. The thickness
     # of the lining takes the place of the step's length.
-    length = shoe.lining.thickness / scale_factor / shoe.frame.unit
+    length = shoe.lining.thickness / length_per_surface_coordinate
+    length /= shoe.frame.surface_coordinate_per_phi
     (start, end), points = shoe.arc, []
     for phi in shoe.frame.phi_coordinates_as_list(kinks):
         if start < phi < end:
             at = _rounded_angle_of_contact_end(phi, end - start)
-            points.append(SingularPoint(at, length, Singularity.STEP))
+            points.append(SingularPoint(at, length, KindOfSingularPoint.STEP))
     return points
 
 
 def _singular_points_at_pointed_gap_kinks(
-    shoe: Shoe, scale_factor: float, norm: float, kinks: Floats
+    shoe: Shoe, length_per_surface_coordinate: float, norm: float, kinks: Floats
 ) -> list[SingularPoint]:
     """The singular points at kinks of a lining's gap that point to the drum (kind TIP).
 
     Parameters
     ----------
     shoe : the shoe
-    scale_factor : length per unit of the surface's coordinate [m/rad; 1 on a plane]
+    length_per_surface_coordinate : length per unit of the surface's coordinate [m/rad; 1 on a
+        plane]
     norm : L2 norm of the pressure over the surface's coordinate [Pa rad^0.5; Pa m^0.5 on a plane]
     kinks : (k,) angles theta [rad] of the kinks that are singular points
     """
     points: list[SingularPoint] = []
-    for tip in logarithmic_pressures_at_pointed_gap_kinks(shoe, scale_factor):
+    for tip in logarithmic_pressures_at_pointed_gap_kinks(shoe, length_per_surface_coordinate):
         if tip.theta in kinks:
             (phi,) = shoe.frame.phi_coordinates_as_list([tip.theta])
-            length = (norm / tip.factor) ** 2 / shoe.frame.unit
-            points.append(SingularPoint(phi, length, Singularity.TIP))
+            length = (norm / tip.factor) ** 2 / shoe.frame.surface_coordinate_per_phi
+            points.append(SingularPoint(phi, length, KindOfSingularPoint.TIP))
     return points
 
 
-def pressure_change_norms_due_to_kinks_of_gap(lining: Lining, scale_factor: float) -> Floats:
+def pressure_change_norms_due_to_kinks_of_gap(
+    lining: Lining, length_per_surface_coordinate: float
+) -> Floats:
     """The change of p in L2 (k,) [Pa rad^0.5] by the kink at each row of a clearance table.
 
     Between the rows of the table the gap varies linearly, along chords. The change of p is the
@@ -307,7 +350,11 @@ def pressure_change_norms_due_to_kinks_of_gap(lining: Lining, scale_factor: floa
         for part in lining.linings_with_touching_ones_joined:
             rows = np.array(clearance.coordinates_of_clearance_table_rows(part))
             on_part = (part.start < rows) & (rows < part.end)
-            changes.append(pressure_change_norms_due_to_kinks_of_gap(part, scale_factor)[on_part])
+            changes.append(
+                pressure_change_norms_due_to_kinks_of_gap(part, length_per_surface_coordinate)[
+                    on_part
+                ]
+            )
         return np.concatenate(changes)
     angle = np.array(clearance.coordinates_of_clearance_table_rows(lining))
     if len(angle) == 0:
@@ -315,12 +362,15 @@ def pressure_change_norms_due_to_kinks_of_gap(lining: Lining, scale_factor: floa
     middles = 0.5 * (angle[1:] + angle[:-1])
     ends = np.concatenate([[lining.start], middles, [lining.end]])
     spacing = np.maximum(np.diff(ends), 0.0)
-    slope = np.abs(clearance.clearance_slope_change_at_each_table_row(lining)) / scale_factor
+    slope = (
+        np.abs(clearance.clearance_slope_change_at_each_table_row(lining))
+        / length_per_surface_coordinate
+    )
     material = lining.material
     half_plane = (
         material.young_modulus_of_equivalent_half_plane / material.E_through / math.sqrt(48)
     )
-    layer = scale_factor * spacing / (math.sqrt(720) * lining.thickness)
+    layer = length_per_surface_coordinate * spacing / (math.sqrt(720) * lining.thickness)
     stiffness = half_plane + layer
     return np.asarray(material.E_through * slope * stiffness * np.sqrt(spacing))
 
@@ -345,13 +395,16 @@ def contact_arcs_merged_over_narrow_gaps(shoe: Shoe, response: ShoeResponse) -> 
     """The contacts on the linings of a shoe by growing angle, each as its start and end phi [rad].
 
     Two contacts count as one if the gap between them is far shorter than both contacts together,
-    see `division.UNRESOLVED_LENGTH`. Contacts on different linings of a shoe never count as one.
+    see `division.UNRESOLVED_LENGTH_OVER_CONTACT_LENGTH`. Contacts on different linings of a shoe
+    never count as one.
     """
     arcs: list[list[float]] = []
     for start, end in sorted(
         sorted(shoe.frame.phi_coordinates_as_list(arc)) for arc in response.contact_arcs
     ):
-        close = arcs and start - arcs[-1][1] < UNRESOLVED_LENGTH * (end - arcs[-1][0])
+        close = arcs and start - arcs[-1][1] < UNRESOLVED_LENGTH_OVER_CONTACT_LENGTH * (
+            end - arcs[-1][0]
+        )
         if close and not any(arcs[-1][0] < slot[0] < end for slot in shoe.slots):
             arcs[-1][1] = end
         else:
@@ -360,13 +413,15 @@ def contact_arcs_merged_over_narrow_gaps(shoe: Shoe, response: ShoeResponse) -> 
 
 
 def reason_if_contact_is_too_short(brake: Brake, shoe: Shoe, answer: ShoeResponse) -> str | None:
-    """Why the pressure of a shoe cannot be known: a contact shorter than SHORTEST_KNOWN_CONTACT.
+    """Why the pressure of a shoe cannot be known: its contact is too short.
+
+    The limit is SHORTEST_CONTACT_WITH_KNOWN_PRESSURE.
 
     None if all contacts of the shoe are longer.
     """
     arcs = contact_arcs_merged_over_narrow_gaps(shoe, answer)
     length = min((end - start for start, end in arcs), default=math.inf) * brake.size
-    if length >= SHORTEST_KNOWN_CONTACT * shoe.lining.thickness:
+    if length >= SHORTEST_CONTACT_WITH_KNOWN_PRESSURE * shoe.lining.thickness:
         return None
     return (
         f"shoe {shoe.name!r}: its contact is {1e6 * length:.1g} um long, too short to know its "
@@ -388,7 +443,7 @@ def reason_if_any_contact_is_too_short(brake: Brake, response: Response) -> str 
 
 def _openings_within_contact_arcs_of_lining(
     shoe: Shoe, answer: ShoeResponse, arcs: list[list[float]]
-) -> list[_Opening]:
+) -> list[_OpeningInsideContact]:
     """The openings inside the contacts of a lining: open nodes between two pressed nodes.
 
     An open node at an end of a contact does not count. An opening that is far shorter than its
@@ -398,24 +453,24 @@ def _openings_within_contact_arcs_of_lining(
     open_nodes = 1 + np.flatnonzero(press[:-2] & ~press[1:-1] & press[2:])
     if not len(open_nodes):
         return []
-    phi = shoe.frame.phi(answer.theta)
+    phi = shoe.frame.phi_of_surface_coordinates(answer.theta)
     openings = []
     for i in open_nodes:
-        opening = _Opening(float(phi[i]), abs(float(phi[i + 1] - phi[i - 1])))
+        opening = _OpeningInsideContact(float(phi[i]), abs(float(phi[i + 1] - phi[i - 1])))
         if _is_opening_inside_contact(opening, arcs):
             openings.append(opening)
     return openings
 
 
-def _is_opening_inside_contact(opening: _Opening, arcs: list[list[float]]) -> bool:
+def _is_opening_inside_contact(opening: _OpeningInsideContact, arcs: list[list[float]]) -> bool:
     """Whether an opening lies inside a contact, away from its ends, and is not too short to count.
 
     `arcs` are the start and the end phi [rad] of each contact. The shortest opening that counts is
-    UNRESOLVED_LENGTH of its contact.
+    UNRESOLVED_LENGTH_OVER_CONTACT_LENGTH of its contact.
     """
     for start, end in arcs:
-        away_from_ends = start + opening.width < opening.at < end - opening.width
-        if away_from_ends and opening.width > UNRESOLVED_LENGTH * (end - start):
+        away_from_ends = start + opening.width < opening.phi < end - opening.width
+        if away_from_ends and opening.width > UNRESOLVED_LENGTH_OVER_CONTACT_LENGTH * (end - start):
             return True
     return False
 
@@ -426,5 +481,5 @@ def _rounded_angle_of_contact_end(phi: float, length: float) -> float:
     Two computations that differ by round-off, for example with different numbers of threads, then
     lead to the same division. `length` [rad] is the length of the contact.
     """
-    digits = CONTACT_END_BITS - math.frexp(length)[1]
+    digits = BINARY_DIGITS_OF_ROUNDED_CONTACT_END - math.frexp(length)[1]
     return math.ldexp(round(math.ldexp(phi, digits)), -digits)

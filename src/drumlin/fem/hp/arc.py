@@ -34,14 +34,14 @@ from drumlin.fem.hp.columns import (
 )
 from drumlin.fem.hp.element import (
     gauss_points_and_weights_on_0_to_1,
-    points_of_square_grid,
+    points_of_square_tensor_grid,
     replace_matrices_by_schur_complements,
     shape_function_values_and_slopes,
 )
 from drumlin.fem.substructure.elasticity import isotropic_and_orthotropic_elastic_constants
 
 
-class NodalFunctions(NamedTuple):
+class NodalFunctionsAtGaussPoints(NamedTuple):
     """The q Gauss points and p + 1 nodal functions of degree p along an element column.
 
     A column is symmetric about its middle, so that the displacements of each pair of mirrored nodes
@@ -52,31 +52,33 @@ class NodalFunctions(NamedTuple):
     ----------
     x, weights : (q,) Gauss points of [0, 1] and their weights
     values, slopes : (p + 1, q) values and derivatives of the nodal functions at the Gauss points
-    sign : (2, 2 (p + 1)) sign of each nodal displacement if its symmetric unknown is 1, and if its
-        antisymmetric unknown is 1
-    place : (2 (p + 1),) number of the symmetric unknown, 0 to p, that each nodal displacement
-        belongs to; the pair of end nodes comes first, and the pairs further inside follow
-    fold : (2, p + 1, 2 (p + 1)) matrices that turn forces on nodes into forces on the symmetric and
-        on the antisymmetric unknowns
-    outer, mixed, inner : index arrays that pick three blocks out of an element's stiffness:
-        boundary by boundary unknowns, inner by boundary unknowns, and inner by inner unknowns. The
-        indexed stiffness is flattened from the axes (along, along, across, across) the column.
+    signs_in_symmetric_unknowns : (2, 2 (p + 1)) sign of each nodal displacement if its symmetric
+        unknown is 1, and if its antisymmetric unknown is 1
+    symmetric_unknown_numbers : (2 (p + 1),) number of the symmetric unknown, 0 to p, that each
+        nodal displacement belongs to; the pair of end nodes comes first, and the pairs further
+        inside follow
+    matrices_to_symmetric_forces : (2, p + 1, 2 (p + 1)) matrices that turn forces on nodes into
+        forces on the symmetric and on the antisymmetric unknowns
+    boundary_block_indices, inner_by_boundary_block_indices, inner_block_indices : index arrays that
+        pick three blocks out of an element's stiffness: boundary by boundary unknowns, inner by
+        boundary unknowns, and inner by inner unknowns. The indexed stiffness is flattened from the
+        axes (along, along, across, across) the column.
     """
 
     x: Floats
     weights: Floats
     values: Floats
     slopes: Floats
-    sign: Floats
-    place: Ints
-    fold: Floats
-    outer: Ints
-    mixed: Ints
-    inner: Ints
+    signs_in_symmetric_unknowns: Floats
+    symmetric_unknown_numbers: Ints
+    matrices_to_symmetric_forces: Floats
+    boundary_block_indices: Ints
+    inner_by_boundary_block_indices: Ints
+    inner_block_indices: Ints
 
 
 @cache
-def nodal_functions_along_element_column(p: int) -> NodalFunctions:
+def nodal_functions_along_element_column(p: int) -> NodalFunctionsAtGaussPoints:
     """The nodal functions of degree p along an element column, and their symmetric unknowns.
 
     They follow from the shape functions of scikit-fem's quadrilateral: summed over all nodes across
@@ -84,7 +86,7 @@ def nodal_functions_along_element_column(p: int) -> NodalFunctions:
     """
     n = p + 1
     x, weights = gauss_points_and_weights_on_0_to_1(p)
-    value, slope = shape_function_values_and_slopes(p, points_of_square_grid(x))
+    value, slope = shape_function_values_and_slopes(p, points_of_square_tensor_grid(x))
     # The sum of an element's shape functions over the nodes across the column is the nodal function
     # along the column. The sum has the same value at all Gauss points across the column, so that
     # the first of them is taken.
@@ -103,7 +105,7 @@ def nodal_functions_along_element_column(p: int) -> NodalFunctions:
     fold = np.zeros((2, n, 2 * n))
     fold[:, place, np.arange(2 * n)] = sign.reshape(2, -1)
     fold /= np.abs(fold).sum(axis=2, keepdims=True)
-    return NodalFunctions(
+    return NodalFunctionsAtGaussPoints(
         x,
         weights,
         values,
@@ -119,7 +121,8 @@ def _index_arrays_of_element_stiffness_blocks(p: int) -> tuple[Ints, Ints, Ints]
     """Index arrays that pick three blocks out of the stiffness of an element of degree p.
 
     The blocks are boundary by boundary, inner by boundary and inner by inner unknowns: the
-    attributes `outer`, `mixed` and `inner` of `NodalFunctions`.
+    attributes `boundary_block_indices`, `inner_by_boundary_block_indices` and `inner_block_indices`
+    of `NodalFunctionsAtGaussPoints`.
     """
     # Each unknown of an element has a number along the column and a number across it. They are
     # ordered: first the unknowns on the element's two sides, then on its first and its last edge,
@@ -153,7 +156,7 @@ def _split_forces_into_symmetric_and_antisymmetric(V: Floats, p: int) -> Floats:
     The element column is symmetric about its middle. V (..., 2 (p + 1), m) are the forces on its
     nodes, with x and y of a node next to each other, and p is the degree of the elements.
     """
-    fold = nodal_functions_along_element_column(p).fold
+    fold = nodal_functions_along_element_column(p).matrices_to_symmetric_forces
     return np.asarray(fold.reshape(2, *(1,) * (V.ndim - 2), *fold.shape[1:]) @ V)
 
 
@@ -324,9 +327,9 @@ def condensed_arc_element_stiffness(
     for layer, B in enumerate(_radial_factors_of_layer_stiffness(radii, constants, p, plane)):
         K = (A @ B).reshape(len(A), -1)
         outer, mixed, inner = (
-            K.take(functions.outer, 1),
-            K.take(functions.mixed, 1),
-            K.take(functions.inner, 1),
+            K.take(functions.boundary_block_indices, 1),
+            K.take(functions.inner_by_boundary_block_indices, 1),
+            K.take(functions.inner_block_indices, 1),
         )
         condensed[layer] = replace_matrices_by_schur_complements(outer, mixed, inner)
     return condensed.reshape(len(constants), 2, -1, 4 * p, 4 * p)
@@ -360,7 +363,11 @@ def condensed_arc_column_stiffness(
         parts.reshape(len(parts), -1, 4 * p, 4 * p), half, folded
     )
     symmetric, antisymmetric = K.reshape(2, -1, *K.shape[1:])
-    blocks = _ColumnBlocks(K.shape[-1] - half.sides, half.line, 2 * (p + 1) * contact)
+    blocks = _OrderOfElementColumnUnknowns(
+        K.shape[-1] - half.number_of_kept_unknowns,
+        half.number_of_side_unknowns,
+        2 * (p + 1) * contact,
+    )
     whole = np.empty((len(symmetric), blocks.number_of_unknowns, blocks.number_of_unknowns))
     _write_stiffness_of_column_sides(whole, symmetric, antisymmetric, blocks)
     if contact:
@@ -368,7 +375,7 @@ def condensed_arc_column_stiffness(
     return whole
 
 
-class _ColumnBlocks(NamedTuple):
+class _OrderOfElementColumnUnknowns(NamedTuple):
     """The order [loads | left side | contact | right side] of the unknowns of an element column.
 
     The stiffness on symmetric or on antisymmetric unknowns has the order [loads | left side | half
@@ -376,52 +383,71 @@ class _ColumnBlocks(NamedTuple):
 
     Attributes
     ----------
-    extra, line, contact : number of unknowns of the loads, of one side, and of the contact nodes
+    number_of_load_unknowns, number_of_side_unknowns, number_of_contact_unknowns : number of
+        unknowns of the loads, of one side, and of the contact nodes
     """
 
-    extra: int
-    line: int
-    contact: int
+    number_of_load_unknowns: int
+    number_of_side_unknowns: int
+    number_of_contact_unknowns: int
 
     @property
     def number_of_unknowns(self) -> int:
         """Number of all unknowns of an element column: loads, both sides and contact."""
-        return self.extra + 2 * self.line + self.contact
+        return (
+            self.number_of_load_unknowns
+            + 2 * self.number_of_side_unknowns
+            + self.number_of_contact_unknowns
+        )
 
     @property
     def slice_of_left_side_unknowns(self) -> slice:
         """The positions of the left side's unknowns among all unknowns of an element column."""
-        return slice(self.extra, self.extra + self.line)
+        return slice(
+            self.number_of_load_unknowns,
+            self.number_of_load_unknowns + self.number_of_side_unknowns,
+        )
 
     @property
     def slice_of_load_and_left_side_unknowns(self) -> slice:
         """The positions of the unknowns of loads and left side among all unknowns of a column."""
-        return slice(self.extra + self.line)
+        return slice(self.number_of_load_unknowns + self.number_of_side_unknowns)
 
     @property
     def slice_of_contact_unknowns(self) -> slice:
         """The positions of the contact's unknowns among all unknowns of an element column."""
-        return slice(self.extra + self.line, self.extra + self.line + self.contact)
+        return slice(
+            self.number_of_load_unknowns + self.number_of_side_unknowns,
+            self.number_of_load_unknowns
+            + self.number_of_side_unknowns
+            + self.number_of_contact_unknowns,
+        )
 
     @property
     def slice_of_right_side_unknowns(self) -> slice:
         """The positions of the right side's unknowns among all unknowns of an element column."""
-        return slice(self.extra + self.line + self.contact, None)
+        return slice(
+            self.number_of_load_unknowns
+            + self.number_of_side_unknowns
+            + self.number_of_contact_unknowns,
+            None,
+        )
 
     @property
     def signs_of_mirrored_displacements(self) -> Floats:
         """The factors (line,) that mirror displacements of a column's left side to its right side.
 
-        `line` is the number of displacements of one side. Displacements along the radius keep their
-        sign (1), and displacements around the drum change it (-1). The two alternate.
+        `number_of_side_unknowns` is the number of displacements of one side. Displacements along
+        the radius keep their sign (1), and displacements around the drum change it (-1). The two
+        alternate.
         """
-        mirror = np.ones(self.line)
+        mirror = np.ones(self.number_of_side_unknowns)
         mirror[1::2] = -1.0
         return mirror
 
 
 def _write_stiffness_of_column_sides(
-    whole: Floats, symmetric: Floats, antisymmetric: Floats, blocks: _ColumnBlocks
+    whole: Floats, symmetric: Floats, antisymmetric: Floats, blocks: _OrderOfElementColumnUnknowns
 ) -> None:
     """Write the stiffness on the unknowns of loads and of both column sides into `whole`.
 
@@ -452,7 +478,11 @@ def _write_stiffness_of_column_sides(
 
 
 def _write_stiffness_of_column_contact_nodes(
-    whole: Floats, symmetric: Floats, antisymmetric: Floats, blocks: _ColumnBlocks, p: int
+    whole: Floats,
+    symmetric: Floats,
+    antisymmetric: Floats,
+    blocks: _OrderOfElementColumnUnknowns,
+    p: int,
 ) -> None:
     """Write the stiffness of the contact nodes, and their coupling with both sides, into `whole`.
 
@@ -471,7 +501,10 @@ def _write_stiffness_of_column_contact_nodes(
         blocks.slice_of_contact_unknowns,
         blocks.slice_of_right_side_unknowns,
     )
-    (even, odd), place = functions.sign, middle.start + functions.place
+    (even, odd), place = (
+        functions.signs_in_symmetric_unknowns,
+        middle.start + functions.symmetric_unknown_numbers,
+    )
     S, A = symmetric[:, place] * even[:, None], antisymmetric[:, place] * odd[:, None]
     whole[:, middle, left] = S[:, :, left] + A[:, :, left]
     whole[:, middle, middle] = S[:, :, place] * even + A[:, :, place] * odd

@@ -13,30 +13,37 @@ from drumlin.base.arrays import Floats, Ints
 from drumlin.base.errors import NoAnswer
 from drumlin.base.lapack import dpotrf, dtrtrs, solve_lower_triangular_system
 from drumlin.brake.brake import Shoe
-from drumlin.fem.hp.division import ShoeDivision
-from drumlin.fem.hp.grid import ColumnGrid, ElementBlock, GridUnknowns, Skeleton
+from drumlin.fem.hp.division import ShoeElementDivision
+from drumlin.fem.hp.grid import (
+    ElementBoundaryGrid,
+    EliminatedUnknownsOfHpElementBody,
+    HpElementGrid,
+    RectangularElementBlock,
+)
 from drumlin.fem.hp.shoe import (
     CondensedShoe,
-    LoadedEnd,
+    UnitLoadsOnLoadedEndFace,
     angles_of_contact_nodes_on_each_lining,
     function_from_depth_and_angle_to_point,
     node_positions_of_element_row,
     unit_actuation_loads_on_end_face,
 )
 from drumlin.fem.substructure.body import (
-    FRAME,
+    DEGREES_OF_FREEDOM_OF_BODY_FRAME,
     CondensedBody,
-    InnerSystem,
-    InnerUnknowns,
+    EliminatedUnknownsOfAnyBody,
+    UncondensedBodySystem,
     multi_point_constraints_of_body,
 )
 from drumlin.fem.substructure.elasticity import elastic_layers_of_shoe
-from drumlin.fem.substructure.elimination import SINGULAR_BODY
+from drumlin.fem.substructure.elimination import SINGULAR_BODY_MESSAGE
 from drumlin.fem.substructure.interface import ContactLine
 from drumlin.response.response import angle_of_edge_zone_left_out_of_peak_search
 
 
-def element_grid_of_whole_shoe(shoe: Shoe, radius: float, div: ShoeDivision) -> ColumnGrid:
+def element_grid_of_whole_shoe(
+    shoe: Shoe, radius: float, div: ShoeElementDivision
+) -> HpElementGrid:
     """The grid of all nodes and hp elements of a shoe.
 
     Its node set "hinge" is the face that the hinge holds. An elastic shoe also has the node set
@@ -65,7 +72,7 @@ def element_grid_of_whole_shoe(shoe: Shoe, radius: float, div: ShoeDivision) -> 
     # The body continues beyond the lining from these nodes: `faces` are the nodes through its
     # thickness under the lining's start and end.
     faces = [under[first * p :, 0], under[first * p :, -1]]
-    for k, ends in enumerate((div.before, div.after)):
+    for k, ends in enumerate((div.column_ends_before_lining, div.column_ends_behind_lining)):
         if first == div.number_of_element_layers or len(ends) == 1:
             continue
         # The block of nodes beyond the lining shares the nodes through the thickness at the
@@ -75,15 +82,15 @@ def element_grid_of_whole_shoe(shoe: Shoe, radius: float, div: ShoeDivision) -> 
         inner = count + np.arange(math.prod(shape)).reshape(shape)
         count += inner.size
         nodes = np.concatenate([faces[k][:, None], inner], axis=1)
-        blocks.append(ElementBlock(nodes, depth[first * p :], places, div.part[first:]))
+        blocks.append(RectangularElementBlock(nodes, depth[first * p :], places, div.part[first:]))
         faces[k] = inner[:, -1]
     sets = _node_sets_of_hinge_and_actuation(shoe, radius, div, along, under[-1], faces)
-    return ColumnGrid(
+    return HpElementGrid(
         p, tuple(blocks), function_from_depth_and_angle_to_point(shoe, radius), sets, count
     )
 
 
-def _number_of_node_rows_outside_body(div: ShoeDivision) -> int:
+def _number_of_node_rows_outside_body(div: ShoeElementDivision) -> int:
     """The number of rows of nodes, counted from the contact, before the shoe's body begins.
 
     A row holds the nodes at one depth. For a rigid shoe, whose body has no elements, it is the
@@ -94,8 +101,8 @@ def _number_of_node_rows_outside_body(div: ShoeDivision) -> int:
 
 
 def _element_blocks_under_linings_and_in_slots(
-    div: ShoeDivision, depth: Floats, along: Floats, under: Ints
-) -> list[ElementBlock]:
+    div: ShoeElementDivision, depth: Floats, along: Floats, under: Ints
+) -> list[RectangularElementBlock]:
     """The blocks of elements: one under each lining, and one in each slot between two linings.
 
     Parameters
@@ -109,10 +116,12 @@ def _element_blocks_under_linings_and_in_slots(
     blocks = []
     for start, end in div.element_column_range_of_each_lining:
         columns = slice(start * p, end * p + 1)
-        blocks.append(ElementBlock(under[:, columns], depth, along[columns], div.part))
+        blocks.append(RectangularElementBlock(under[:, columns], depth, along[columns], div.part))
     for start, end in div.slots if first < div.number_of_element_layers else ():
         columns, rows = slice(start * p, end * p + 1), slice(first * p, None)
-        own = ElementBlock(under[rows, columns], depth[rows], along[columns], div.part[first:])
+        own = RectangularElementBlock(
+            under[rows, columns], depth[rows], along[columns], div.part[first:]
+        )
         blocks.append(own)
     return blocks
 
@@ -120,7 +129,7 @@ def _element_blocks_under_linings_and_in_slots(
 def _node_sets_of_hinge_and_actuation(
     shoe: Shoe,
     radius: float,
-    div: ShoeDivision,
+    div: ShoeElementDivision,
     along: Floats,
     back: Ints,
     faces: list[Ints],
@@ -149,9 +158,9 @@ def _node_sets_of_hinge_and_actuation(
 
 def condensed_shoe_body(
     shoe: Shoe,
-    div: ShoeDivision,
+    div: ShoeElementDivision,
     found: CondensedShoe,
-    grid: ColumnGrid,
+    grid: HpElementGrid,
 ) -> CondensedBody:
     """The condensed body of a shoe, with the Cholesky factor of its contact stiffness.
 
@@ -172,14 +181,14 @@ def condensed_shoe_body(
     system = partial(_equations_of_shoe_before_condensation, shoe, div, grid)
     return condensed_body_with_cholesky_factor(
         found,
-        GridUnknowns.grid_unknowns_with_original_unit_loads_only(
+        EliminatedUnknownsOfHpElementBody.eliminated_unknowns_with_system_loads_only(
             grid, elastic_layers_of_shoe(shoe), system
         ),
     )
 
 
 def condensed_body_with_cholesky_factor(
-    found: CondensedShoe, inner: InnerUnknowns
+    found: CondensedShoe, inner: EliminatedUnknownsOfAnyBody
 ) -> CondensedBody:
     """The condensed body of a shoe, with the Cholesky factor of its contact stiffness.
 
@@ -195,17 +204,21 @@ def condensed_body_with_cholesky_factor(
         for a singular stiffness
     """
     S, loads = found.S, found.loads
-    L, info = dpotrf(S[FRAME:, FRAME:], lower=1)
+    L, info = dpotrf(
+        S[DEGREES_OF_FREEDOM_OF_BODY_FRAME:, DEGREES_OF_FREEDOM_OF_BODY_FRAME:], lower=1
+    )
     if info:
-        raise NoAnswer(SINGULAR_BODY)
+        raise NoAnswer(SINGULAR_BODY_MESSAGE)
     # Without round-off, rigid-body motions would cause no forces on the contact nodes. The
     # displacements under the forces that they do cause are an estimate of the round-off error.
     half_error = solve_lower_triangular_system(L, found.rigid_mode_forces)
     return CondensedBody(
         L,
-        L_fc=solve_lower_triangular_system(L, S[FRAME:, :FRAME]).T,
-        load_on_contact=loads[FRAME:],
-        load_on_frame=loads[:FRAME],
+        L_fc=solve_lower_triangular_system(
+            L, S[DEGREES_OF_FREEDOM_OF_BODY_FRAME:, :DEGREES_OF_FREEDOM_OF_BODY_FRAME]
+        ).T,
+        load_on_contact=loads[DEGREES_OF_FREEDOM_OF_BODY_FRAME:],
+        load_on_frame=loads[:DEGREES_OF_FREEDOM_OF_BODY_FRAME],
         load_work=found.work,
         inner=inner,
         columns=found.columns,
@@ -216,10 +229,10 @@ def condensed_body_with_cholesky_factor(
 
 def _equations_of_shoe_before_condensation(
     shoe: Shoe,
-    div: ShoeDivision,
-    grid: ColumnGrid,
-    basis: ColumnGrid | Skeleton,
-) -> InnerSystem:
+    div: ShoeElementDivision,
+    grid: HpElementGrid,
+    basis: HpElementGrid | ElementBoundaryGrid,
+) -> UncondensedBodySystem:
     """The stiffness, constraints and loads of a shoe before condensation.
 
     Parameters
@@ -244,15 +257,15 @@ def _equations_of_shoe_before_condensation(
     else:
         # The back of the shoe is fixed to a rigid grip or a rigid body, the frame. The three unit
         # loads are a force along x, a force along y and a couple on the frame.
-        loads = np.zeros((constraints.matrix.shape[1], FRAME))
-        loads[-FRAME:] = np.eye(FRAME)
-    return InnerSystem.body_system_from_stiffness_of_all_nodes(
+        loads = np.zeros((constraints.matrix.shape[1], DEGREES_OF_FREEDOM_OF_BODY_FRAME))
+        loads[-DEGREES_OF_FREEDOM_OF_BODY_FRAME:] = np.eye(DEGREES_OF_FREEDOM_OF_BODY_FRAME)
+    return UncondensedBodySystem.body_system_from_stiffness_of_all_nodes(
         basis.stiffness(elastic_layers_of_shoe(shoe)), constraints, loads
     )
 
 
 def nodal_forces_of_unit_actuations_and_their_centre(
-    div: ShoeDivision, grid: ColumnGrid
+    div: ShoeElementDivision, grid: HpElementGrid
 ) -> tuple[Floats, Floats]:
     """The nodal forces of unit actuations on a shoe's loaded end face, and the face's centre.
 
@@ -263,14 +276,16 @@ def nodal_forces_of_unit_actuations_and_their_centre(
     return _nodal_forces_on_all_nodes_from_end_face_forces(grid, end.forces), end.centre
 
 
-def _unit_loads_on_loaded_end_face(div: ShoeDivision, grid: ColumnGrid) -> LoadedEnd:
+def _unit_loads_on_loaded_end_face(
+    div: ShoeElementDivision, grid: HpElementGrid
+) -> UnitLoadsOnLoadedEndFace:
     """The unit loads on the end face of a shoe that the actuation force acts on."""
     depths = node_positions_of_element_row(div.depths[div.index_of_first_body_layer :], div.degree)
     nodes = grid.doflocs[:, grid.sets["actuation"]]
     return unit_actuation_loads_on_end_face(nodes, depths, div.degree)
 
 
-def _nodal_forces_on_all_nodes_from_end_face_forces(grid: ColumnGrid, forces: Floats) -> Floats:
+def _nodal_forces_on_all_nodes_from_end_face_forces(grid: HpElementGrid, forces: Floats) -> Floats:
     """The nodal forces (2 N, l) on all N nodes, from the forces (2n, l) on the loaded end face.
 
     The forces are zero on all other nodes.
@@ -281,7 +296,9 @@ def _nodal_forces_on_all_nodes_from_end_face_forces(grid: ColumnGrid, forces: Fl
     return full.reshape(-1, count)
 
 
-def contact_line_of_lining_face_nodes(shoe: Shoe, radius: float, div: ShoeDivision) -> ContactLine:
+def contact_line_of_lining_face_nodes(
+    shoe: Shoe, radius: float, div: ShoeElementDivision
+) -> ContactLine:
     """The contact line of a shoe: the nodes on the lining's face, which come first in the grid.
 
     Parameters

@@ -27,12 +27,12 @@ from drumlin.fem.hp.element import (
     replace_matrix_by_schur_complement,
 )
 
-UnknownsAt = tuple[slice, slice]
+SlicesOfUnknownsInElementAndColumn = tuple[slice, slice]
 """Two slices for the same unknowns: in an element's stiffness, and in its column's stiffness.
 """
 
 
-class ColumnUnknowns(NamedTuple):
+class NumberingOfElementColumnUnknowns(NamedTuple):
     """The order of the unknowns of an element column, and where each element's unknowns stand.
 
     A column is a stack of elements, one in each layer, counted from the contact. Its condensation
@@ -43,22 +43,22 @@ class ColumnUnknowns(NamedTuple):
     kept : (layers,) the unknowns of each element that are kept, on both sides and on the contact
     inside : (layers,) the unknowns of each element that are eliminated, edge by edge from the
         contact on
-    sides : number of kept unknowns of the column
-    rest : number of eliminated unknowns of the column
-    line : number of unknowns of the nodes on one side of the column (a line)
+    number_of_kept_unknowns : number of kept unknowns of the column
+    number_of_eliminated_unknowns : number of eliminated unknowns of the column
+    number_of_side_unknowns : number of unknowns of the nodes on one side of the column (a line)
     """
 
-    kept: tuple[tuple[UnknownsAt, ...], ...]
-    inside: tuple[UnknownsAt, ...]
-    sides: int
-    rest: int
-    line: int
+    kept: tuple[tuple[SlicesOfUnknownsInElementAndColumn, ...], ...]
+    inside: tuple[SlicesOfUnknownsInElementAndColumn, ...]
+    number_of_kept_unknowns: int
+    number_of_eliminated_unknowns: int
+    number_of_side_unknowns: int
 
 
 @cache
 def numbering_of_element_column_unknowns(
     p: int, layers: int, *, contact: bool, held: bool, sides: int = 2
-) -> ColumnUnknowns:
+) -> NumberingOfElementColumnUnknowns:
     """The order of the unknowns of an element column, and where each element's unknowns stand.
 
     Parameters
@@ -98,18 +98,18 @@ def numbering_of_element_column_unknowns(
         in_element = slice(own + first_edge, own + last_edge)
         in_column = slice(above + first_edge, above + last_edge)
         inside.append((in_element, in_column))
-    return ColumnUnknowns(
+    return NumberingOfElementColumnUnknowns(
         kept=tuple(kept),
         inside=tuple(inside),
-        sides=far + (sides - 1) * line,
-        rest=edge * (layers + 1 - contact - held),
-        line=line,
+        number_of_kept_unknowns=far + (sides - 1) * line,
+        number_of_eliminated_unknowns=edge * (layers + 1 - contact - held),
+        number_of_side_unknowns=line,
     )
 
 
 def _contact_unknowns_of_element_column(
     p: int, line: int, far: int, sides: int
-) -> list[UnknownsAt]:
+) -> list[SlicesOfUnknownsInElementAndColumn]:
     """The unknowns of a column's contact nodes: in its first element, and in the whole column.
 
     All contact nodes, with the two at the column's sides, are numbered after the left line and
@@ -133,7 +133,7 @@ def _contact_unknowns_of_element_column(
 
 
 def condensed_element_column_stiffness(
-    elements: Floats, unknowns: ColumnUnknowns, loads: Floats | None = None
+    elements: Floats, unknowns: NumberingOfElementColumnUnknowns, loads: Floats | None = None
 ) -> Floats:
     """The condensed stiffness (c, n, n) of c element columns with the same layers.
 
@@ -150,10 +150,12 @@ def condensed_element_column_stiffness(
     """
     count = elements.shape[1]
     extra = 0 if loads is None else loads.shape[2]
-    size = extra + unknowns.sides
+    size = extra + unknowns.number_of_kept_unknowns
     K = np.zeros((count, size, size))
-    C = np.zeros((count, unknowns.rest, size))
-    inner = np.zeros((count, unknowns.rest, unknowns.rest))
+    C = np.zeros((count, unknowns.number_of_eliminated_unknowns, size))
+    inner = np.zeros(
+        (count, unknowns.number_of_eliminated_unknowns, unknowns.number_of_eliminated_unknowns)
+    )
     sides, coupling = K[:, extra:, extra:], C[:, :, extra:]
     for part, kept, inside in zip(elements, unknowns.kept, unknowns.inside, strict=True):
         _add_element_stiffness_to_columns(part, kept, kept, sides)
@@ -162,15 +164,20 @@ def condensed_element_column_stiffness(
     if loads is not None:
         # The loads act on the edge farthest from the contact. The first node of this edge is the
         # last node on the column's side; the unknowns of the edge's other nodes are eliminated.
-        at = slice(extra + unknowns.line - 2, extra + unknowns.line)
+        at = slice(
+            extra + unknowns.number_of_side_unknowns - 2, extra + unknowns.number_of_side_unknowns
+        )
         K[:, at, :extra] = -loads[:, :2]
         K[:, :extra, at] = -loads[:, :2].transpose(0, 2, 1)
-        C[:, unknowns.rest - loads.shape[1] + 2 :, :extra] = -loads[:, 2:]
+        C[:, unknowns.number_of_eliminated_unknowns - loads.shape[1] + 2 :, :extra] = -loads[:, 2:]
     return replace_matrices_by_schur_complements(K, C, inner)
 
 
 def _add_element_stiffness_to_columns(
-    part: Floats, rows: Sequence[UnknownsAt], columns: Sequence[UnknownsAt], target: Floats
+    part: Floats,
+    rows: Sequence[SlicesOfUnknownsInElementAndColumn],
+    columns: Sequence[SlicesOfUnknownsInElementAndColumn],
+    target: Floats,
 ) -> None:
     """Add blocks of element stiffness to the stiffness of their element columns, in place.
 

@@ -24,7 +24,7 @@ from drumlin.brake.elasticity import (
     plane_stress_elasticity_matrix,
     which_elasticity_matrices_are_orthotropic,
 )
-from drumlin.brake.fields import AnyMaterial
+from drumlin.brake.fields import IsotropicOrOrthotropicMaterial
 from drumlin.response.response import Response, ShoeResponse, length_of_uncompared_edge_zone
 from drumlin.response.resultants import (
     gauss_lobatto_points,
@@ -32,28 +32,28 @@ from drumlin.response.resultants import (
     polynomial_values_at_gauss_points,
 )
 
-SMALLEST_ROOT = 1e-3
+SMALLEST_SOUGHT_EXPONENT_ROOT = 1e-3
 """Lower end of the interval in which the root l = a + 1 is searched, with a the exponent of p.
 
 The pressure p goes as x^a at the distance x from a pressed corner of a lining. With l below 1/2 the
 pressure is not square-integrable; on a rigid drum this needs a friction coefficient of at least
 0.57 to 0.61, depending on Poisson's ratio.
 """
-BOUNDED_EXPONENT = 1e-6
+LARGEST_EXPONENT_OF_BOUNDED_PRESSURE = 1e-6
 """If |a| is smaller than this, the pressure p ~ x^a at a corner counts as bounded.
 
 The distance from the corner is x. With a smaller |a| the functions x^a and 1 are so alike that the
 equations for the coefficients of both cannot be solved with 16 digits.
 """
 
-ROOTS_TRIED = 200
+NUMBER_OF_TRIED_PRESSURE_EXPONENTS = 200
 """Number of exponents at which the determinant for an orthotropic corner is evaluated.
 
 The pressure's exponent is a zero of the determinant. It lies between two neighbouring exponents at
 which the determinant has opposite signs. Two zeros between neighbouring exponents would be missed.
 """
 
-POWER_LAW_PART = 2e-3
+POWER_LAW_FRACTION_OF_CONTACT = 2e-3
 """Fraction of a contact, from a pressed corner of the lining on, in which p follows a power law.
 
 In this part the polynomials of the pressure p are replaced by the power law of the corner. The part
@@ -62,14 +62,14 @@ one, polynomials are a poor approximation of the power law. In columns farther a
 also depends on the rest of the lining. On two brakes the error of p was the same with three to six
 columns, and 10 to 30 times as large with one.
 """
-SMALLEST_PIECE = 1e-12
+LENGTH_OF_PRESSURE_PIECE_AT_CORNER = 1e-12
 """Length [rad] of the polynomial piece of the pressure next to a pressed corner of a lining.
 
 Angles of 3 rad are rounded to 4e-16, and neighbouring nodes of a piece of degree 7 can be as near
 as a sixteenth of its length. In a shorter piece round-off would change the distances of the nodes
 too much.
 """
-PIECE_RATIO = 0.4
+RATIO_OF_NEIGHBOURING_PRESSURE_PIECES = 0.4
 """Ratio of the lengths of neighbouring polynomial pieces of the pressure at a pressed corner.
 
 The pieces become shorter towards the corner of the lining. Polynomials of degree 5 follow a power
@@ -77,7 +77,7 @@ function to about 1e-4 on each piece. With a smaller ratio the polynomials are l
 a larger ratio more pieces are needed.
 """
 
-TIP_TOLERANCE = 1e-9
+TOLERANCE_OF_COLUMN_END_AT_GAP_KINK = 1e-9
 """Distance [rad] from a gap kink, below which an element column counts as ending at the kink.
 
 Such a kink points to the drum, and p is unbounded there. A smaller distance is round-off.
@@ -131,22 +131,31 @@ def pressure_exponent_at_lining_corner(
 
     # If no exponent in the searched interval fulfils the equation, the end of the interval that is
     # nearer to the solution is returned.
-    if residual_of_exponent_equation(SMALLEST_ROOT) <= 0:
-        return SMALLEST_ROOT - 1
-    if residual_of_exponent_equation(1 - BOUNDED_EXPONENT) >= 0:
+    if residual_of_exponent_equation(SMALLEST_SOUGHT_EXPONENT_ROOT) <= 0:
+        return SMALLEST_SOUGHT_EXPONENT_ROOT - 1
+    if residual_of_exponent_equation(1 - LARGEST_EXPONENT_OF_BOUNDED_PRESSURE) >= 0:
         return 0.0
     # scipy.optimize takes time to load, and only the few brakes with a pressed corner need it.
     from scipy.optimize import brentq  # noqa: PLC0415
 
-    return float(brentq(residual_of_exponent_equation, SMALLEST_ROOT, 1 - BOUNDED_EXPONENT)) - 1
+    return (
+        float(
+            brentq(
+                residual_of_exponent_equation,
+                SMALLEST_SOUGHT_EXPONENT_ROOT,
+                1 - LARGEST_EXPONENT_OF_BOUNDED_PRESSURE,
+            )
+        )
+        - 1
+    )
 
 
 @cache
 def pressure_exponent_at_orthotropic_corner(
     inward_friction: float,
-    material: AnyMaterial,
-    drum: AnyMaterial | None = None,
-    width_ratio: float = 1.0,
+    material: IsotropicOrOrthotropicMaterial,
+    drum: IsotropicOrOrthotropicMaterial | None = None,
+    lining_width_over_ring_width: float = 1.0,
 ) -> float:
     """The exponent a of the pressure p ~ x^a at a pressed corner, for orthotropic materials.
 
@@ -163,24 +172,28 @@ def pressure_exponent_at_orthotropic_corner(
     inward_friction : float
         Friction coefficient [1], positive where the friction drags the lining's face away from the
         corner, into the lining.
-    material : AnyMaterial
+    material : IsotropicOrOrthotropicMaterial
         Material of the lining.
-    drum : AnyMaterial | None
+    drum : IsotropicOrOrthotropicMaterial | None
         Material of the drum's elastic ring; None for a rigid drum.
-    width_ratio : float
+    lining_width_over_ring_width : float
         Width of the lining divided by the width of the ring.
     """
-    corner = _orthotropic_corner(material, drum, width_ratio)
+    corner = _orthotropic_corner(material, drum, lining_width_over_ring_width)
     determinant = corner.determinant_of_pressure_exponent_equations
     # The exponent is the smallest zero of the determinant. It is found at the first change of sign
     # among the determinants at many exponents.
-    roots = np.linspace(SMALLEST_ROOT, 1 - BOUNDED_EXPONENT, ROOTS_TRIED)
+    roots = np.linspace(
+        SMALLEST_SOUGHT_EXPONENT_ROOT,
+        1 - LARGEST_EXPONENT_OF_BOUNDED_PRESSURE,
+        NUMBER_OF_TRIED_PRESSURE_EXPONENTS,
+    )
     signs = np.sign([determinant(root, inward_friction) for root in roots.tolist()])
     changes = np.flatnonzero(signs[1:] != signs[:-1])
     if not len(changes):
         # Without a zero, either p is bounded, or the zero lies below the smallest root tried.
-        below_smallest = signs[0] != np.sign(determinant(SMALLEST_ROOT, 0.0))
-        return SMALLEST_ROOT - 1 if below_smallest else 0.0
+        below_smallest = signs[0] != np.sign(determinant(SMALLEST_SOUGHT_EXPONENT_ROOT, 0.0))
+        return SMALLEST_SOUGHT_EXPONENT_ROOT - 1 if below_smallest else 0.0
     first = int(changes[0])
     # scipy.optimize takes time to load, and only the few brakes with a pressed corner need it.
     from scipy.optimize import brentq  # noqa: PLC0415
@@ -189,7 +202,7 @@ def pressure_exponent_at_orthotropic_corner(
     return float(root) - 1
 
 
-class _OrthotropicDrum(NamedTuple):
+class _DrumRingAtOrthotropicCorner(NamedTuple):
     """The drum's ring at a pressed corner of an orthotropic lining.
 
     Attributes
@@ -197,12 +210,12 @@ class _OrthotropicDrum(NamedTuple):
     half_plane : 2/E [1/Pa], with the modulus E of the half-plane that takes the place of the ring
     local : slope of the ring's surface at a point, per pressure at this point, if the friction
         coefficient is 1 [1/Pa]
-    width_ratio : width of the lining divided by the width of the ring
+    lining_width_over_ring_width : width of the lining divided by the width of the ring
     """
 
     half_plane: float
     local: float
-    width_ratio: float
+    lining_width_over_ring_width: float
 
 
 class _OrthotropicCorner(NamedTuple):
@@ -220,7 +233,7 @@ class _OrthotropicCorner(NamedTuple):
     mu: Complexes
     slopes: Complexes
     unit: float
-    drum: _OrthotropicDrum | None
+    drum: _DrumRingAtOrthotropicCorner | None
 
     def determinant_of_pressure_exponent_equations(self, root: float, friction: float) -> float:
         """The determinant of the four real equations for c_1 and c_2, at the exponent l - 1 of p.
@@ -232,18 +245,21 @@ class _OrthotropicCorner(NamedTuple):
         rotated = mu ** (root - 1)
         if self.drum is not None:
             of_drum = self.drum.half_plane / math.tan(math.pi * root) + self.drum.local * friction
-            slope = slope + self.drum.width_ratio * of_drum
+            slope = slope + self.drum.lining_width_over_ring_width * of_drum
         rows = np.array([mu**2 * rotated, mu * rotated, mu + friction, slope * self.unit])
         return float(np.linalg.det(np.hstack([rows.real, -rows.imag])))
 
 
 def _orthotropic_corner(
-    material: AnyMaterial, drum: AnyMaterial | None, width_ratio: float
+    material: IsotropicOrOrthotropicMaterial,
+    drum: IsotropicOrOrthotropicMaterial | None,
+    lining_width_over_ring_width: float,
 ) -> _OrthotropicCorner:
     """The pressed corner of an orthotropic lining, with the constants for the pressure's exponent.
 
     The lining has the `material`, and the drum's elastic ring the material `drum` (None for a rigid
-    drum). `width_ratio` is the width of the lining divided by the width of the ring.
+    drum). `lining_width_over_ring_width` is the width of the lining divided by the width of the
+    ring.
     """
     compliances = _plane_stress_compliances(material)
     squares = np.roots(
@@ -257,7 +273,7 @@ def _orthotropic_corner(
         of_drum = _plane_stress_compliances(drum)
         local = math.sqrt(of_drum.along * of_drum.through) + of_drum.mixed
         half_plane = 2 / drum.young_modulus_of_equivalent_half_plane
-        ring = _OrthotropicDrum(half_plane, local, width_ratio)
+        ring = _DrumRingAtOrthotropicCorner(half_plane, local, lining_width_over_ring_width)
     return _OrthotropicCorner(mu, slopes, material.E_through, ring)
 
 
@@ -278,7 +294,7 @@ class _PlaneStressCompliances(NamedTuple):
     shear: float
 
 
-def _plane_stress_compliances(material: AnyMaterial) -> _PlaneStressCompliances:
+def _plane_stress_compliances(material: IsotropicOrOrthotropicMaterial) -> _PlaneStressCompliances:
     """The compliances [1/Pa] of a material in plane stress, along the drum and square to it."""
     return _PlaneStressCompliances(
         along=1 / material.E_along,
@@ -306,13 +322,13 @@ def pressure_exponents_at_both_lining_corners(brake: Brake, index: int) -> tuple
         which_elasticity_matrices_are_orthotropic(plane_stress_elasticity_matrix(material))
         for material in materials
     ):
-        width_ratio = 1.0 if drum is None else lining.width / drum.width
+        lining_width_over_ring_width = 1.0 if drum is None else lining.width / drum.width
         drum_material = None if drum is None else drum.material
         at_start = pressure_exponent_at_orthotropic_corner(
-            inward_friction, lining.material, drum_material, width_ratio
+            inward_friction, lining.material, drum_material, lining_width_over_ring_width
         )
         at_end = pressure_exponent_at_orthotropic_corner(
-            -inward_friction, lining.material, drum_material, width_ratio
+            -inward_friction, lining.material, drum_material, lining_width_over_ring_width
         )
         return at_start, at_end
     # All materials are isotropic. A rigid drum has the stiffness ratio 0.
@@ -379,11 +395,13 @@ def _shoe_response_with_pressure_power_laws(
 ) -> ShoeResponse:
     """The response of shoe `index`, with a power law near each corner of unbounded pressure."""
     for corner in corners_with_unbounded_pressure(brake, index, response):
-        response = _shoe_response_with_one_corner_power_law(response, corner, brake.unit)
+        response = _shoe_response_with_one_corner_power_law(
+            response, corner, brake.surface_coordinate_per_phi
+        )
     return response
 
 
-class NodalPressure(Protocol):
+class PressureAtNodesOfShoe(Protocol):
     """The pressure of a shoe at its nodes: a part of `ShoeResponse`."""
 
     @property
@@ -399,7 +417,7 @@ class NodalPressure(Protocol):
         """Degree of the polynomial pieces of the pressure."""
 
 
-class UnboundedCorner(NamedTuple):
+class CornerWithUnboundedPressure(NamedTuple):
     """A corner of a lining at which the pressure p ~ x^a is unbounded.
 
     Attributes
@@ -413,8 +431,8 @@ class UnboundedCorner(NamedTuple):
 
 
 def corners_with_unbounded_pressure(
-    brake: Brake, index: int, response: NodalPressure
-) -> list[UnboundedCorner]:
+    brake: Brake, index: int, response: PressureAtNodesOfShoe
+) -> list[CornerWithUnboundedPressure]:
     """The pressed corners of the lining of shoe `index` at which its pressure p is unbounded.
 
     The list is empty for a long contact, because the stated error of its pressure excludes the
@@ -425,7 +443,7 @@ def corners_with_unbounded_pressure(
         return []
     # The corners are not needed if the stated error of the pressure excludes the lining's ends.
     zone = length_of_uncompared_edge_zone(
-        brake.shoes[index].lining.length_of_shortest_lining, brake.unit
+        brake.shoes[index].lining.length_of_shortest_lining, brake.surface_coordinate_per_phi
     )
     slots = brake.shoes[index].lining.slots
     if length_of_edge_zone_left_out_of_pressure_errors(theta, p, response.order, zone, slots) > 0:
@@ -437,12 +455,12 @@ def corners_with_unbounded_pressure(
     corners = []
     for at_start, value, exponent in ((True, p[0], exponents[0]), (False, p[-1], exponents[1])):
         if value > 0 and exponent < 0:
-            corners.append(UnboundedCorner(at_start, exponent))
+            corners.append(CornerWithUnboundedPressure(at_start, exponent))
     return corners
 
 
 def _shoe_response_with_one_corner_power_law(
-    response: ShoeResponse, corner: UnboundedCorner, unit: float
+    response: ShoeResponse, corner: CornerWithUnboundedPressure, unit: float
 ) -> ShoeResponse:
     """The response of a shoe whose pressure near one corner of its lining is now a power law.
 
@@ -457,7 +475,7 @@ def _shoe_response_with_one_corner_power_law(
         response.pressure,
         response.order,
         corner,
-        reach=POWER_LAW_PART * contact_length,
+        reach=POWER_LAW_FRACTION_OF_CONTACT * contact_length,
         unit=unit,
     )
     return replace(response, theta=theta, pressure=pressure)
@@ -467,7 +485,7 @@ def nodes_and_pressures_with_power_law_at_corner(
     theta: Floats,
     pressure: Floats,
     order: int,
-    corner: UnboundedCorner,
+    corner: CornerWithUnboundedPressure,
     *,
     reach: float,
     unit: float = 1.0,
@@ -485,7 +503,7 @@ def nodes_and_pressures_with_power_law_at_corner(
         Nodes, in growing order, and values of the pressure, a piecewise polynomial.
     order : int
         Degree of the pieces.
-    corner : UnboundedCorner
+    corner : CornerWithUnboundedPressure
         The end of the lining at which the corner lies, and the exponent a of p, above -1.
     reach : float
         Distance [rad] from the corner up to which pieces are replaced.
@@ -498,10 +516,10 @@ def nodes_and_pressures_with_power_law_at_corner(
     x, p = np.abs(theta - at_corner)[::sign], pressure[::sign]
     # Whole polynomial pieces are replaced. If no piece lies within `reach`, p is not changed.
     last = order * (int(np.searchsorted(x[::order], reach, side="right")) - 1)
-    if last <= 0 or x[last] <= unit * SMALLEST_PIECE:
+    if last <= 0 or x[last] <= unit * LENGTH_OF_PRESSURE_PIECE_AT_CORNER:
         return theta, pressure
     distances = _pressure_node_positions_closer_towards_corner(
-        float(x[last]), order, unit * SMALLEST_PIECE
+        float(x[last]), order, unit * LENGTH_OF_PRESSURE_PIECE_AT_CORNER
     )
     angles = at_corner + sign * distances
     nodes = np.abs(angles - at_corner)
@@ -536,8 +554,10 @@ def _pressure_node_positions_closer_towards_corner(
     order : degree of the pieces
     smallest : upper limit of the length of the piece at 0 [rad]
     """
-    count = math.ceil(math.log(smallest / length) / math.log(PIECE_RATIO))
-    ends = np.append(0.0, length * PIECE_RATIO ** np.arange(count, -1, -1))
+    count = math.ceil(math.log(smallest / length) / math.log(RATIO_OF_NEIGHBOURING_PRESSURE_PIECES))
+    ends = np.append(
+        0.0, length * RATIO_OF_NEIGHBOURING_PRESSURE_PIECES ** np.arange(count, -1, -1)
+    )
     inner = ends[:-1, None] + np.diff(ends)[:, None] * 0.5 * (1 + gauss_lobatto_points(order)[:-1])
     return np.append(inner.ravel(), length)
 
@@ -574,7 +594,7 @@ def _force_and_scaled_moment_of_pressure(x: Floats, p: Floats, order: int) -> tu
 
 
 def remaining_pressure_error_at_lining_corners(
-    brake: Brake, index: int, response: NodalPressure
+    brake: Brake, index: int, response: PressureAtNodesOfShoe
 ) -> float:
     """The relative error in L2 of the pressure p of shoe `index` at corners where p is unbounded.
 
@@ -604,21 +624,23 @@ def remaining_pressure_error_at_lining_corners(
 
 
 def _does_stated_error_include_unbounded_pressure_at_slot(
-    brake: Brake, index: int, response: NodalPressure
+    brake: Brake, index: int, response: PressureAtNodesOfShoe
 ) -> bool:
     """Whether p is unbounded beside a slot, at a place that its stated error does not exclude."""
     lining = brake.shoes[index].lining
     edges = [int(np.abs(response.theta - edge).argmin()) for edge in np.ravel(lining.slots)]
     if not np.any(response.pressure[edges] > 0):
         return False
-    zone = length_of_uncompared_edge_zone(lining.length_of_shortest_lining, brake.unit)
+    zone = length_of_uncompared_edge_zone(
+        lining.length_of_shortest_lining, brake.surface_coordinate_per_phi
+    )
     counts = length_of_edge_zone_left_out_of_pressure_errors(
         response.theta, response.pressure, response.order, zone, lining.slots
     )
     return counts == 0 and min(pressure_exponents_at_both_lining_corners(brake, index)) < 0
 
 
-class LogarithmicPressure(NamedTuple):
+class LogarithmicPressureAtGapKink(NamedTuple):
     """The pressure p = c ln(1/x) near a kink of the gap that points to the drum.
 
     The distance x from the kink is small.
@@ -634,42 +656,45 @@ class LogarithmicPressure(NamedTuple):
 
 
 def logarithmic_pressures_at_pointed_gap_kinks(
-    shoe: Shoe, scale_factor: float
-) -> list[LogarithmicPressure]:
+    shoe: Shoe, length_per_surface_coordinate: float
+) -> list[LogarithmicPressureAtGapKink]:
     """The logarithmic pressure c ln(1/x) under each kink of the gap that points to the drum.
 
     The distance from the kink is x. For a half-plane of modulus E and a change of slope s at the
-    kink, c = E s/(2 pi) (Johnson, Contact Mechanics, ch. 5). `scale_factor` is the length per unit
-    of the surface's coordinate [m/rad, on a plane 1].
+    kink, c = E s/(2 pi) (Johnson, Contact Mechanics, ch. 5). `length_per_surface_coordinate` is the
+    length per unit of the surface's coordinate [m/rad, on a plane 1].
     """
     # `half_plane` is the factor c in p = c ln(1/x) if the slope of the gap at the kink changes by 1
     # per unit of the surface's coordinate.
     half_plane = shoe.lining.material.young_modulus_of_equivalent_half_plane / (
-        2 * math.pi * scale_factor
+        2 * math.pi * length_per_surface_coordinate
     )
     tips = clearance.gap_kinks_that_point_to_drum(shoe.lining)
-    return [LogarithmicPressure(theta, half_plane * slope) for theta, slope in tips]
+    return [LogarithmicPressureAtGapKink(theta, half_plane * slope) for theta, slope in tips]
 
 
 def remaining_pressure_error_at_pointed_gap_kinks(
-    shoe: Shoe, scale_factor: float, response: ShoeResponse
+    shoe: Shoe, length_per_surface_coordinate: float, response: ShoeResponse
 ) -> float:
     """The relative error in L2 of a shoe's pressure p due to kinks that point to the drum.
 
     If such a kink is in contact, p goes as ln(1/x) at the distance x from it. The error arises in
     the element columns on both sides of each kink, because a polynomial cannot follow the
-    logarithm. `scale_factor` is the length per unit of the surface's coordinate [m/rad, on a plane
-    1].
+    logarithm. `length_per_surface_coordinate` is the length per unit of the surface's coordinate
+    [m/rad, on a plane 1].
     """
     theta, p, order = response.theta, response.pressure, response.order
     column_ends, pressed = theta[::order], p[::order] > 0
     squared_error = 0.0
-    for tip in logarithmic_pressures_at_pointed_gap_kinks(shoe, scale_factor):
+    for tip in logarithmic_pressures_at_pointed_gap_kinks(shoe, length_per_surface_coordinate):
         # A kink counts if the lining is in contact there, and if two element columns meet at the
         # kink.
         k = int(np.abs(column_ends - tip.theta).argmin())
         has_two_columns = 0 < k < len(column_ends) - 1
-        at_tip = abs(column_ends[k] - tip.theta) < TIP_TOLERANCE * shoe.frame.unit
+        at_tip = (
+            abs(column_ends[k] - tip.theta)
+            < TOLERANCE_OF_COLUMN_END_AT_GAP_KINK * shoe.frame.surface_coordinate_per_phi
+        )
         if has_two_columns and at_tip and pressed[k]:
             both_columns = float(column_ends[k + 1] - column_ends[k - 1])
             squared_error += tip.factor**2 * both_columns / (order + 1) ** 2

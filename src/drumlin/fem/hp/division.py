@@ -19,11 +19,11 @@ import numpy as np
 from drumlin.base.arrays import Floats
 from drumlin.brake.beam_axis import make_beam_axis
 from drumlin.brake.brake import Shoe
-from drumlin.brake.components import Beam
+from drumlin.brake.components import BeamBody
 from drumlin.fem.hp.corner import element_column_size_for_error_at_pointed_gap_kink
-from drumlin.response.response import EDGE_ZONE
+from drumlin.response.response import UNCOMPARED_EDGE_ZONE_IN_RADIANS
 
-SMALLEST_COLUMN = 1e-7
+SMALLEST_ELEMENT_SIZE_OVER_LINING_THICKNESS = 1e-7
 """Smallest size of a column or layer of elements, relative to the lining's thickness.
 
 The limit is set by round-off. In a column of width w in a lining of thickness t, round-off changes
@@ -33,7 +33,7 @@ be right. Columns a hundred times larger would leave an error of 1e-3 of p in L2
 gap that points to the drum, where the error falls as the root of w. After this limit is applied,
 sizes are rounded down to a power of two, so that some columns are up to half as wide.
 """
-UNRESOLVED_LENGTH = 0.02
+UNRESOLVED_LENGTH_OVER_CONTACT_LENGTH = 0.02
 """Length of details of the contact that are not resolved, relative to the contact's length.
 
 If an end of the contact moves by less than this from one solution to the next, it counts as found.
@@ -42,7 +42,7 @@ elements would miss the end of the contact, and the pressure would have the erro
 With a smaller value the brake is divided and solved again although the end of the contact is known
 well enough.
 """
-CORNER_COLUMN = 1e-4
+ELEMENT_SIZE_AT_UNBOUNDED_CORNER = 1e-4
 """Size of element columns and layers at a corner of the lining with unbounded pressure.
 
 The size is relative to the length of the contact at the corner. Nearer to the corner the pressure p
@@ -51,23 +51,25 @@ p on the second level of two brakes was 2.5 times as large. With 1e-5 the error 
 sixth more unknowns. The size must be far below 0.03 of the contact's length, because farther than
 this from the corner p depends on the rest of the contact too, and not on the power law alone.
 """
-HALF_FORCE_PART = 0.1632
+HALF_FORCE_FRACTION_OF_CONTACT = 0.1632
 """Fraction of a contact, from a corner of the lining on, that bears half of the contact's force.
 
 The pressure is assumed to go as x^(-1/2) at the distance x from the corner, and to fall to zero as
 a square root at the other end. The fraction is then the median of the beta distribution with the
 parameters 1/2 and 3/2. No square-integrable pressure is more concentrated at the corner.
 """
-LONGEST_CORNER_CONTACT = EDGE_ZONE / HALF_FORCE_PART
+LONGEST_CONTACT_WITH_CORNER_COLUMNS = (
+    UNCOMPARED_EDGE_ZONE_IN_RADIANS / HALF_FORCE_FRACTION_OF_CONTACT
+)
 """Length of a contact [rad] up to which element columns shrink towards the corner that it reaches.
 
 The corner of the lining has an unbounded pressure p. In a longer contact more than half of the
-force acts farther than EDGE_ZONE from the corner. The error of p is then stated for these distances
-alone, so that no small columns are needed at the corner.
+force acts farther than UNCOMPARED_EDGE_ZONE_IN_RADIANS from the corner. The error of p is then
+stated for these distances alone, so that no small columns are needed at the corner.
 """
 
 
-class Singularity(IntEnum):
+class KindOfSingularPoint(IntEnum):
     """The kind of a singular point along the lining: which function is not smooth there.
 
     Attributes
@@ -91,7 +93,7 @@ class SingularPoint(NamedTuple):
 
     Attributes
     ----------
-    at : position phi of the point [rad]
+    position : position phi of the point [rad]
     length : length over which the pressure changes at the point [rad], by the kind of the point.
         END: length of the contact, or of the open gap beside it; KINK: length of the lining; STEP
         and OPEN_STEP: length of the step; TIP: (N/c)^2, where N is the L2 norm of the pressure and
@@ -99,30 +101,31 @@ class SingularPoint(NamedTuple):
     kind : which function is not smooth
     """
 
-    at: float
+    position: float
     length: float
-    kind: Singularity
+    kind: KindOfSingularPoint
 
 
-class GradingPoint(NamedTuple):
+class ElementGradingPoint(NamedTuple):
     """A position along the lining at which two element columns meet, with small columns around it.
 
     The sizes of the columns grow geometrically away from the point in both directions.
 
     Attributes
     ----------
-    at : position phi of the point [rad]
-    size : size of the columns on both sides of the point [rad]
-    ratio : size of a column relative to the size of the next column away from the point, below 1
+    position : position phi of the point [rad]
+    column_size : size of the columns on both sides of the point [rad]
+    size_ratio_of_columns : size of a column relative to the size of the next column away from the
+        point, below 1
     """
 
-    at: float
-    size: float
-    ratio: float
+    position: float
+    column_size: float
+    size_ratio_of_columns: float
 
 
 @dataclass(frozen=True)
-class Level:
+class RefinementLevel:
     """A level of refinement: the degree of hp elements, and sizes of their columns and layers.
 
     A column is a stack of elements through the thickness of a body. Sizes grow geometrically away
@@ -131,45 +134,49 @@ class Level:
     Attributes
     ----------
     degree : degree of the hp elements
-    zone : size of the layer of elements at the lining's face, relative to EDGE_ZONE, or to the
-        lining's thickness or the contact's length if these are less. Columns at a lining's end that
-        the contact reaches are no wider than `zone` times EDGE_ZONE, even if `edge` gives a larger
-        size.
-    edge : size of the columns at the lining's ends, relative to the lining's thickness or to half
-        its length, whichever is less. At an end that a contact reaches, the size is relative to
-        half the contact's length.
-    end : size of the columns at ends of the contact and at kinks of the gap. It is relative to the
-        contact's length, or to the geometric mean of this length and the lining's thickness if the
-        mean is less. The pressure rises from an end of the contact over a distance of about the
-        thickness, which matters less in a longer contact.
-    ratio : size of a column relative to the next column away from a singular point, below 1
-    opening : as `ratio`, at the ends of a contact (or open gap) shorter than the lining is thick
-    largest : upper limit of the size of a column [rad]
-    back : size of the layers of elements at the interface of two layers of the shoe, relative to
-        the thinner one of these two layers
-    hinge : size of columns and layers of elements at the face that the hinge holds, relative to the
-        body's thickness
-    through : size of a layer of elements relative to the next layer away from an interface, below 1
+    face_layer_size : size of the layer of elements at the lining's face, relative to
+        UNCOMPARED_EDGE_ZONE_IN_RADIANS, or to the lining's thickness or the contact's length if
+        these are less. Columns at a lining's end that the contact reaches are no wider than
+        `face_layer_size` times UNCOMPARED_EDGE_ZONE_IN_RADIANS, even if `lining_end_column_size`
+        gives a larger size.
+    lining_end_column_size : size of the columns at the lining's ends, relative to the lining's
+        thickness or to half its length, whichever is less. At an end that a contact reaches, the
+        size is relative to half the contact's length.
+    contact_end_column_size : size of the columns at ends of the contact and at kinks of the gap. It
+        is relative to the contact's length, or to the geometric mean of this length and the
+        lining's thickness if the mean is less. The pressure rises from an end of the contact over a
+        distance of about the thickness, which matters less in a longer contact.
+    column_size_ratio : size of a column relative to the next column away from a singular point,
+        below 1
+    size_ratio_at_short_contacts : as `column_size_ratio`, at the ends of a contact (or open gap)
+        shorter than the lining is thick
+    largest_column : upper limit of the size of a column [rad]
+    interface_layer_size : size of the layers of elements at the interface of two layers of the
+        shoe, relative to the thinner one of these two layers
+    hinge_column_size : size of columns and layers of elements at the face that the hinge holds,
+        relative to the body's thickness
+    layer_size_ratio : size of a layer of elements relative to the next layer away from an
+        interface, below 1
     """
 
     degree: int
-    zone: float
-    edge: float
-    end: float
-    ratio: float
-    opening: float
-    largest: float
-    back: float
-    hinge: float
-    through: float
+    face_layer_size: float
+    lining_end_column_size: float
+    contact_end_column_size: float
+    column_size_ratio: float
+    size_ratio_at_short_contacts: float
+    largest_column: float
+    interface_layer_size: float
+    hinge_column_size: float
+    layer_size_ratio: float
 
     @property
     def pressure_error_due_to_column_size_ratio(self) -> float:
         """The relative error in L2 of the pressure due to the ratio of neighbouring column sizes.
 
-        `levels.LevelRule` derives the formula.
+        `levels.RuleOfDegreeAndGradingByLevel` derives the formula.
         """
-        root = math.sqrt(self.ratio)
+        root = math.sqrt(self.column_size_ratio)
         return ((1 - root) / (1 + root)) ** self.degree
 
 
@@ -182,7 +189,7 @@ class ShoeLayer:
 
 
 @dataclass(frozen=True)
-class ShoeDivision:
+class ShoeElementDivision:
     """The division of a shoe into m columns and l layers of hp elements.
 
     Attributes
@@ -190,25 +197,25 @@ class ShoeDivision:
     degree : degree of the elements
     angles : (m + 1,) positions phi of the ends of the columns under the lining [rad], or under all
         linings and in the slots between them. In a slot the shoe has its body only.
-    before, after : positions phi of the ends of the columns of the body before and behind the
-        lining [rad], the nearest to the lining first
+    column_ends_before_lining, column_ends_behind_lining : positions phi of the ends of the columns
+        of the body before and behind the lining [rad], the nearest to the lining first
     depths : (l + 1,) distances of the faces of the layers from the lining's face [m]. For a
         straight beam the depth grows by 1 through each layer of the shoe.
     part : (l,) name of the part of the shoe that each layer of elements belongs to
-    singular_layer_size : size [m] of the layer of elements at the lining's face, if this layer is
-        thin because the pressure is unbounded (at a corner of the lining, or at a gap kink that
-        points to the drum); inf otherwise
+    face_layer_size_at_unbounded_pressure : size [m] of the layer of elements at the lining's face,
+        if this layer is thin because the pressure is unbounded (at a corner of the lining, or at a
+        gap kink that points to the drum); inf otherwise
     slots : for each slot between two linings, the number of its first column, and of the first
         column behind the slot
     """
 
     degree: int
     angles: Floats
-    before: Floats
-    after: Floats
+    column_ends_before_lining: Floats
+    column_ends_behind_lining: Floats
     depths: Floats
     part: tuple[str, ...]
-    singular_layer_size: float = math.inf
+    face_layer_size_at_unbounded_pressure: float = math.inf
     slots: tuple[tuple[int, int], ...] = ()
 
     @property
@@ -231,8 +238,8 @@ class ShoeDivision:
         return (
             self.degree,
             self.angles.tobytes(),
-            self.before.tobytes(),
-            self.after.tobytes(),
+            self.column_ends_before_lining.tobytes(),
+            self.column_ends_behind_lining.tobytes(),
             self.depths.tobytes(),
         )
 
@@ -334,8 +341,8 @@ def shoe_layers_with_their_thickness(shoe: Shoe, radius: float) -> list[ShoeLaye
     `radius` is the radius of the drum [m].
     """
     layers = [ShoeLayer("lining", shoe.lining.thickness)]
-    if isinstance(shoe.body, Beam):
-        # `reason_why_brake_is_not_modelled` refuses beams without section or block, so that the
+    if isinstance(shoe.body, BeamBody):
+        # `reason_against_finite_element_model` refuses beams without section or block, so that the
         # assertion holds.
         assert shoe.body.section is not None and shoe.backing is not None
         beam_thickness = shoe.body.section.thickness
@@ -343,7 +350,7 @@ def shoe_layers_with_their_thickness(shoe: Shoe, radius: float) -> list[ShoeLaye
         ends = axis.angle(np.array([shoe.lining.start, shoe.lining.end]))
         nearest = 1.0 if ends.min() < 0 < ends.max() else float(np.cos(ends).max())
         back = radius + shoe.lining.thickness
-        block = axis.distance - beam_thickness / 2 - back * nearest
+        block = axis.distance_from_drum_centre - beam_thickness / 2 - back * nearest
         return [*layers, ShoeLayer("backing", block), ShoeLayer("shoe", beam_thickness)]
     if shoe.backing is not None:
         layers.append(ShoeLayer("backing", shoe.backing.thickness))
@@ -355,12 +362,12 @@ def shoe_layers_with_their_thickness(shoe: Shoe, radius: float) -> list[ShoeLaye
 def divide_shoe_into_hp_elements(
     shoe: Shoe,
     radius: float,
-    level: Level,
+    level: RefinementLevel,
     points: Sequence[SingularPoint] = (),
     *,
     grades_loaded_end: bool = False,
     exponents: tuple[float, float] = (0.0, 0.0),
-) -> ShoeDivision:
+) -> ShoeElementDivision:
     """The division of a shoe into columns and layers of hp elements.
 
     If the contact does not reach an end of the lining, the elements at this end get the size of
@@ -391,59 +398,66 @@ def divide_shoe_into_hp_elements(
         radius,
         level,
         layers,
-        (found[0].end_sizes[0], found[-1].end_sizes[1]),
+        (found[0].column_sizes_at_lining_ends[0], found[-1].column_sizes_at_lining_ends[1]),
         grades_loaded_end=grades_loaded_end,
     )
-    face_size = min(lining.face_size for lining in found)
-    singular_size = min(lining.singular_size for lining in found)
+    first_layer_size_at_lining_face = min(
+        lining.first_layer_size_at_lining_face for lining in found
+    )
+    smallest_column_size_at_singularity = min(
+        lining.smallest_column_size_at_singularity for lining in found
+    )
     depths, part = _depths_and_parts_of_element_layers(
         layers,
         level,
-        radius * min(face_size, singular_size),
+        radius * min(first_layer_size_at_lining_face, smallest_column_size_at_singularity),
         radius * max(lining.contact.longest for lining in found),
-        coarsens=all(lining.contact.coarsens for lining in found),
-        straight=isinstance(shoe.body, Beam),
+        coarsens=all(lining.contact.may_coarsen_far_from_contact for lining in found),
+        straight=isinstance(shoe.body, BeamBody),
     )
-    return ShoeDivision(
+    return ShoeElementDivision(
         degree=level.degree,
         angles=angles,
-        before=before,
-        after=after,
+        column_ends_before_lining=before,
+        column_ends_behind_lining=after,
         depths=depths,
         part=part,
-        singular_layer_size=radius * singular_size if singular_size < face_size else math.inf,
+        face_layer_size_at_unbounded_pressure=radius * smallest_column_size_at_singularity
+        if smallest_column_size_at_singularity < first_layer_size_at_lining_face
+        else math.inf,
         slots=slots,
     )
 
 
-class _LiningDivision(NamedTuple):
+class _LiningElementDivision(NamedTuple):
     """The division of one of a shoe's linings into element columns; all sizes are in rad.
 
     Attributes
     ----------
     contact : extent of the lining's contacts
     angles : (m + 1,) ends of the element columns under the lining
-    end_sizes : sizes of the columns at the lining's start and end
-    face_size : size of the layer of elements at the lining's face if the pressure is bounded
-    singular_size : size of the smallest column at a point with unbounded pressure; inf if the
-        pressure is bounded everywhere
+    column_sizes_at_lining_ends : sizes of the columns at the lining's start and end
+    first_layer_size_at_lining_face : size of the layer of elements at the lining's face if the
+        pressure is bounded
+    smallest_column_size_at_singularity : size of the smallest column at a point with unbounded
+        pressure; inf if the pressure is bounded everywhere
     """
 
     contact: "_ContactExtent"
     angles: Floats
-    end_sizes: tuple[float, float]
-    face_size: float
-    singular_size: float
+    column_sizes_at_lining_ends: tuple[float, float]
+    first_layer_size_at_lining_face: float
+    smallest_column_size_at_singularity: float
 
 
 def _divide_one_lining_into_element_columns(
     shoe: Shoe,
     radius: float,
-    level: Level,
+    level: RefinementLevel,
     points: Sequence[SingularPoint],
     exponents: tuple[float, float],
     arc: tuple[float, float],
-) -> _LiningDivision:
+) -> _LiningElementDivision:
     """The division into element columns of the lining that covers `arc` (phi_1, phi_2) [rad].
 
     Parameters
@@ -455,21 +469,27 @@ def _divide_one_lining_into_element_columns(
     exponents : exponents of the pressure at the corners of the lining, at its start and its end
     arc : positions of the lining's start and end [rad]
     """
-    own = [point for point in points if _is_lining_on_arc_nearest_to_position(shoe, arc, point.at)]
+    own = [
+        point
+        for point in points
+        if _is_lining_on_arc_nearest_to_position(shoe, arc, point.position)
+    ]
     contact = _extent_of_lining_contacts(shoe, radius, level, own, arc)
     corner_sizes = _element_column_sizes_at_corners(contact, exponents)
-    end_sizes = _element_column_sizes_at_lining_ends(level, contact, corner_sizes)
-    grading_points = _grading_points_along_lining(shoe, radius, level, own, contact, end_sizes)
+    column_sizes_at_lining_ends = _element_column_sizes_at_lining_ends(level, contact, corner_sizes)
+    grading_points = _grading_points_along_lining(
+        shoe, radius, level, own, contact, column_sizes_at_lining_ends
+    )
     # At points with unbounded pressure the columns are as narrow as `tip_sizes` and `corner_sizes`
     # say. The layer of elements at the lining's face is then as thick as the narrowest column is
     # wide.
     tip_sizes = _element_column_sizes_at_pointed_gap_kinks(level, contact, own)
-    return _LiningDivision(
+    return _LiningElementDivision(
         contact=contact,
         angles=_element_column_ends_between_grading_points(grading_points, level),
-        end_sizes=end_sizes,
-        face_size=_size_of_first_element_layer_at_lining_face(level, contact),
-        singular_size=min(*tip_sizes, *corner_sizes),
+        column_sizes_at_lining_ends=column_sizes_at_lining_ends,
+        first_layer_size_at_lining_face=_size_of_first_element_layer_at_lining_face(level, contact),
+        smallest_column_size_at_singularity=min(*tip_sizes, *corner_sizes),
     )
 
 
@@ -483,7 +503,7 @@ def _is_lining_on_arc_nearest_to_position(shoe: Shoe, arc: tuple[float, float], 
 
 
 def _element_column_ends_under_linings_and_slots(
-    shoe: Shoe, radius: float, level: Level, linings: Sequence[_LiningDivision]
+    shoe: Shoe, radius: float, level: RefinementLevel, linings: Sequence[_LiningElementDivision]
 ) -> tuple[Floats, tuple[tuple[int, int], ...]]:
     """The ends (m + 1,) [rad] of the m columns under linings and in slots, and each slot's columns.
 
@@ -501,14 +521,18 @@ def _element_column_ends_under_linings_and_slots(
     columns = len(linings[0].angles) - 1
     grip_size = _element_column_size_at_ends_of_grip(shoe, radius, level)
     for before, lining in pairwise(linings):
-        first = GradingPoint(float(before.angles[-1]), before.end_sizes[1], level.ratio)
-        last = GradingPoint(float(lining.angles[0]), lining.end_sizes[0], level.ratio)
+        first = ElementGradingPoint(
+            float(before.angles[-1]), before.column_sizes_at_lining_ends[1], level.column_size_ratio
+        )
+        last = ElementGradingPoint(
+            float(lining.angles[0]), lining.column_sizes_at_lining_ends[0], level.column_size_ratio
+        )
         in_slot = [
             at
             for at in shoe.interval_of_body_back_held_by_support(radius) or ()
-            if first.at < at < last.at
+            if first.position < at < last.position
         ]
-        grip_ends = [GradingPoint(at, grip_size, level.ratio) for at in in_slot]
+        grip_ends = [ElementGradingPoint(at, grip_size, level.column_size_ratio) for at in in_slot]
         ends = _element_column_ends_between_grading_points([first, *grip_ends, last], level)
         angles += [ends[1:], lining.angles[1:]]
         slots.append((columns, columns + len(ends) - 1))
@@ -517,31 +541,40 @@ def _element_column_ends_under_linings_and_slots(
 
 
 def _element_column_sizes_at_pointed_gap_kinks(
-    level: Level, contact: "_ContactExtent", points: Sequence[SingularPoint]
+    level: RefinementLevel, contact: "_ContactExtent", points: Sequence[SingularPoint]
 ) -> list[float]:
     """The sizes [rad] of the element columns at all kinks of the gap that point to the drum.
 
     Among the singular `points` these kinks have the kind TIP.
     """
-    tips = [point for point in points if point.kind == Singularity.TIP]
+    tips = [point for point in points if point.kind == KindOfSingularPoint.TIP]
     return [
         _element_column_size_at_pointed_gap_kink(level, contact.thickness, tip.length)
         for tip in tips
     ]
 
 
-def _element_column_ends_between_grading_points(points: list[GradingPoint], level: Level) -> Floats:
+def _element_column_ends_between_grading_points(
+    points: list[ElementGradingPoint], level: RefinementLevel
+) -> Floats:
     """The ends (m + 1,) [rad] of the element columns from the first grading point to the last."""
     ends = []
     for a, b in pairwise(points):
         sizes = element_sizes_growing_from_both_ends(
-            b.at - a.at, a.size, b.size, a.ratio, level.largest, b.ratio
+            b.position - a.position,
+            a.column_size,
+            b.column_size,
+            a.size_ratio_of_columns,
+            level.largest_column,
+            b.size_ratio_of_columns,
         )
-        ends.append(interval_ends_from_interval_sizes(sizes, a.at, b.at)[:-1])
-    return np.append(np.concatenate(ends), points[-1].at)
+        ends.append(interval_ends_from_interval_sizes(sizes, a.position, b.position)[:-1])
+    return np.append(np.concatenate(ends), points[-1].position)
 
 
-def _size_of_first_element_layer_at_lining_face(level: Level, contact: "_ContactExtent") -> float:
+def _size_of_first_element_layer_at_lining_face(
+    level: RefinementLevel, contact: "_ContactExtent"
+) -> float:
     """The size [rad] of the layer of elements at the lining's face if the pressure is bounded.
 
     Under a short contact the layer is as thick as the columns at the contact's ends are wide.
@@ -553,8 +586,14 @@ def _size_of_first_element_layer_at_lining_face(level: Level, contact: "_Contact
     """
     start, end = contact.arc
     size = min(
-        level.zone * min(EDGE_ZONE, contact.thickness, end - start, *contact.reaching_lengths),
-        *(level.end * length for length in contact.lengths),
+        level.face_layer_size
+        * min(
+            UNCOMPARED_EDGE_ZONE_IN_RADIANS,
+            contact.thickness,
+            end - start,
+            *contact.lengths_of_contacts_at_lining_ends,
+        ),
+        *(level.contact_end_column_size * length for length in contact.lengths),
         math.inf,
     )
     return max(size, contact.smallest_column)
@@ -573,11 +612,11 @@ class _ContactExtent(NamedTuple):
     lengths : for each end of a contact the length of this contact
     longest : length of the longest contact, on which the sizes of elements far from the contact
         depend; the length of the lining if no contact is known
-    open_lengths : distance of the first contact from the lining's start, and of the last contact
-        from the lining's end
-    reaching_lengths : lengths of the contacts that reach the lining's start and end; inf for an end
-        that no contact reaches
-    coarsens : whether elements at corners far from the contact may be larger
+    contact_distances_from_lining_ends : distance of the first contact from the lining's start, and
+        of the last contact from the lining's end
+    lengths_of_contacts_at_lining_ends : lengths of the contacts that reach the lining's start and
+        end; inf for an end that no contact reaches
+    may_coarsen_far_from_contact : whether elements at corners far from the contact may be larger
     """
 
     arc: tuple[float, float]
@@ -585,15 +624,15 @@ class _ContactExtent(NamedTuple):
     smallest_column: float
     lengths: list[float]
     longest: float
-    open_lengths: tuple[float, float]
-    reaching_lengths: tuple[float, float]
-    coarsens: bool
+    contact_distances_from_lining_ends: tuple[float, float]
+    lengths_of_contacts_at_lining_ends: tuple[float, float]
+    may_coarsen_far_from_contact: bool
 
 
 def _extent_of_lining_contacts(
     shoe: Shoe,
     radius: float,
-    level: Level,
+    level: RefinementLevel,
     points: Sequence[SingularPoint],
     arc: tuple[float, float],
 ) -> _ContactExtent:
@@ -612,10 +651,10 @@ def _extent_of_lining_contacts(
     layers = shoe_layers_with_their_thickness(shoe, radius)
     start, end = arc
     t = layers[0].thickness / radius
-    contact_ends = [point for point in points if point.kind == Singularity.END]
-    positions = [point.at for point in contact_ends] or [start, end]
+    contact_ends = [point for point in points if point.kind == KindOfSingularPoint.END]
+    positions = [point.position for point in contact_ends] or [start, end]
     lengths = [point.length for point in contact_ends]
-    smallest_column = SMALLEST_COLUMN * t
+    smallest_column = SMALLEST_ELEMENT_SIZE_OVER_LINING_THICKNESS * t
     longest = max(*lengths, smallest_column) if lengths else end - start
     # In a shoe whose thickness is more than half its length, the contact force still stresses the
     # corners at the shoe's back.
@@ -629,9 +668,11 @@ def _extent_of_lining_contacts(
         smallest_column=smallest_column,
         lengths=lengths,
         longest=longest,
-        open_lengths=(positions[0] - start, end - positions[-1]),
-        reaching_lengths=_shortest_contact_lengths_at_lining_ends(arc, t, level, contact_ends),
-        coarsens=not deep and (shoe.body is None or one_short),
+        contact_distances_from_lining_ends=(positions[0] - start, end - positions[-1]),
+        lengths_of_contacts_at_lining_ends=_shortest_contact_lengths_at_lining_ends(
+            arc, t, level, contact_ends
+        ),
+        may_coarsen_far_from_contact=not deep and (shoe.body is None or one_short),
     )
 
 
@@ -646,15 +687,15 @@ def _element_column_sizes_at_corners(
     from both corners.
     """
     sizes = []
-    for length, exponent in zip(contact.reaching_lengths, exponents, strict=True):
-        graded = exponent < 0 and length <= LONGEST_CORNER_CONTACT
-        size = CORNER_COLUMN * length if graded else math.inf
+    for length, exponent in zip(contact.lengths_of_contacts_at_lining_ends, exponents, strict=True):
+        graded = exponent < 0 and length <= LONGEST_CONTACT_WITH_CORNER_COLUMNS
+        size = ELEMENT_SIZE_AT_UNBOUNDED_CORNER * length if graded else math.inf
         sizes.append(max(size, contact.smallest_column))
     return sizes[0], sizes[1]
 
 
 def _element_column_sizes_at_lining_ends(
-    level: Level, contact: _ContactExtent, corner_sizes: tuple[float, float]
+    level: RefinementLevel, contact: _ContactExtent, corner_sizes: tuple[float, float]
 ) -> tuple[float, float]:
     """The sizes of the element columns at the lining's start and end [rad].
 
@@ -666,19 +707,29 @@ def _element_column_sizes_at_lining_ends(
     """
     start, end = contact.arc
     t, smallest = contact.thickness, contact.smallest_column
-    pressed_size = min(level.edge * min(t, 0.5 * (end - start)), level.zone * EDGE_ZONE)
+    pressed_size = min(
+        level.lining_end_column_size * min(t, 0.5 * (end - start)),
+        level.face_layer_size * UNCOMPARED_EDGE_ZONE_IN_RADIANS,
+    )
     sizes = []
-    both_ends = zip(contact.open_lengths, contact.reaching_lengths, corner_sizes, strict=True)
+    both_ends = zip(
+        contact.contact_distances_from_lining_ends,
+        contact.lengths_of_contacts_at_lining_ends,
+        corner_sizes,
+        strict=True,
+    )
     for open_length, reaching_length, corner_size in both_ends:
         # If the gap is open at the lining's end, at least two columns lie between this end and the
         # contact.
         is_open = open_length > 0 and math.isinf(reaching_length)
         gap_size = max(0.5 * open_length, smallest) if is_open else math.inf
         size_without_force = relative_element_size_far_from_contact(
-            level.back, open_length / contact.longest, coarsens=contact.coarsens
+            level.interface_layer_size,
+            open_length / contact.longest,
+            coarsens=contact.may_coarsen_far_from_contact,
         ) * min(t, open_length)
         without_contact = max(min(pressed_size, gap_size), size_without_force)
-        with_contact = max(level.edge * 0.5 * reaching_length, smallest)
+        with_contact = max(level.lining_end_column_size * 0.5 * reaching_length, smallest)
         sizes.append(min(without_contact, with_contact, corner_size))
     return sizes[0], sizes[1]
 
@@ -686,11 +737,11 @@ def _element_column_sizes_at_lining_ends(
 def _grading_points_along_lining(
     shoe: Shoe,
     radius: float,
-    level: Level,
+    level: RefinementLevel,
     points: Sequence[SingularPoint],
     contact: _ContactExtent,
-    end_sizes: tuple[float, float],
-) -> list[GradingPoint]:
+    column_sizes_at_lining_ends: tuple[float, float],
+) -> list[ElementGradingPoint]:
     """The grading points along the lining, in the order of their positions.
 
     Element columns become smaller towards these points: the lining's ends, the singular points, and
@@ -703,14 +754,14 @@ def _grading_points_along_lining(
     level : degree of the elements, and sizes of columns and layers
     points : singular points along the lining, in the order of their positions
     contact : extent of the contact
-    end_sizes : sizes of the columns at the lining's start and end [rad]
+    column_sizes_at_lining_ends : sizes of the columns at the lining's start and end [rad]
     """
     start, end = contact.arc
-    first = GradingPoint(start, end_sizes[0], level.ratio)
-    last = GradingPoint(end, end_sizes[1], level.ratio)
+    first = ElementGradingPoint(start, column_sizes_at_lining_ends[0], level.column_size_ratio)
+    last = ElementGradingPoint(end, column_sizes_at_lining_ends[1], level.column_size_ratio)
     inner = []
     for point in points:
-        distance = min(point.at - start, end - point.at)
+        distance = min(point.position - start, end - point.position)
         inner.append(grading_point_at_singular_point(point, level, contact.thickness, distance))
     grading_points = _grading_points_without_close_ones(first, last, inner)
     grip = shoe.interval_of_body_back_held_by_support(radius)
@@ -721,25 +772,34 @@ def _grading_points_along_lining(
     grip_size = _element_column_size_at_ends_of_grip(shoe, radius, level)
     kept = []
     for candidate in grading_points[1:-1]:
-        distance = min(abs(candidate.at - end_of_grip) for end_of_grip in grip)
-        if distance > max(candidate.size, grip_size):
+        distance = min(abs(candidate.position - end_of_grip) for end_of_grip in grip)
+        if distance > max(candidate.column_size, grip_size):
             kept.append(candidate)
     on_lining = [end_of_grip for end_of_grip in grip if start < end_of_grip < end]
-    grip_ends = [GradingPoint(end_of_grip, grip_size, level.ratio) for end_of_grip in on_lining]
+    grip_ends = [
+        ElementGradingPoint(end_of_grip, grip_size, level.column_size_ratio)
+        for end_of_grip in on_lining
+    ]
     return [grading_points[0], *sorted([*kept, *grip_ends]), grading_points[-1]]
 
 
-def _element_column_size_at_ends_of_grip(shoe: Shoe, radius: float, level: Level) -> float:
+def _element_column_size_at_ends_of_grip(
+    shoe: Shoe, radius: float, level: RefinementLevel
+) -> float:
     """The size [rad] of the element columns at the ends of a grip that holds the shoe's back."""
-    return level.hinge * shoe_layers_with_their_thickness(shoe, radius)[-1].thickness / radius
+    return (
+        level.hinge_column_size
+        * shoe_layers_with_their_thickness(shoe, radius)[-1].thickness
+        / radius
+    )
 
 
 def _element_column_ends_before_and_behind_lining(
     shoe: Shoe,
     radius: float,
-    level: Level,
+    level: RefinementLevel,
     layers: list[ShoeLayer],
-    end_sizes: tuple[float, float],
+    column_sizes_at_lining_ends: tuple[float, float],
     *,
     grades_loaded_end: bool,
 ) -> tuple[Floats, Floats]:
@@ -756,35 +816,35 @@ def _element_column_ends_before_and_behind_lining(
     grades_loaded_end : whether columns become smaller towards the end of the body on which the
         actuation force acts
     layers : layers of the shoe
-    end_sizes : sizes of the columns at the lining's start and end [rad]
+    column_sizes_at_lining_ends : sizes of the columns at the lining's start and end [rad]
     """
     start, end = shoe.arc
     near, far = _positions_of_shoe_body_ends(shoe, radius)
     before, after = np.array([start]), np.array([end])
     if layers[-1].part != "shoe":
         return before, after
-    left, right = end_sizes
+    left, right = column_sizes_at_lining_ends
     body = layers[-1].thickness / radius
-    size_at_hinge = level.hinge * body
-    largest = max(body, level.largest)
+    size_at_hinge = level.hinge_column_size * body
+    largest = max(body, level.largest_column)
     # A body that ends with the lining, up to round-off, has no columns beyond it.
     if start - near > 1e-9:
         sizes = element_sizes_growing_from_both_ends(
-            start - near, left, size_at_hinge, level.ratio, largest
+            start - near, left, size_at_hinge, level.column_size_ratio, largest
         )
         before = start - interval_ends_from_interval_sizes(sizes, 0.0, start - near)
     if far - end > 1e-9:
         size_at_load = min(size_at_hinge, far - end) if grades_loaded_end else far - end
         sizes = element_sizes_growing_from_both_ends(
-            far - end, right, size_at_load, level.ratio, largest
+            far - end, right, size_at_load, level.column_size_ratio, largest
         )
         after = end + interval_ends_from_interval_sizes(sizes, 0.0, far - end)
     return before, after
 
 
 def grading_point_at_singular_point(
-    point: SingularPoint, level: Level, thickness: float, distance: float
-) -> GradingPoint:
+    point: SingularPoint, level: RefinementLevel, thickness: float, distance: float
+) -> ElementGradingPoint:
     """The grading point at a singular point: its position, and the size of the columns beside it.
 
     The position of an end of the contact is rounded to half an element column, so that brakes with
@@ -806,36 +866,46 @@ def grading_point_at_singular_point(
     distance : distance of the point from the nearer end of the lining [rad]; at least two columns
         fit into it
     """
-    if point.kind == Singularity.OPEN_STEP:
-        return GradingPoint(point.at, 0.5 * point.length, level.ratio)
-    if point.kind == Singularity.STEP:
-        return GradingPoint(point.at, point.length * math.sqrt(level.end), level.ratio)
-    if point.kind == Singularity.TIP:
+    if point.kind == KindOfSingularPoint.OPEN_STEP:
+        return ElementGradingPoint(point.position, 0.5 * point.length, level.column_size_ratio)
+    if point.kind == KindOfSingularPoint.STEP:
+        return ElementGradingPoint(
+            point.position,
+            point.length * math.sqrt(level.contact_end_column_size),
+            level.column_size_ratio,
+        )
+    if point.kind == KindOfSingularPoint.TIP:
         size = _element_column_size_at_pointed_gap_kink(level, thickness, point.length)
-        return GradingPoint(point.at, size, level.ratio)
+        return ElementGradingPoint(point.position, size, level.column_size_ratio)
     # The size at an end of the contact or at a kink is rounded to a power of two, so that similar
     # brakes have equal meshes.
     size = _element_column_size_at_contact_end(level, thickness, point.length)
     if distance > size:
         size = min(size, 0.5 * distance)
-    size = 2.0 ** math.floor(math.log2(max(size, SMALLEST_COLUMN * thickness)))
-    if point.kind == Singularity.KINK:
-        return GradingPoint(point.at, size, level.ratio)
-    ratio = level.opening if point.length <= thickness else level.ratio
-    return GradingPoint(round(2 * point.at / size) * size / 2, size, ratio)
+    size = 2.0 ** math.floor(
+        math.log2(max(size, SMALLEST_ELEMENT_SIZE_OVER_LINING_THICKNESS * thickness))
+    )
+    if point.kind == KindOfSingularPoint.KINK:
+        return ElementGradingPoint(point.position, size, level.column_size_ratio)
+    ratio = (
+        level.size_ratio_at_short_contacts if point.length <= thickness else level.column_size_ratio
+    )
+    return ElementGradingPoint(round(2 * point.position / size) * size / 2, size, ratio)
 
 
-def _element_column_size_at_contact_end(level: Level, thickness: float, length: float) -> float:
+def _element_column_size_at_contact_end(
+    level: RefinementLevel, thickness: float, length: float
+) -> float:
     """The size of the element columns at an end of a contact [rad].
 
     An open gap beside the contact that is shorter than this size is not resolved by the mesh.
     `thickness` is the thickness of the lining, and `length` the length of the contact, both in rad.
     """
-    return level.end * min(length, math.sqrt(thickness * length))
+    return level.contact_end_column_size * min(length, math.sqrt(thickness * length))
 
 
 def _element_column_size_at_pointed_gap_kink(
-    level: Level, thickness: float, length: float
+    level: RefinementLevel, thickness: float, length: float
 ) -> float:
     """The size [rad] of element columns at a kink of the gap that points to the drum.
 
@@ -848,12 +918,19 @@ def _element_column_size_at_pointed_gap_kink(
     length : the length (N/c)^2 [rad], where N is the L2 norm of the pressure and c ln(1/x) the
         pressure at the distance x from the kink
     """
-    size = element_column_size_for_error_at_pointed_gap_kink(length, level.degree, level.end)
-    return 2.0 ** math.floor(math.log2(max(size, SMALLEST_COLUMN * thickness)))
+    size = element_column_size_for_error_at_pointed_gap_kink(
+        length, level.degree, level.contact_end_column_size
+    )
+    return 2.0 ** math.floor(
+        math.log2(max(size, SMALLEST_ELEMENT_SIZE_OVER_LINING_THICKNESS * thickness))
+    )
 
 
 def _shortest_contact_lengths_at_lining_ends(
-    arc: tuple[float, float], thickness: float, level: Level, contact_ends: Sequence[SingularPoint]
+    arc: tuple[float, float],
+    thickness: float,
+    level: RefinementLevel,
+    contact_ends: Sequence[SingularPoint],
 ) -> tuple[float, float]:
     """The lengths of the shortest contacts that reach the lining's start and end [rad].
 
@@ -871,16 +948,16 @@ def _shortest_contact_lengths_at_lining_ends(
     at_start, at_end = [], []
     for point in contact_ends:
         column = _element_column_size_at_contact_end(level, thickness, point.length)
-        if point.at - start < column:
+        if point.position - start < column:
             at_start.append(point.length)
-        if end - point.at < column:
+        if end - point.position < column:
             at_end.append(point.length)
     return min(at_start, default=math.inf), min(at_end, default=math.inf)
 
 
 def _grading_points_without_close_ones(
-    start: GradingPoint, end: GradingPoint, inner: Sequence[GradingPoint]
-) -> list[GradingPoint]:
+    start: ElementGradingPoint, end: ElementGradingPoint, inner: Sequence[ElementGradingPoint]
+) -> list[ElementGradingPoint]:
     """The grading points from `start` to `end`, without inner points that are too near to another.
 
     Element columns become smaller towards the grading points. A point is dropped if it lies in the
@@ -892,13 +969,17 @@ def _grading_points_without_close_ones(
     kept = [start]
     for point in inner:
         last = kept[-1]
-        if end.at - point.at <= max(end.size, point.size):
+        if end.position - point.position <= max(end.column_size, point.column_size):
             break
-        smallest_distance = (max if len(kept) == 1 else min)(last.size, point.size)
-        if point.at - last.at > smallest_distance:
+        smallest_distance = (max if len(kept) == 1 else min)(last.column_size, point.column_size)
+        if point.position - last.position > smallest_distance:
             kept.append(point)
-        elif len(kept) > 1 and point.size < last.size:
-            kept[-1] = GradingPoint(last.at, point.size, max(last.ratio, point.ratio))
+        elif len(kept) > 1 and point.column_size < last.column_size:
+            kept[-1] = ElementGradingPoint(
+                last.position,
+                point.column_size,
+                max(last.size_ratio_of_columns, point.size_ratio_of_columns),
+            )
     return [*kept, end]
 
 
@@ -909,13 +990,13 @@ def _positions_of_shoe_body_ends(shoe: Shoe, radius: float) -> tuple[float, floa
     distance along the beam divided by the radius of the lining's back.
     """
     start, end = shoe.arc
-    if isinstance(shoe.body, Beam):
+    if isinstance(shoe.body, BeamBody):
         axis, back = (
             make_beam_axis(shoe.pin.xy, shoe.actuation.point.xy),
             radius + shoe.lining.thickness,
         )
-        angles = np.sort(axis.angle(shoe.frame.theta(np.array([start, end]))))
-        foot = axis.foot + back * np.sin(angles)
+        angles = np.sort(axis.angle(shoe.frame.surface_coordinates_of_phi(np.array([start, end]))))
+        foot = axis.x_of_perpendicular_foot + back * np.sin(angles)
         return start - float(foot[0]) / back, end + (axis.length - float(foot[1])) / back
     if shoe.body is None:
         return start, end
@@ -927,8 +1008,8 @@ def _positions_of_shoe_body_ends(shoe: Shoe, radius: float) -> tuple[float, floa
 
 def _depths_and_parts_of_element_layers(
     layers: list[ShoeLayer],
-    level: Level,
-    face_size: float,
+    level: RefinementLevel,
+    first_layer_size_at_lining_face: float,
     contact_length: float,
     *,
     coarsens: bool,
@@ -943,7 +1024,7 @@ def _depths_and_parts_of_element_layers(
     ----------
     layers : layers of the shoe
     level : degree of the elements, and sizes of columns and layers
-    face_size : size of the layer of elements at the contact [m]
+    first_layer_size_at_lining_face : size of the layer of elements at the contact [m]
     contact_length : length of the contact [m]
     coarsens : whether elements far from the contact are larger
     straight : whether the depth grows by 1 through each layer of the shoe, as for a straight beam;
@@ -955,23 +1036,25 @@ def _depths_and_parts_of_element_layers(
         # `outer` and `inner` are the sizes of the elements nearest to the contact and farthest from
         # it in this layer of the shoe.
         t = layer.thickness
-        outer = face_size
+        outer = first_layer_size_at_lining_face
         if k > 0:
             thinner = min(t, layers[k - 1].thickness)
             size = relative_element_size_far_from_contact(
-                level.back, distances[k - 1], coarsens=coarsens
+                level.interface_layer_size, distances[k - 1], coarsens=coarsens
             )
             outer = size * thinner
         thinner = min(t, layers[k + 1].thickness) if k + 1 < len(layers) else t
         inner = (
-            relative_element_size_far_from_contact(level.back, distances[k], coarsens=coarsens)
+            relative_element_size_far_from_contact(
+                level.interface_layer_size, distances[k], coarsens=coarsens
+            )
             * thinner
         )
         # The hinge holds the end face of this layer, and the stress is singular at the corners of
         # this face.
         if layer.part == "shoe":
-            inner = level.hinge * t
-        sizes = element_sizes_growing_from_both_ends(t, outer, inner, level.through, t)
+            inner = level.hinge_column_size * t
+        sizes = element_sizes_growing_from_both_ends(t, outer, inner, level.layer_size_ratio, t)
         ends = interval_ends_from_interval_sizes(sizes, 0.0, t)[1:]
         depths.append(at + (ends / t if straight else ends))
         part += [layer.part] * len(sizes)

@@ -23,14 +23,14 @@ from drumlin.fem.substructure.elasticity import (
 )
 from drumlin.response.resultants import gauss_lobatto_points
 
-SLOPES_PER_BATCH = 32_000
+SHAPE_FUNCTION_SLOPES_PER_BATCH = 32_000
 """Number of derivatives of shape functions in a batch of elements computed together.
 
 An element has (p + 1)^2 functions with two derivatives at each of its (p + 1)^2 Gauss points. The
 data of a batch of this size stay in the processor's cache. Larger and smaller batches give the
 same stiffness, but take more time.
 """
-SINGULAR_ELEMENT = (
+SINGULAR_ELEMENT_MESSAGE = (
     "singular stiffness: a part hangs on nothing, or moduli or sizes are too far apart"
 )
 """Message of the error raised if the stiffness of eliminated unknowns is not positive definite."""
@@ -69,7 +69,7 @@ def reference_element_of_degree(p: int, *, precise: bool = False) -> ReferenceEl
     functions = (
         _shape_function_values_and_slopes_in_long_double(p, x)
         if precise
-        else shape_function_values_and_slopes(p, points_of_square_grid(x))
+        else shape_function_values_and_slopes(p, points_of_square_tensor_grid(x))
     )
     values, slopes = functions
     return ReferenceElement(
@@ -92,7 +92,7 @@ def node_positions_on_edge_from_0_to_1(p: int) -> Floats:
     return 0.5 * (gauss_lobatto_points(p) + 1)
 
 
-def points_of_square_grid(x: Floats) -> Floats:
+def points_of_square_tensor_grid(x: Floats) -> Floats:
     """The points (2, n n) of the square grid with the coordinates x (n,) in both directions.
 
     The second coordinate changes from each point to the next, and the first coordinate only after n
@@ -113,7 +113,9 @@ def shape_function_values_and_slopes(p: int, x: Floats) -> tuple[Floats, Floats]
     hierarchical = skfem.ElementQuadP(p) if p > 2 else skfem.ElementQuad2()
     count = (p + 1) ** 2
     at_nodes = [
-        hierarchical.lbasis(points_of_square_grid(node_positions_on_edge_from_0_to_1(p)), i)[0]
+        hierarchical.lbasis(points_of_square_tensor_grid(node_positions_on_edge_from_0_to_1(p)), i)[
+            0
+        ]
         for i in range(count)
     ]
     at_points = [hierarchical.lbasis(x, i) for i in range(count)]
@@ -137,7 +139,7 @@ def _shape_function_values_and_slopes_in_long_double(p: int, x: Floats) -> tuple
     x = x.astype(np.longdouble)
     apart = nodes[:, None] - nodes + np.eye(p + 1)
 
-    def lagrange_polynomial_without_factors(i: int, *others: int) -> Any:
+    def lagrange_polynomial_without_given_factors(i: int, *others: int) -> Any:
         """Lagrange's polynomial of node i at all x, without the factors of the nodes `others`."""
         kept = [j for j in range(p + 1) if j != i and j not in others]
         return np.prod([(x - nodes[j]) / apart[i, j] for j in kept], axis=0)
@@ -145,10 +147,12 @@ def _shape_function_values_and_slopes_in_long_double(p: int, x: Floats) -> tuple
     def derivative_of_lagrange_polynomial(i: int) -> Any:
         """The derivative of Lagrange's polynomial of node i at all x, by the product rule."""
         return sum(
-            lagrange_polynomial_without_factors(i, k) / apart[i, k] for k in range(p + 1) if k != i
+            lagrange_polynomial_without_given_factors(i, k) / apart[i, k]
+            for k in range(p + 1)
+            if k != i
         )
 
-    value = np.array([lagrange_polynomial_without_factors(i) for i in range(p + 1)])
+    value = np.array([lagrange_polynomial_without_given_factors(i) for i in range(p + 1)])
     slope = np.array([derivative_of_lagrange_polynomial(i) for i in range(p + 1)])
     both = [np.einsum("ik,jl->ijkl", slope, value), np.einsum("ik,jl->ijkl", value, slope)]
     slopes = np.stack([each.reshape((p + 1) ** 2, -1) for each in both], axis=1)
@@ -186,7 +190,7 @@ def plane_stress_stiffness_of_elements(xy: Any, elasticity: Any, p: int, along: 
     )
 
 
-class _ElementIntegrals(NamedTuple):
+class _IntegralsForElementStiffness(NamedTuple):
     """The integrals and constants from which the stiffness of elements is computed.
 
     There are e elements. The number of nodes of an element is called a, as in the shapes below.
@@ -196,7 +200,7 @@ class _ElementIntegrals(NamedTuple):
     products : (e, 2, a, 2, a) integrals Int psi_a,i psi_b,j dA of products of the gradients of two
         shape functions; the axes after the first are i, a, j, b
     constants : (e, 4) lambda, mu, a, b of `elasticity.isotropic_and_orthotropic_elastic_constants`
-    directed : (m,) numbers of the elements whose material is orthotropic
+    orthotropic_elements : (m,) numbers of the elements whose material is orthotropic
     strains : (2, m, a, 2, q) strains along the layers, and strains through them, of the orthotropic
         elements at their Gauss points due to unit displacements of their nodes, times the root of
         dA; empty if m is 0
@@ -204,7 +208,7 @@ class _ElementIntegrals(NamedTuple):
 
     products: Any
     constants: Any
-    directed: Ints
+    orthotropic_elements: Ints
     strains: tuple[Any, ...]
 
     def stiffness(self, rows: slice, columns: slice) -> Any:
@@ -222,8 +226,10 @@ class _ElementIntegrals(NamedTuple):
         np.add((lam + 2 * mu) * yy, mu * xx, out=K[:, :, 1, :, 1])
         np.add(lam * xy, mu * yx, out=K[:, :, 0, :, 1])
         np.add(lam * yx, mu * xy, out=K[:, :, 1, :, 0])
-        if len(self.directed):
-            K[self.directed] += self._element_stiffness_added_by_orthotropy(rows, columns)
+        if len(self.orthotropic_elements):
+            K[self.orthotropic_elements] += self._element_stiffness_added_by_orthotropy(
+                rows, columns
+            )
         return K
 
     def _element_stiffness_added_by_orthotropy(self, rows: slice, columns: slice) -> Any:
@@ -240,7 +246,7 @@ class _ElementIntegrals(NamedTuple):
             product = left.reshape(count, -1, points) @ flat_right
             return product.reshape(*left.shape[:3], *right.shape[1:3])
 
-        a, b = self.constants[self.directed, 2:].T[:, :, None, None, None, None]
+        a, b = self.constants[self.orthotropic_elements, 2:].T[:, :, None, None, None, None]
         along, through = self.strains
         return a * integrals_of_products_of_two_strains(
             along
@@ -249,7 +255,7 @@ class _ElementIntegrals(NamedTuple):
 
 def _integrals_for_element_stiffness(
     xy: Any, elasticity: Any, p: int, along: Any
-) -> _ElementIntegrals:
+) -> _IntegralsForElementStiffness:
     """The integrals from which the stiffness of elements is computed.
 
     The elements have the nodes `xy` [m] and the degree p. `elasticity` holds elasticity matrices
@@ -263,18 +269,18 @@ def _integrals_for_element_stiffness(
     flat = slopes.reshape(e, 2 * a, q)
     products = (flat @ flat.transpose(0, 2, 1)).reshape(e, 2, a, 2, a)
     # Only elements of orthotropic material need the strains along and through their layers.
-    directed = np.flatnonzero(constants[:, 2:].any(axis=1))
+    orthotropic_elements = np.flatnonzero(constants[:, 2:].any(axis=1))
     strains: tuple[Any, ...] = ()
-    if len(directed):
-        t = np.moveaxis(along[directed], 1, 0)  # (2, m, q)
-        own = slopes[directed]
+    if len(orthotropic_elements):
+        t = np.moveaxis(along[orthotropic_elements], 1, 0)  # (2, m, q)
+        own = slopes[orthotropic_elements]
         strains = (
             _strains_along_direction_due_to_unit_displacements(own, t),
             _strains_along_direction_due_to_unit_displacements(
                 own, unit_vectors_through_thickness_of_layers(t)
             ),
         )
-    return _ElementIntegrals(products, constants, directed, strains)
+    return _IntegralsForElementStiffness(products, constants, orthotropic_elements, strains)
 
 
 def _strains_along_direction_due_to_unit_displacements(slopes: Any, direction: Any) -> Any:
@@ -326,7 +332,7 @@ def replace_matrix_by_schur_complement(K: Floats, C: Floats, inner: Floats) -> F
     assert K.flags.c_contiguous and C.flags.c_contiguous and inner.flags.c_contiguous
     L, info = dpotrf(inner.T, lower=1, clean=0, overwrite_a=1)
     if info:
-        raise NoAnswer(SINGULAR_ELEMENT)
+        raise NoAnswer(SINGULAR_ELEMENT_MESSAGE)
     Y = dtrsm(1.0, L, C.T, side=1, lower=1, trans_a=1, overwrite_b=1)
     dgemm(-1.0, Y, Y, 1.0, K.T, trans_b=1, overwrite_c=1)
     return K
@@ -344,7 +350,7 @@ def replace_matrices_by_schur_complements(K: Floats, C: Floats, inner: Floats) -
     return K
 
 
-class _StiffnessBlocks(NamedTuple):
+class _BoundaryAndInnerStiffnessOfElements(NamedTuple):
     """The stiffness of a batch of e elements in three blocks.
 
     Each element has k unknowns on its boundary and m unknowns inside.
@@ -365,7 +371,7 @@ class _StiffnessBlocks(NamedTuple):
 
 def _stiffness_blocks_of_element_batches(
     xy: Floats, elasticity: Floats, p: int, along: Floats | None
-) -> Iterator[_StiffnessBlocks]:
+) -> Iterator[_BoundaryAndInnerStiffnessOfElements]:
     """Yield the stiffness of elements in three blocks, one batch of elements after the other.
 
     A batch fits into the processor's cache. The elements have the nodes `xy` [m] and the degree p.
@@ -376,12 +382,12 @@ def _stiffness_blocks_of_element_batches(
     on, inside = slice(reference.outer), slice(reference.outer, None)
     outer_count = 2 * reference.outer
     inner_count = 2 * len(reference.order) - outer_count
-    step = max(1, SLOPES_PER_BATCH // reference.slopes.size)
+    step = max(1, SHAPE_FUNCTION_SLOPES_PER_BATCH // reference.slopes.size)
     for k in range(0, len(xy), step):
         part = slice(k, k + step)
         directions = None if along is None else along[part]
         integrals = _integrals_for_element_stiffness(xy[part], elasticity[part], p, directions)
-        yield _StiffnessBlocks(
+        yield _BoundaryAndInnerStiffnessOfElements(
             part,
             integrals.stiffness(on, on).reshape(-1, outer_count, outer_count),
             integrals.stiffness(inside, on).reshape(-1, inner_count, outer_count),
@@ -418,7 +424,7 @@ def condensed_element_stiffness(
     return condensed.reshape(*shape, 8 * p, 8 * p)
 
 
-class CondensedForces(NamedTuple):
+class ForcesCondensedToElementBoundary(NamedTuple):
     """Forces on the inner nodes of e elements of degree p, condensed to their boundary nodes.
 
     `forces` (e, 8 p, k) are the equivalent forces on the boundary nodes for k load cases. `work`
@@ -432,7 +438,7 @@ class CondensedForces(NamedTuple):
 
 def condense_inner_forces_to_element_boundary(
     xy: Floats, elasticity: Floats, p: int, along: Floats | None, inner_forces: Floats
-) -> CondensedForces:
+) -> ForcesCondensedToElementBoundary:
     """The forces on the boundary nodes of elements that are equivalent to forces on inner nodes.
 
     Parameters
@@ -453,7 +459,7 @@ def condense_inner_forces_to_element_boundary(
         displacements = np.linalg.solve(inner, own)
         forces[part] = -(coupling.transpose(0, 2, 1) @ displacements)
         work += (own.transpose(0, 2, 1) @ displacements).sum(axis=0)
-    return CondensedForces(forces, work)
+    return ForcesCondensedToElementBoundary(forces, work)
 
 
 def nodal_forces_of_element_stresses(xy: Floats, stresses: Floats, p: int) -> Floats:
@@ -468,7 +474,7 @@ def nodal_forces_of_element_stresses(xy: Floats, stresses: Floats, p: int) -> Fl
     p : degree
     """
     forces = np.empty((len(xy), xy.shape[2], 2))
-    step = max(1, SLOPES_PER_BATCH // reference_element_of_degree(p).slopes.size)
+    step = max(1, SHAPE_FUNCTION_SLOPES_PER_BATCH // reference_element_of_degree(p).slopes.size)
     for k in range(0, len(xy), step):
         part = slice(k, k + step)
         G, area = shape_function_gradients_and_gauss_areas(xy[part], p)

@@ -23,22 +23,25 @@ from drumlin.fem.hp.element import (
     nodal_forces_of_element_stresses,
     node_positions_on_edge_from_0_to_1,
     plane_stress_stiffness_of_elements,
-    points_of_square_grid,
+    points_of_square_tensor_grid,
     reference_element_of_degree,
     shape_function_gradients_and_gauss_areas,
     shape_function_values_and_slopes,
 )
 from drumlin.fem.substructure.body import (
     ElementQuadrature,
-    InnerSystem,
+    UncondensedBodySystem,
     assemble_sparse_stiffness,
 )
 from drumlin.fem.substructure.elimination import CondensedSystem
-from drumlin.fem.substructure.expansion import Strains, stress_times_width_of_free_strain
+from drumlin.fem.substructure.expansion import (
+    FreeStrainFunctionByLayer,
+    stress_times_width_of_free_strain,
+)
 
 
 @dataclass(frozen=True)
-class ElementBlock:
+class RectangularElementBlock:
     """A block of hp elements whose nodes form a rectangle of rows and columns.
 
     Attributes
@@ -56,21 +59,22 @@ class ElementBlock:
 
 
 @dataclass(frozen=True)
-class ColumnGrid:
+class HpElementGrid:
     """All nodes and hp elements of a body; an element of degree p has a = (p + 1)^2 nodes.
 
     Attributes
     ----------
     degree : degree p of the elements
     blocks : rectangular blocks of elements that the body consists of
-    point_at : function from depths and positions along the lining to points (2, ...) [m]
+    point_at_depth_and_position : function from depths and positions along the lining to points (2,
+        ...) [m]
     sets : numbers of the nodes of each node set, by its name (such as "hinge")
     N : number of nodes. The contact nodes have the first numbers, in the order of the blocks.
     """
 
     degree: int
-    blocks: tuple[ElementBlock, ...]
-    point_at: Callable[[Floats, Floats], Floats]
+    blocks: tuple[RectangularElementBlock, ...]
+    point_at_depth_and_position: Callable[[Floats, Floats], Floats]
     sets: Mapping[str, Ints]
     N: int
 
@@ -79,7 +83,9 @@ class ColumnGrid:
         """Points of the grid's nodes (2, N) [m]."""
         xy = np.zeros((2, self.N))
         for block in self.blocks:
-            xy[:, block.number] = self.point_at(block.depth[:, None], block.along)
+            xy[:, block.number] = self.point_at_depth_and_position(
+                block.depth[:, None], block.along
+            )
         return xy
 
     @property
@@ -88,7 +94,7 @@ class ColumnGrid:
         return np.arange(2 * self.N)
 
     def indices_in_this_basis_of_grid_nodes(self, nodes: Ints) -> Ints:
-        """The given numbers of nodes, unchanged: a grid, unlike a `Skeleton`, has all nodes."""
+        """The given numbers of nodes, unchanged, as a whole grid has all nodes."""
         return nodes
 
     @cached_property
@@ -145,7 +151,8 @@ class ColumnGrid:
         # The derivatives on the unit square are multiplied with the inverse of the Jacobian matrix
         # J.
         _, slopes = shape_function_values_and_slopes(
-            self.degree, points_of_square_grid(node_positions_on_edge_from_0_to_1(self.degree))
+            self.degree,
+            points_of_square_tensor_grid(node_positions_on_edge_from_0_to_1(self.degree)),
         )
         J = np.einsum("can,adq->nqcd", self.doflocs[:, self.element_dofs[:, elements]], slopes)
         return np.asarray(np.einsum("adq,nqdc->acnq", slopes, np.linalg.inv(J)))
@@ -173,7 +180,7 @@ class ColumnGrid:
         """The elasticity matrix times the width, for each element (elements, 3, 3) [N/m]."""
         matrices = np.zeros((self.element_dofs.shape[1], 3, 3))
         for name, elements in self.subdomains.items():
-            matrices[elements] = layers[name].stiffness
+            matrices[elements] = layers[name].elasticity_times_width
         return matrices
 
     def unit_vectors_along_layers_at_gauss_points(
@@ -192,7 +199,7 @@ class ColumnGrid:
         points = gauss_points_of_elements(xy, self.degree)
         directions = np.empty_like(points)
         for name, elements in self.subdomains.items():
-            of_layer = layers[name].directions(np.moveaxis(points[elements], 1, 0))
+            of_layer = layers[name].unit_vectors_along_layer(np.moveaxis(points[elements], 1, 0))
             directions[elements] = np.moveaxis(of_layer, 0, 1)
         return directions
 
@@ -213,7 +220,7 @@ class ColumnGrid:
         return assemble_sparse_stiffness(K, self.element_nodes_boundary_nodes_first, self.N)
 
     def nodal_forces_of_layer_expansion(
-        self, layers: Mapping[str, ElasticLayer], strains: Strains
+        self, layers: Mapping[str, ElasticLayer], strains: FreeStrainFunctionByLayer
     ) -> Floats:
         """The nodal forces (2 N,) [N] that are equivalent to free strains of the layers.
 
@@ -246,7 +253,7 @@ class ColumnGrid:
         )
 
     @cached_property
-    def grid_without_inner_element_nodes(self) -> "Skeleton":
+    def grid_without_inner_element_nodes(self) -> "ElementBoundaryGrid":
         """The skeleton of the grid: the nodes on the boundaries of its elements."""
         dofs = self.element_nodes_boundary_nodes_first[
             :, : reference_element_of_degree(self.degree).outer
@@ -254,11 +261,11 @@ class ColumnGrid:
         nodes = np.unique(dofs)
         number = np.full(self.N, -1)
         number[nodes] = np.arange(len(nodes))
-        return Skeleton(self, nodes, number, number[dofs].T)
+        return ElementBoundaryGrid(self, nodes, number, number[dofs].T)
 
 
 @dataclass(frozen=True)
-class Skeleton:
+class ElementBoundaryGrid:
     """The skeleton of a grid: the nodes on the boundaries of its elements, without inner nodes.
 
     A grid of high degree has most of its unknowns inside its elements. The inner unknowns of an
@@ -274,7 +281,7 @@ class Skeleton:
     element_dofs : (4 p, elements) boundary nodes of each element, as numbers in the skeleton
     """
 
-    grid: ColumnGrid
+    grid: HpElementGrid
     nodes: Ints
     number: Ints
     element_dofs: Ints
@@ -404,7 +411,7 @@ class Skeleton:
         return everywhere.reshape(2 * grid.N, -1)
 
 
-WholeSystem = Callable[[ColumnGrid | Skeleton], InnerSystem]
+BodySystemAssemblyFunction = Callable[[HpElementGrid | ElementBoundaryGrid], UncondensedBodySystem]
 """A function that assembles a body's system of equations: stiffness, constraints and loads.
 
 Its argument gives the nodes whose displacements are unknowns: all nodes of a grid, or only the
@@ -413,13 +420,13 @@ nodes on the boundaries of elements (its skeleton).
 
 
 @dataclass(frozen=True)
-class GridUnknowns:
+class EliminatedUnknownsOfHpElementBody:
     """The displacements of a body in hp elements that its condensation has eliminated.
 
     They are computed again from the contact forces, the unit loads and the motion of the frame (the
     rigid face that the hinge holds): first on the skeleton (the nodes on the boundaries of
     elements), then inside the elements one by one. The class is a
-    `substructure.body.InnerEquations`.
+    `substructure.body.EliminatedUnknownsAndEquationsOfAnyBody`.
 
     Attributes
     ----------
@@ -431,26 +438,26 @@ class GridUnknowns:
         they come after the other unit loads
     """
 
-    grid: ColumnGrid
+    grid: HpElementGrid
     layers: Mapping[str, ElasticLayer]
-    whole_system: WholeSystem
+    whole_system: BodySystemAssemblyFunction
     further: Floats
 
     @classmethod
-    def grid_unknowns_with_original_unit_loads_only(
+    def eliminated_unknowns_with_system_loads_only(
         cls,
-        grid: ColumnGrid,
+        grid: HpElementGrid,
         layers: Mapping[str, ElasticLayer],
-        whole_system: WholeSystem,
-    ) -> "GridUnknowns":
-        """The `GridUnknowns` of a body without unit loads besides those of `whole_system`."""
+        whole_system: BodySystemAssemblyFunction,
+    ) -> "EliminatedUnknownsOfHpElementBody":
+        """The unknowns of a body without unit loads besides those of `whole_system`."""
         return cls(grid, layers, whole_system, np.zeros((2 * grid.N, 0)))
 
-    def equations_of_body_before_condensation(self) -> InnerSystem:
+    def equations_of_body_before_condensation(self) -> UncondensedBodySystem:
         """The body's system of equations before condensation, on all nodes of its grid."""
         return self._system_with_further_unit_loads(self.whole_system(self.grid), self.further)
 
-    def body_system_with_further_loads(self, forces: Floats) -> "GridUnknowns":
+    def copy_with_further_unit_loads(self, forces: Floats) -> "EliminatedUnknownsOfHpElementBody":
         """A copy with k further unit loads, given as nodal forces (2 grid nodes, k)."""
         return replace(self, further=np.hstack([self.further, forces]))
 
@@ -495,6 +502,8 @@ class GridUnknowns:
         forces = self.further @ loads[len(loads) - count :]
         return sides.displacements_of_all_grid_nodes(self.layers, on_sides, forces)
 
-    def _system_with_further_unit_loads(self, system: InnerSystem, forces: Floats) -> InnerSystem:
+    def _system_with_further_unit_loads(
+        self, system: UncondensedBodySystem, forces: Floats
+    ) -> UncondensedBodySystem:
         """The system of equations with k more unit loads, given as nodal forces (2 N, k)."""
-        return system.body_system_with_further_loads(forces) if forces.shape[1] else system
+        return system.copy_with_further_unit_loads(forces) if forces.shape[1] else system

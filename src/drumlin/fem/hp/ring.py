@@ -15,9 +15,9 @@ from drumlin.base.arrays import Bools, Floats, Ints
 from drumlin.base.errors import NoAnswer
 from drumlin.base.lapack import dpotrf
 from drumlin.brake.brake import Brake
-from drumlin.brake.components import Ring, Section
+from drumlin.brake.components import DrumRing, RectangularCrossSection
 from drumlin.brake.elasticity import which_elasticity_matrices_are_orthotropic
-from drumlin.contact.equations import MOST_CONTACT_NODES
+from drumlin.contact.equations import MAX_NODES_OF_CONTACT_PROBLEM
 from drumlin.fem.hp.arc import (
     angular_factors_of_column_stiffness,
     condensed_arc_column_stiffness,
@@ -32,11 +32,16 @@ from drumlin.fem.hp.columns import (
     rotate_node_axes_of_vectors,
 )
 from drumlin.fem.hp.division import (
-    Level,
+    RefinementLevel,
     element_sizes_growing_from_both_ends,
     interval_ends_from_interval_sizes,
 )
-from drumlin.fem.hp.grid import ColumnGrid, ElementBlock, GridUnknowns, Skeleton
+from drumlin.fem.hp.grid import (
+    ElementBoundaryGrid,
+    EliminatedUnknownsOfHpElementBody,
+    HpElementGrid,
+    RectangularElementBlock,
+)
 from drumlin.fem.hp.shoe import (
     displacement_axis_angles_at_contact_nodes,
     distinct_sizes_and_index_of_each_size,
@@ -44,23 +49,23 @@ from drumlin.fem.hp.shoe import (
     node_positions_of_element_row,
 )
 from drumlin.fem.substructure.body import (
-    FRAME,
+    DEGREES_OF_FREEDOM_OF_BODY_FRAME,
     CondensedBody,
-    InnerSystem,
+    UncondensedBodySystem,
     multi_point_constraints_of_body,
 )
 from drumlin.fem.substructure.elasticity import (
     elastic_layers_of_ring,
     elasticity_times_width_of_layers,
 )
-from drumlin.fem.substructure.elimination import SINGULAR_BODY
+from drumlin.fem.substructure.elimination import SINGULAR_BODY_MESSAGE
 from drumlin.fem.substructure.interface import ContactLine
-from drumlin.fem.substructure.loads import LoadColumns
+from drumlin.fem.substructure.loads import ColumnsOfUnitLoads
 from drumlin.fem.substructure.ring import (
-    RIM,
-    RimBalance,
+    RIM_LOAD_NAME,
+    FreeRingForceBalance,
     RingSubstructure,
-    couple_ring_with_linings,
+    condensed_ring_coupled_with_linings,
     fixed_nodes_of_ring,
     indices_of_displacements_that_hold_free_ring,
     stiffness_of_drum_ring_without_supports,
@@ -71,7 +76,7 @@ from drumlin.response.resultants import (
     shape_functions_and_derivatives_at_gauss_points,
 )
 
-RING_ERROR = 0.1
+RING_ERROR_OVER_LINING_ERROR = 0.1
 """Error of the displacement that the ring's columns leave, relative to that of the lining's.
 
 A column of width w on a body of modulus E leaves an error of about p w/E of the displacement under
@@ -81,9 +86,9 @@ brakes with rings (seeds 0 to 7 of each of the three kinds), the error of p was 
 the error with the lining's columns; with 0.3 it was up to 2.7 times as large. Smaller values give
 the ring more columns, and the solve takes more time.
 """
-FULL_TURN = 2 * math.pi
+FULL_TURN_IN_RADIANS = 2 * math.pi
 """The angle of a whole turn [rad]."""
-SAME_ANGLE = 1e-9
+SAME_ANGLE_TOLERANCE = 1e-9
 """Difference of two angles [rad] below which they are the same end of an element column.
 
 A smaller difference is round-off.
@@ -139,11 +144,11 @@ class RingDivision(NamedTuple):
 
 
 def divide_ring_into_hp_elements(
-    section: Section,
+    section: RectangularCrossSection,
     radius: float,
     linings: list[Floats],
-    level: Level,
-    singular_layer_size: float = math.inf,
+    level: RefinementLevel,
+    face_layer_size_at_unbounded_pressure: float = math.inf,
     widening: float = 1.0,
 ) -> RingDivision:
     """The division of the drum's ring into columns and layers of hp elements.
@@ -159,21 +164,24 @@ def divide_ring_into_hp_elements(
     linings : for each lining the angles of the ends of its columns [rad], growing, in the brake's
         frame
     level : degree of the elements, and sizes of columns and layers
-    singular_layer_size : upper limit of the size of the thinnest layer of elements [m]
+    face_layer_size_at_unbounded_pressure : upper limit of the size of the thinnest layer of
+        elements [m]
     widening : width of the ring's narrowest columns over that of the lining's, see
-        `width_of_ring_columns_over_width_of_lining_columns`
+        `largest_ratio_of_ring_to_lining_column_widths`
     """
     # `places` are the ends of the columns of all linings, as angles from the first end on, from 0
     # to a whole turn.
-    origin = min(float(ends[0]) % FULL_TURN for ends in linings)
+    origin = min(float(ends[0]) % FULL_TURN_IN_RADIANS for ends in linings)
     thickness = section.thickness / radius
     wider = [
         _ends_of_ring_columns_under_lining(ends, level, widening, thickness) for ends in linings
     ]
-    parts = [ends - ends[0] + (float(ends[0]) - origin) % FULL_TURN for ends in wider]
-    places = np.sort(np.concatenate([part % FULL_TURN for part in parts]))
-    places = places[np.append(True, np.diff(places) > SAME_ANGLE)]
-    places = np.append(places[places < FULL_TURN - SAME_ANGLE], FULL_TURN)
+    parts = [ends - ends[0] + (float(ends[0]) - origin) % FULL_TURN_IN_RADIANS for ends in wider]
+    places = np.sort(np.concatenate([part % FULL_TURN_IN_RADIANS for part in parts]))
+    places = places[np.append(True, np.diff(places) > SAME_ANGLE_TOLERANCE)]
+    places = np.append(
+        places[places < FULL_TURN_IN_RADIANS - SAME_ANGLE_TOLERANCE], FULL_TURN_IN_RADIANS
+    )
 
     # Between two linings columns are added, which grow from the size of both neighbours to the
     # middle.
@@ -185,7 +193,7 @@ def divide_ring_into_hp_elements(
         if not covered:
             before, after = sizes[k - 1], sizes[(k + 1) % len(sizes)]
             pieces = element_sizes_growing_from_both_ends(
-                b - a, before, after, level.ratio, level.largest
+                b - a, before, after, level.column_size_ratio, level.largest_column
             )
         angles.append(interval_ends_from_interval_sizes(pieces, a, b)[1:])
         contact += [covered] * len(pieces)
@@ -193,7 +201,11 @@ def divide_ring_into_hp_elements(
     # The layers grow from the friction surface through the thickness.
     t = section.thickness
     layers = element_sizes_growing_from_both_ends(
-        t, min(level.back * t, singular_layer_size), t, level.through, t
+        t,
+        min(level.interface_layer_size * t, face_layer_size_at_unbounded_pressure),
+        t,
+        level.layer_size_ratio,
+        t,
     )
     ends = origin + np.concatenate(angles)
     return RingDivision(
@@ -201,10 +213,13 @@ def divide_ring_into_hp_elements(
     )
 
 
-def width_of_ring_columns_over_width_of_lining_columns(brake: Brake, section: Section) -> float:
+def largest_ratio_of_ring_to_lining_column_widths(
+    brake: Brake, section: RectangularCrossSection
+) -> float:
     """How many times wider the ring's columns may be than the lining's columns, at least 1.
 
-    The stiffest lining decides, see RING_ERROR. `section` is the section of the brake's ring.
+    The stiffest lining decides, see RING_ERROR_OVER_LINING_ERROR. `section` is the section of the
+    brake's ring.
     """
     lining = max(
         shoe.lining.width * shoe.lining.material.young_modulus_of_equivalent_half_plane
@@ -212,11 +227,11 @@ def width_of_ring_columns_over_width_of_lining_columns(brake: Brake, section: Se
     )
     ring = section.width * section.material.young_modulus_of_equivalent_half_plane
     # Powers of two give brakes with nearly equal moduli the same columns.
-    return 2.0 ** max(0, math.floor(math.log2(RING_ERROR * ring / lining)))
+    return 2.0 ** max(0, math.floor(math.log2(RING_ERROR_OVER_LINING_ERROR * ring / lining)))
 
 
 def _ends_of_ring_columns_under_lining(
-    ends: Floats, level: Level, widening: float, thickness: float
+    ends: Floats, level: RefinementLevel, widening: float, thickness: float
 ) -> Floats:
     """The ends of the ring's columns under a lining [rad], wider than the lining's columns.
 
@@ -247,7 +262,7 @@ def _ends_of_ring_columns_under_lining(
         )
         # The length is rounded, so that equal linings have equal columns wherever they lie.
         pieces = element_sizes_growing_from_both_ends(
-            round(b - a, 12), left, right, level.ratio, level.largest
+            round(b - a, 12), left, right, level.column_size_ratio, level.largest_column
         )
         found.append(interval_ends_from_interval_sizes(pieces, a, b)[1:])
     return np.concatenate(found)
@@ -259,17 +274,17 @@ def _which_angles_are_under_linings(angles: Floats, parts: list[Floats]) -> Bool
     The first and the last angle of each of the `parts` [rad] are the ends of a lining.
     """
     first, last = np.array([(ends[0], ends[-1]) for ends in parts]).T[:, :, None]
-    turned = angles + FULL_TURN
+    turned = angles + FULL_TURN_IN_RADIANS
     under = (first < angles) & (angles < last) | (first < turned) & (turned < last)
     return np.asarray(under.any(axis=0))
 
 
 def condensed_ring_in_hp_elements(
     brake: Brake,
-    level: Level,
+    level: RefinementLevel,
     linings: tuple[ContactLine, ...],
     *,
-    singular_layer_size: float = math.inf,
+    face_layer_size_at_unbounded_pressure: float = math.inf,
 ) -> RingSubstructure:
     """The elastic ring of a brake in hp elements, condensed to its nodes under the linings.
 
@@ -278,30 +293,32 @@ def condensed_ring_in_hp_elements(
     brake : the brake, which has a ring with a section
     level : degree of the elements, and sizes of columns and layers
     linings : contact line of each lining, in its shoe's frame
-    singular_layer_size : upper limit of the size of the thinnest layer of elements [m]
+    face_layer_size_at_unbounded_pressure : upper limit of the size of the thinnest layer of
+        elements [m]
 
     Raises
     ------
     NoAnswer
-        if more than MOST_CONTACT_NODES of the ring's nodes lie under linings
+        if more than MAX_NODES_OF_CONTACT_PROBLEM of the ring's nodes lie under linings
     """
-    # `reason_why_brake_is_not_modelled` refuses brakes without a section before, so that the
+    # `reason_against_finite_element_model` refuses brakes without a section before, so that the
     # assertion holds.
-    ring, radius, sign = brake.ring, brake.size, brake.shoes[0].sign
+    ring, radius, sign = brake.ring, brake.size, brake.shoes[0].sign_internal_plus_external_minus
     assert ring is not None and ring.section is not None
     ends = []
     for shoe, line in zip(brake.shoes, linings, strict=True):
         for phi in line.split_nodal_values_by_lining(line.phi):
             at_ends = phi[:: line.interpolation_degree_along_contact_line]
-            ends.append(np.sort(shoe.frame.theta(at_ends)))
-    widening = width_of_ring_columns_over_width_of_lining_columns(brake, ring.section)
+            ends.append(np.sort(shoe.frame.surface_coordinates_of_phi(at_ends)))
+    widening = largest_ratio_of_ring_to_lining_column_widths(brake, ring.section)
     div = divide_ring_into_hp_elements(
-        ring.section, radius, ends, level, singular_layer_size, widening
+        ring.section, radius, ends, level, face_layer_size_at_unbounded_pressure, widening
     )
-    if len(div.contact_nodes) > MOST_CONTACT_NODES:
+    if len(div.contact_nodes) > MAX_NODES_OF_CONTACT_PROBLEM:
         raise NoAnswer(
             f"the ring has {len(div.contact_nodes)} nodes under the linings, more than the "
-            f"{MOST_CONTACT_NODES} that are allowed: the contact nodes of a mesh file are too many"
+            f"{MAX_NODES_OF_CONTACT_PROBLEM} that are allowed: the contact nodes of a mesh "
+            f"file are too many"
         )
     # A free ring has no support. Loads spread over its rim balance the forces of the linings.
     free = ring.support == "free"
@@ -312,12 +329,18 @@ def condensed_ring_in_hp_elements(
 
     contact = _contact_line_of_ring(div, grid)
     condensed = _condense_ring_to_contact_nodes(ring, radius, sign, div, grid, rim)
-    balance = RimBalance.force_balance_of_free_ring(grid, rim, condensed, contact) if free else None
+    balance = (
+        FreeRingForceBalance.force_balance_of_free_ring(grid, rim, condensed, contact)
+        if free
+        else None
+    )
     held = fixed_nodes_of_ring(ring, grid.sets["support"])
-    return couple_ring_with_linings(brake, linings, grid, grid, contact, condensed, held, balance)
+    return condensed_ring_coupled_with_linings(
+        brake, linings, grid, grid, contact, condensed, held, balance
+    )
 
 
-def _contact_line_of_ring(div: RingDivision, grid: ColumnGrid) -> ContactLine:
+def _contact_line_of_ring(div: RingDivision, grid: HpElementGrid) -> ContactLine:
     """The contact line of the drum's ring: its nodes on the friction surface under all linings."""
     nodes, touching = grid.sets["contact"], div.contact_nodes
     place = np.full(len(div.contact) * div.degree, -1)
@@ -329,7 +352,7 @@ def _contact_line_of_ring(div: RingDivision, grid: ColumnGrid) -> ContactLine:
 
 
 def _condense_ring_to_contact_nodes(
-    ring: Ring, radius: float, sign: int, div: RingDivision, grid: ColumnGrid, rim: Floats
+    ring: DrumRing, radius: float, sign: int, div: RingDivision, grid: HpElementGrid, rim: Floats
 ) -> CondensedBody:
     """The drum's ring, condensed to its contact nodes, with the unit loads on its rim.
 
@@ -345,12 +368,11 @@ def _condense_ring_to_contact_nodes(
     """
     section = ring.section
     assert section is not None
-    extra = rim.shape[1]
-    free = extra > 0
+    extra, free = rim.shape[1], rim.shape[1] > 0
     layers = len(div.depths) - 1
     line = numbering_of_element_column_unknowns(
         div.degree, layers, contact=True, held=not free
-    ).line
+    ).number_of_side_unknowns
     n = 2 * len(div.contact_nodes)
     A = _assemble_stiffness_of_closed_ring(
         _ring_stiffness_under_and_between_linings(section, radius, sign, div, free=free),
@@ -368,23 +390,23 @@ def _condense_ring_to_contact_nodes(
     back = -displacement_axis_angles_at_contact_nodes(div.angles, div.degree)[div.contact_nodes]
     L, info = dpotrf(rotate_node_axes_of_matrix(A[extra:, extra:], back), lower=1)
     if info:
-        raise NoAnswer(SINGULAR_BODY)
+        raise NoAnswer(SINGULAR_BODY_MESSAGE)
     system = partial(_equations_of_ring_before_condensation, ring, grid, rim)
     return CondensedBody(
         L,
-        L_fc=np.zeros((FRAME, n)),
+        L_fc=np.zeros((DEGREES_OF_FREEDOM_OF_BODY_FRAME, n)),
         load_on_contact=-rotate_node_axes_of_vectors(A[:extra, extra:], back).T,
-        load_on_frame=np.zeros((FRAME, extra)),
+        load_on_frame=np.zeros((DEGREES_OF_FREEDOM_OF_BODY_FRAME, extra)),
         load_work=-A[:extra, :extra],
-        inner=GridUnknowns.grid_unknowns_with_original_unit_loads_only(
+        inner=EliminatedUnknownsOfHpElementBody.eliminated_unknowns_with_system_loads_only(
             grid, elastic_layers_of_ring(section), system
         ),
-        columns=LoadColumns(((RIM, extra),)),
+        columns=ColumnsOfUnitLoads(((RIM_LOAD_NAME, extra),)),
     )
 
 
 def _ring_stiffness_under_and_between_linings(
-    section: Section, radius: float, sign: int, div: RingDivision, *, free: bool
+    section: RectangularCrossSection, radius: float, sign: int, div: RingDivision, *, free: bool
 ) -> list[Floats]:
     """The condensed stiffness (n, n) of each run of element columns of the drum's ring.
 
@@ -412,7 +434,7 @@ def _ring_stiffness_under_and_between_linings(
     )
     K = condensed_arc_element_stiffness(radius + sign * div.depths, A, elasticity, p)
     loads = (
-        _unit_rim_loads_in_column_side_axes(radius + sign * section.thickness, along, p)
+        _nodal_rim_forces_in_axes_of_column_sides(radius + sign * section.thickness, along, p)
         if free
         else None
     )
@@ -427,7 +449,7 @@ def _ring_stiffness_under_and_between_linings(
         key = contact, own.tobytes()
         if key not in made:
             kinds, kind_of = np.unique(own, return_inverse=True)
-            made[key] = _stiffness_of_run(
+            made[key] = _condensed_stiffness_of_column_run(
                 K[:, :, kinds],
                 kind_of,
                 p,
@@ -444,7 +466,7 @@ def _ring_stiffness_under_and_between_linings(
     return runs
 
 
-def _stiffness_of_run(
+def _condensed_stiffness_of_column_run(
     K: Floats,
     kind_of: Ints,
     p: int,
@@ -467,7 +489,9 @@ def _stiffness_of_run(
     turns : (c,) angle from the middle of the first column to that of each column [rad]
     """
     held = loads is None
-    line = numbering_of_element_column_unknowns(p, len(K), contact=contact, held=held).line
+    line = numbering_of_element_column_unknowns(
+        p, len(K), contact=contact, held=held
+    ).number_of_side_unknowns
     made = condensed_arc_column_stiffness(K, p, contact=contact, held=held, loads=loads)
     if not held:
         # The unit loads on the rim have another direction in each column's own frame, so that no
@@ -476,10 +500,12 @@ def _stiffness_of_run(
         kind_of = np.arange(len(kind_of))
     kinds_made = [ColumnSubstructure(each, line, line) for each in made]
     row = [kinds_made[k] for k in kind_of]
-    return assemble_and_condense_row_of_element_columns(row, 2 * contact, 0 if held else FRAME).K
+    return assemble_and_condense_row_of_element_columns(
+        row, 2 * contact, 0 if held else DEGREES_OF_FREEDOM_OF_BODY_FRAME
+    ).K
 
 
-def _unit_rim_loads_in_column_side_axes(radius: float, along: Floats, p: int) -> Floats:
+def _nodal_rim_forces_in_axes_of_column_sides(radius: float, along: Floats, p: int) -> Floats:
     """The nodal forces (c, 2 (p + 1), 3) of three unit loads on the rim of c columns of the ring.
 
     They are the forces of `_unit_rim_loads_on_element_columns`. The forces on the first and the
@@ -511,11 +537,11 @@ def _unit_rim_loads_on_element_columns(radius: float, along: Floats, p: int) -> 
     xy = radius * np.array([np.cos(along), np.sin(along)])  # (2, c, p + 1)
     psi, slope = shape_functions_and_derivatives_at_gauss_points(p)
     x = xy @ psi
-    ds = np.hypot(*(xy @ slope)) * WEIGHTS / (FULL_TURN * radius)
+    ds = np.hypot(*(xy @ slope)) * WEIGHTS / (FULL_TURN_IN_RADIANS * radius)
     one, zero = np.ones_like(ds), np.zeros_like(ds)
     modes = np.array([[one, zero], [zero, one], [-x[1], x[0]]])  # (3, 2, c, q)
     found = np.einsum("aq,kicq,cq->caik", psi, modes, ds)
-    return found.reshape(len(along), -1, FRAME)
+    return found.reshape(len(along), -1, DEGREES_OF_FREEDOM_OF_BODY_FRAME)
 
 
 def _column_stiffness_with_unit_loads_in_brake_frame(K: Floats, angle: Floats) -> Floats:
@@ -524,12 +550,14 @@ def _column_stiffness_with_unit_loads_in_brake_frame(K: Floats, angle: Floats) -
     The first three unknowns of each column are the factors of the unit loads on the rim. They are
     given in the frame of the column. `angle` (c,) [rad] are the angles of the columns' middles.
     """
-    T = np.zeros((len(angle), FRAME, FRAME))
+    T = np.zeros((len(angle), DEGREES_OF_FREEDOM_OF_BODY_FRAME, DEGREES_OF_FREEDOM_OF_BODY_FRAME))
     T[:, 0, 0] = T[:, 1, 1] = np.cos(angle)
     T[:, 0, 1], T[:, 1, 0], T[:, 2, 2] = np.sin(angle), -np.sin(angle), 1.0
     K = K.copy()
-    K[:, :FRAME] = T.transpose(0, 2, 1) @ K[:, :FRAME]
-    K[:, :, :FRAME] = K[:, :, :FRAME] @ T
+    K[:, :DEGREES_OF_FREEDOM_OF_BODY_FRAME] = (
+        T.transpose(0, 2, 1) @ K[:, :DEGREES_OF_FREEDOM_OF_BODY_FRAME]
+    )
+    K[:, :, :DEGREES_OF_FREEDOM_OF_BODY_FRAME] = K[:, :, :DEGREES_OF_FREEDOM_OF_BODY_FRAME] @ T
     return K
 
 
@@ -605,7 +633,7 @@ def _ring_stiffness_held_against_rigid_motion(
     return A[keep[:, None], keep]
 
 
-def element_grid_of_whole_drum_ring(radius: float, sign: int, div: RingDivision) -> ColumnGrid:
+def element_grid_of_whole_drum_ring(radius: float, sign: int, div: RingDivision) -> HpElementGrid:
     """The grid of all nodes and hp elements of the drum's ring.
 
     The node set "surface" is the friction surface, "contact" its part under the linings, and
@@ -633,11 +661,11 @@ def element_grid_of_whole_drum_ring(radius: float, sign: int, div: RingDivision)
 
     contact = nodes[0, div.contact_nodes]
     sets = {"contact": contact, "surface": nodes[0], "support": nodes[-1]}
-    block = ElementBlock(closed, depth, along, ("drum",) * (len(div.depths) - 1))
-    return ColumnGrid(p, (block,), ring_points_at_depth_and_angle, sets, rows * n)
+    block = RectangularElementBlock(closed, depth, along, ("drum",) * (len(div.depths) - 1))
+    return HpElementGrid(p, (block,), ring_points_at_depth_and_angle, sets, rows * n)
 
 
-def nodal_forces_of_unit_rim_loads(radius: float, div: RingDivision, grid: ColumnGrid) -> Floats:
+def nodal_forces_of_unit_rim_loads(radius: float, div: RingDivision, grid: HpElementGrid) -> Floats:
     """The nodal forces (2 N, 3) of three unit loads that are spread over the rim of the ring.
 
     The loads are spread like the displacements of the ring's rigid-body modes: translation in x and
@@ -650,18 +678,22 @@ def nodal_forces_of_unit_rim_loads(radius: float, div: RingDivision, grid: Colum
     grid : all nodes and elements of the ring
     """
     p, count = div.degree, len(div.contact)
-    forces = np.zeros((grid.N, 2, FRAME))
+    forces = np.zeros((grid.N, 2, DEGREES_OF_FREEDOM_OF_BODY_FRAME))
     pieces = _unit_rim_loads_on_element_columns(
         radius, node_positions_in_each_element_of_row(div.angles, p), p
     )
     edges = (np.arange(count)[:, None] * p + np.arange(p + 1)) % (count * p)
-    np.add.at(forces, grid.sets["support"][edges], pieces.reshape(count, p + 1, 2, FRAME))
-    return forces.reshape(-1, FRAME)
+    np.add.at(
+        forces,
+        grid.sets["support"][edges],
+        pieces.reshape(count, p + 1, 2, DEGREES_OF_FREEDOM_OF_BODY_FRAME),
+    )
+    return forces.reshape(-1, DEGREES_OF_FREEDOM_OF_BODY_FRAME)
 
 
 def _equations_of_ring_before_condensation(
-    ring: Ring, grid: ColumnGrid, rim: Floats, basis: ColumnGrid | Skeleton
-) -> InnerSystem:
+    ring: DrumRing, grid: HpElementGrid, rim: Floats, basis: HpElementGrid | ElementBoundaryGrid
+) -> UncondensedBodySystem:
     """The stiffness, constraints and loads of the drum's ring before condensation.
 
     Parameters
@@ -680,6 +712,6 @@ def _equations_of_ring_before_condensation(
         basis, contact, fixed_nodes_of_ring(ring, far_edge), np.zeros(2), alone
     )
     loads = constraints.matrix.T @ rim[basis.dofs]
-    return InnerSystem.body_system_from_stiffness_of_all_nodes(
+    return UncondensedBodySystem.body_system_from_stiffness_of_all_nodes(
         stiffness_of_drum_ring_without_supports(basis, ring), constraints, loads
     )

@@ -15,7 +15,7 @@ import numpy as np
 from drumlin.base.arrays import Floats, Ints
 from drumlin.brake.beam_axis import make_beam_axis
 from drumlin.brake.brake import Shoe
-from drumlin.brake.components import Beam
+from drumlin.brake.components import BeamBody
 from drumlin.brake.elasticity import ElasticLayer, which_elasticity_matrices_are_orthotropic
 from drumlin.fem.hp.arc import (
     angular_factors_of_column_stiffness,
@@ -31,15 +31,18 @@ from drumlin.fem.hp.columns import (
     rotate_node_axes_of_matrix,
     rotate_node_axes_of_vectors,
 )
-from drumlin.fem.hp.division import ShoeDivision
+from drumlin.fem.hp.division import ShoeElementDivision
 from drumlin.fem.hp.element import (
     condensed_element_stiffness,
     gauss_points_of_elements,
     reference_element_of_degree,
 )
-from drumlin.fem.substructure.body import FRAME, rigid_body_displacements_of_nodes
+from drumlin.fem.substructure.body import (
+    DEGREES_OF_FREEDOM_OF_BODY_FRAME,
+    rigid_body_displacements_of_nodes,
+)
 from drumlin.fem.substructure.elasticity import elasticity_times_width_of_layers
-from drumlin.fem.substructure.loads import ACTUATION, LoadColumns
+from drumlin.fem.substructure.loads import ACTUATION_LOAD_NAME, ColumnsOfUnitLoads
 from drumlin.response.resultants import (
     GAUSS,
     WEIGHTS,
@@ -47,12 +50,12 @@ from drumlin.response.resultants import (
     shape_functions_and_derivatives_at_gauss_points,
 )
 
-PointMap = Callable[[Floats, Floats], Floats]
+PointAtDepthAndAngleFunction = Callable[[Floats, Floats], Floats]
 """A function from depths below the lining's face and positions phi to a shoe's points (2, ...) [m].
 """
 
 
-class LoadedEnd(NamedTuple):
+class UnitLoadsOnLoadedEndFace(NamedTuple):
     """The unit loads on the end face of a shoe's body where the actuation force acts.
 
     Attributes
@@ -65,7 +68,7 @@ class LoadedEnd(NamedTuple):
     """
 
     forces: Floats
-    columns: LoadColumns
+    columns: ColumnsOfUnitLoads
     centre: Floats
     moments: Floats
 
@@ -79,7 +82,7 @@ class LoadedEnd(NamedTuple):
 
 def unit_actuation_loads_on_end_face(
     xy: Floats, depths: Floats, p: int, share: Floats | float = 1.0
-) -> LoadedEnd:
+) -> UnitLoadsOnLoadedEndFace:
     """The unit actuations on the straight end face of a shoe: force x, force y and couple.
 
     The forces are spread evenly over the end face. The couple is a traction that grows linearly
@@ -106,11 +109,16 @@ def unit_actuation_loads_on_end_face(
     linear = np.bincount(at.ravel(), ((weights * where) @ psi.T).ravel()) * 12
     end = xy[:, -1] - xy[:, 0]
     centre = 0.5 * (xy[:, -1] + xy[:, 0])
-    load = np.zeros((xy.shape[1], 2, FRAME))
+    load = np.zeros((xy.shape[1], 2, DEGREES_OF_FREEDOM_OF_BODY_FRAME))
     load[:, 0, 0] = load[:, 1, 1] = even
     load[:, :, 2] = linear[:, None] * np.array([-end[1], end[0]]) / (end @ end)
-    columns = LoadColumns(((ACTUATION, FRAME),))
-    return LoadedEnd(load.reshape(-1, FRAME), columns, centre, np.eye(FRAME))
+    columns = ColumnsOfUnitLoads(((ACTUATION_LOAD_NAME, DEGREES_OF_FREEDOM_OF_BODY_FRAME),))
+    return UnitLoadsOnLoadedEndFace(
+        load.reshape(-1, DEGREES_OF_FREEDOM_OF_BODY_FRAME),
+        columns,
+        centre,
+        np.eye(DEGREES_OF_FREEDOM_OF_BODY_FRAME),
+    )
 
 
 class CondensedShoe(NamedTuple):
@@ -140,35 +148,39 @@ class CondensedShoe(NamedTuple):
     centre: Floats
     rigid_mode_forces: Floats
     force_imbalance: float
-    columns: LoadColumns
+    columns: ColumnsOfUnitLoads
 
 
-def function_from_depth_and_angle_to_point(shoe: Shoe, radius: float) -> PointMap:
+def function_from_depth_and_angle_to_point(
+    shoe: Shoe, radius: float
+) -> PointAtDepthAndAngleFunction:
     """The function from depths and positions along the lining to points in the shoe's frame [m].
 
     `radius` is the radius of the drum [m].
     """
     return (
         _function_from_depth_and_angle_to_beam_shoe_point(shoe, radius)
-        if isinstance(shoe.body, Beam)
+        if isinstance(shoe.body, BeamBody)
         else partial(shoe.points_at_depth_and_coordinate_phi, size=radius)
     )
 
 
-def _function_from_depth_and_angle_to_beam_shoe_point(shoe: Shoe, radius: float) -> PointMap:
+def _function_from_depth_and_angle_to_beam_shoe_point(
+    shoe: Shoe, radius: float
+) -> PointAtDepthAndAngleFunction:
     """The function from depths and positions to points [m] of a shoe with a straight beam.
 
     Depths from 0 to 1 are in the lining, from 1 to 2 in the block between lining and beam, and from
     2 to 3 in the beam. The ends of the block are cut square to the beam.
     """
-    # `reason_why_brake_is_not_modelled` refuses shoes without a section before, so that the
+    # `reason_against_finite_element_model` refuses shoes without a section before, so that the
     # assertion holds.
-    assert isinstance(shoe.body, Beam) and shoe.body.section is not None
+    assert isinstance(shoe.body, BeamBody) and shoe.body.section is not None
     axis = make_beam_axis(shoe.pin.xy, shoe.actuation.point.xy)
     thickness = shoe.lining.thickness
     back, beam = radius + thickness, shoe.body.section.thickness
     s, e = shoe.arc
-    ends = axis.angle(shoe.frame.theta(np.array([s, e])))
+    ends = axis.angle(shoe.frame.surface_coordinates_of_phi(np.array([s, e])))
     start = float(np.min(ends))
 
     def beam_shoe_points_at_depth_and_angle(depth: Floats, phi: Floats) -> Floats:
@@ -180,8 +192,8 @@ def _function_from_depth_and_angle_to_beam_shoe_point(shoe: Shoe, radius: float)
         a = np.clip(phi, s, e) - s + start
         beyond = back * (np.minimum(phi - s, 0) + np.maximum(phi - e, 0))
         r = radius + thickness * np.minimum(depth, 1)
-        x = axis.foot + r * np.sin(a) + beyond
-        y = axis.distance - r * np.cos(a)
+        x = axis.x_of_perpendicular_foot + r * np.sin(a) + beyond
+        y = axis.distance_from_drum_centre - r * np.cos(a)
         in_block = y + np.minimum(depth - 1, 1) * (beam / 2 - y)
         y = np.where(depth > 1, in_block, y)
         in_beam = beam / 2 - (depth - 2) * beam
@@ -215,7 +227,7 @@ def node_positions_of_element_row(ends: Floats, p: int) -> Floats:
 
 
 def node_coordinates_of_layers_and_columns(
-    place: PointMap, depths: Floats, along: Floats, p: int
+    place: PointAtDepthAndAngleFunction, depths: Floats, along: Floats, p: int
 ) -> Floats:
     """The coordinates (l, c, 2, a) [m] of the a nodes of each element in l layers and c columns.
 
@@ -258,11 +270,13 @@ def _unit_vectors_along_shoe_layers(
     of the shoe ("lining", "shoe", ...) that each layer of elements belongs to.
     """
     points = np.moveaxis(gauss_points_of_elements(xy, p), 2, 1)  # (l, 2, c, q)
-    vectors = [layers[name].directions(own) for name, own in zip(part, points, strict=True)]
+    vectors = [
+        layers[name].unit_vectors_along_layer(own) for name, own in zip(part, points, strict=True)
+    ]
     return np.moveaxis(np.array(vectors), 1, 2)
 
 
-class _ShoeColumns(NamedTuple):
+class _CondensedElementColumnsOfShoe(NamedTuple):
     """The condensed element columns of a shoe, in the order of their positions.
 
     Columns of equal shape and material are the same Python object.
@@ -281,7 +295,7 @@ class _ShoeColumns(NamedTuple):
     grip: tuple[int, int]
 
 
-class _ColumnKinds(NamedTuple):
+class _ElementColumnKinds(NamedTuple):
     """The kinds of element columns of a shoe; columns of one kind have the same stiffness.
 
     Attributes
@@ -299,8 +313,8 @@ class _ColumnKinds(NamedTuple):
 
 
 def group_equal_element_columns_of_shoe(
-    shoe: Shoe, div: ShoeDivision, *, directed: bool
-) -> _ColumnKinds:
+    shoe: Shoe, div: ShoeElementDivision, *, directed: bool
+) -> _ElementColumnKinds:
     """The kinds of element columns of a shoe; the stiffness is computed once for each kind.
 
     On an arc or a plane, columns of equal width are of one kind. In a straight beam each column is
@@ -314,19 +328,19 @@ def group_equal_element_columns_of_shoe(
     p = div.degree
     rows = [div.angles]
     if div.index_of_first_body_layer < div.number_of_element_layers:
-        rows += [div.before[::-1], div.after]
-    if isinstance(shoe.body, Beam):
+        rows += [div.column_ends_before_lining[::-1], div.column_ends_behind_lining]
+    if isinstance(shoe.body, BeamBody):
         along = np.concatenate([node_positions_in_each_element_of_row(ends, p) for ends in rows])
-        return _ColumnKinds(along, None, np.arange(len(along)))
+        return _ElementColumnKinds(along, None, np.arange(len(along)))
     sizes, which = distinct_sizes_and_index_of_each_size(
         np.concatenate([ends[1:] - ends[:-1] for ends in rows])
     )
     along = 0.5 * sizes[:, None] * gauss_lobatto_points(p)
-    A = angular_factors_of_column_stiffness(along, p, flat=shoe.flat, directed=directed)
-    return _ColumnKinds(along, A, which)
+    A = angular_factors_of_column_stiffness(along, p, flat=shoe.is_on_plane, directed=directed)
+    return _ElementColumnKinds(along, A, which)
 
 
-class _ShoeInElements(NamedTuple):
+class _ShoeDividedIntoHpElements(NamedTuple):
     """A shoe divided into elements, before its element columns are condensed.
 
     Attributes
@@ -342,16 +356,16 @@ class _ShoeInElements(NamedTuple):
 
     shoe: Shoe
     radius: float
-    div: ShoeDivision
+    div: ShoeElementDivision
     layers: dict[str, ElasticLayer]
     elasticity: Floats
     directed: bool
-    kinds: _ColumnKinds
+    kinds: _ElementColumnKinds
 
 
 def _condensed_hp_columns_of_shoe(
-    shoe: Shoe, radius: float, div: ShoeDivision, layers: dict[str, ElasticLayer]
-) -> _ShoeColumns:
+    shoe: Shoe, radius: float, div: ShoeElementDivision, layers: dict[str, ElasticLayer]
+) -> _CondensedElementColumnsOfShoe:
     """The element columns of a shoe, each condensed to its two sides and its contact nodes.
 
     `div` divides the shoe into columns and layers of elements. `layers` has the elasticity of the
@@ -360,11 +374,11 @@ def _condensed_hp_columns_of_shoe(
     elasticity = elasticity_times_width_of_layers(layers, div.part)
     directed = bool(which_elasticity_matrices_are_orthotropic(elasticity).any())
     kinds = group_equal_element_columns_of_shoe(shoe, div, directed=directed)
-    whole = _ShoeInElements(shoe, radius, div, layers, elasticity, directed, kinds)
+    whole = _ShoeDividedIntoHpElements(shoe, radius, div, layers, elasticity, directed, kinds)
     # The columns inside a grip are fixed at their back, the edge farthest from the contact. All
     # other columns are free there.
     which = kinds.which
-    under, before = len(div.angles) - 1, len(div.before) - 1
+    under, before = len(div.angles) - 1, len(div.column_ends_before_lining) - 1
     ends = shoe.interval_of_body_back_held_by_support(radius)
     a, b = (0, 0) if ends is None else (int(np.abs(div.angles - x).argmin()) for x in ends)
     body = div.index_of_first_body_layer
@@ -384,11 +398,11 @@ def _condensed_hp_columns_of_shoe(
         columns |= dict(zip(where.tolist(), made, strict=False))
     rest = _condensed_hp_columns_of_row(whole, which[under:], body, contact=False, held=False)
     row = [columns[k] for k in sorted(columns)]
-    return _ShoeColumns(row, rest[:before], rest[before:], (a, b))
+    return _CondensedElementColumnsOfShoe(row, rest[:before], rest[before:], (a, b))
 
 
 def _condensed_hp_columns_of_row(
-    whole: _ShoeInElements, row: Ints, layer: int, *, contact: bool, held: bool
+    whole: _ShoeDividedIntoHpElements, row: Ints, layer: int, *, contact: bool, held: bool
 ) -> list[ColumnSubstructure]:
     """The condensed element columns of one row of a shoe, with the layers from number `layer` on.
 
@@ -412,23 +426,25 @@ def _condensed_hp_columns_of_row(
         parts = _condensed_elements_of_straight_beam_shoe(whole, whole.kinds.along[kinds], layer)
         stiffness = condensed_element_column_stiffness(parts, unknowns)
     else:
-        radii = whole.radius - whole.shoe.sign * div.depths[layer:]
+        radii = whole.radius - whole.shoe.sign_internal_plus_external_minus * div.depths[layer:]
         parts = condensed_arc_element_stiffness(
             radii,
             whole.kinds.angular[:, kinds],
             whole.elasticity[layer:],
             div.degree,
-            whole.radius if whole.shoe.flat else None,
+            whole.radius if whole.shoe.is_on_plane else None,
         )
         stiffness = condensed_arc_column_stiffness(parts, div.degree, contact=contact, held=held)
     made = {}
     for kind, K in zip(kinds.tolist(), stiffness, strict=True):
-        made[kind] = ColumnSubstructure(K, unknowns.line, unknowns.line)
+        made[kind] = ColumnSubstructure(
+            K, unknowns.number_of_side_unknowns, unknowns.number_of_side_unknowns
+        )
     return [made[kind] for kind in row.tolist()]
 
 
 def _condensed_elements_of_straight_beam_shoe(
-    whole: _ShoeInElements, along: Floats, layer: int
+    whole: _ShoeDividedIntoHpElements, along: Floats, layer: int
 ) -> Floats:
     """The stiffness (l, c, 8 p, 8 p) of elements of a straight beam, condensed to their boundary.
 
@@ -460,18 +476,18 @@ def displacement_axis_angles_at_contact_nodes(ends: Floats, p: int) -> Floats:
     return angles
 
 
-def angles_of_displacement_axes(shoe: Shoe, phi: Floats) -> Floats:
+def displacement_axis_angles_of_shoe_at_positions(shoe: Shoe, phi: Floats) -> Floats:
     """The angles [rad] of the axes in which a shoe's displacements at positions phi are measured.
 
     The first axis is the radius on an arc and the plane's normal on a pad. A shoe with a straight
     beam has the axes of the shoe's frame, with the angle 0.
     """
-    if isinstance(shoe.body, Beam):
+    if isinstance(shoe.body, BeamBody):
         return np.zeros_like(phi)
-    return np.full_like(phi, -0.5 * np.pi) if shoe.flat else phi
+    return np.full_like(phi, -0.5 * np.pi) if shoe.is_on_plane else phi
 
 
-def rotation_angles_of_contact_nodes_to_shoe_frame(shoe: Shoe, div: ShoeDivision) -> Floats:
+def rotation_angles_of_contact_nodes_to_shoe_frame(shoe: Shoe, div: ShoeElementDivision) -> Floats:
     """The angles (n,) [rad] that rotate the contact nodes' displacements to the shoe's frame.
 
     In the element columns the displacements are measured along the radius and around the drum.
@@ -480,10 +496,10 @@ def rotation_angles_of_contact_nodes_to_shoe_frame(shoe: Shoe, div: ShoeDivision
         displacement_axis_angles_at_contact_nodes(ends, div.degree)
         for ends in div.element_column_ends_on_each_lining
     ]
-    return -angles_of_displacement_axes(shoe, np.concatenate(angles))
+    return -displacement_axis_angles_of_shoe_at_positions(shoe, np.concatenate(angles))
 
 
-def angles_of_contact_nodes_on_each_lining(div: ShoeDivision) -> list[Floats]:
+def angles_of_contact_nodes_on_each_lining(div: ShoeElementDivision) -> list[Floats]:
     """The positions phi (n_k,) [rad] of the contact nodes on each lining."""
     return [
         node_positions_of_element_row(ends, div.degree)
@@ -494,7 +510,7 @@ def angles_of_contact_nodes_on_each_lining(div: ShoeDivision) -> list[Floats]:
 def condense_shoe_to_contact_nodes(
     shoe: Shoe,
     radius: float,
-    div: ShoeDivision,
+    div: ShoeElementDivision,
     layers: dict[str, ElasticLayer],
 ) -> CondensedShoe:
     """The shoe condensed to the rigid face at its hinge, and to its contact nodes by angle.
@@ -520,41 +536,41 @@ def condense_shoe_to_contact_nodes(
     if div.index_of_first_body_layer < div.number_of_element_layers and not any(row.grip):
         return _condense_shoe_that_hinge_holds(shoe, radius, div, row, R)
     S = (
-        _contact_stiffness_of_gripped_shoe(row, div)
+        _contact_stiffness_of_shoe_with_back_in_grip(row, div)
         if any(row.grip)
         else _contact_stiffness_of_linings_on_rigid_body(row.under, div)
     )
-    return condensed_shoe_held_at_its_back(
+    return condensed_shoe_with_gripped_or_bonded_back(
         shoe,
         rotate_node_axes_of_matrix(S, rotation_angles_of_contact_nodes_to_shoe_frame(shoe, div)),
         R,
     )
 
 
-def condensed_shoe_held_at_its_back(shoe: Shoe, S: Floats, R: Floats) -> CondensedShoe:
+def condensed_shoe_with_gripped_or_bonded_back(shoe: Shoe, S: Floats, R: Floats) -> CondensedShoe:
     """The condensed shoe whose back is held by a grip, or is bonded to a rigid body.
 
     The actuation force then acts on the frame, which is the rigid grip or the rigid body. `S` (2n,
     2n) is the stiffness of the contact nodes while the frame is fixed, and `R` (2n, 3) are the
     rigid-body modes of the contact nodes.
     """
-    zeros = np.zeros((len(R), FRAME))
+    zeros = np.zeros((len(R), DEGREES_OF_FREEDOM_OF_BODY_FRAME))
     return CondensedShoe(
         S=stiffness_of_hinge_face_and_contact_nodes(S, R),
-        loads=np.vstack([np.eye(FRAME), zeros]),
-        work=np.zeros((FRAME, FRAME)),
+        loads=np.vstack([np.eye(DEGREES_OF_FREEDOM_OF_BODY_FRAME), zeros]),
+        work=np.zeros((DEGREES_OF_FREEDOM_OF_BODY_FRAME, DEGREES_OF_FREEDOM_OF_BODY_FRAME)),
         centre=shoe.pin_position_in_shoe_frame,
         rigid_mode_forces=zeros,
         force_imbalance=0.0,
-        columns=LoadColumns(((ACTUATION, FRAME),)),
+        columns=ColumnsOfUnitLoads(((ACTUATION_LOAD_NAME, DEGREES_OF_FREEDOM_OF_BODY_FRAME),)),
     )
 
 
 def _condense_shoe_that_hinge_holds(
     shoe: Shoe,
     radius: float,
-    div: ShoeDivision,
-    row: _ShoeColumns,
+    div: ShoeElementDivision,
+    row: _CondensedElementColumnsOfShoe,
     R: Floats,
 ) -> CondensedShoe:
     """The condensed elastic shoe that is held by the hinge at one end and loaded at the other end.
@@ -572,7 +588,9 @@ def _condense_shoe_that_hinge_holds(
     # column under the lining. The assembled columns have the unknowns [rigid face at the hinge |
     # contact nodes | unit loads].
     columns = row.under.copy()
-    columns[0] = _join_first_column_to_body_at_hinge(columns[0], row.before, faces.hinge_modes)
+    columns[0] = _join_first_lining_column_with_body_at_hinge(
+        columns[0], row.before, faces.hinge_modes
+    )
     loaded = condensed_stiffness_of_body_beyond_lining_end(row.after, faces.end_forces)
     columns[-1] = eliminate_nodes_on_column_side(
         columns[-1], loaded, len(faces.end_forces), right=True
@@ -598,7 +616,7 @@ def _condense_shoe_that_hinge_holds(
     )
 
 
-class _EndFacesOfBody(NamedTuple):
+class _EndFaceModesAndUnitLoads(NamedTuple):
     """The rigid-body modes and the unit loads on the two end faces of a shoe's body.
 
     Attributes
@@ -609,13 +627,13 @@ class _EndFacesOfBody(NamedTuple):
     """
 
     hinge_modes: Floats
-    end: LoadedEnd
+    end: UnitLoadsOnLoadedEndFace
     end_forces: Floats
 
 
 def _hinge_face_modes_and_end_face_loads(
-    shoe: Shoe, radius: float, div: ShoeDivision
-) -> _EndFacesOfBody:
+    shoe: Shoe, radius: float, div: ShoeElementDivision
+) -> _EndFaceModesAndUnitLoads:
     """The rigid-body modes of the face at the hinge, and the unit loads on the loaded end face.
 
     Modes and nodal forces are measured in the axes of the element columns. `div` divides the shoe
@@ -623,21 +641,23 @@ def _hinge_face_modes_and_end_face_loads(
     """
     place = function_from_depth_and_angle_to_point(shoe, radius)
     depths = node_positions_of_element_row(div.depths[div.index_of_first_body_layer :], div.degree)
-    near, far = div.before[-1], div.after[-1]
+    near, far = div.column_ends_before_lining[-1], div.column_ends_behind_lining[-1]
     end = unit_actuation_loads_on_end_face(place(depths, far), depths, div.degree)
-    return _EndFacesOfBody(
+    return _EndFaceModesAndUnitLoads(
         rotate_axes_of_all_nodes_by_one_angle(
             rigid_body_displacements_of_nodes(place(depths, near), shoe.pin_position_in_shoe_frame),
-            angles_of_displacement_axes(shoe, near),
+            displacement_axis_angles_of_shoe_at_positions(shoe, near),
         ),
         end,
-        rotate_axes_of_all_nodes_by_one_angle(end.forces, angles_of_displacement_axes(shoe, far)),
+        rotate_axes_of_all_nodes_by_one_angle(
+            end.forces, displacement_axis_angles_of_shoe_at_positions(shoe, far)
+        ),
     )
 
 
 def condensed_shoe_corrected_for_round_off(
     A: Floats,
-    end: LoadedEnd,
+    end: UnitLoadsOnLoadedEndFace,
     R: Floats,
     pin: Floats,
     forces_in_frame: Callable[[Floats], Floats],
@@ -661,7 +681,11 @@ def condensed_shoe_corrected_for_round_off(
         stiffness (2n, 2n) along the axes of the shoe
     """
     extra = end.columns.number_of_load_columns
-    frame, contact, loads = slice(FRAME), slice(FRAME, -extra), slice(-extra, None)
+    frame, contact, loads = (
+        slice(DEGREES_OF_FREEDOM_OF_BODY_FRAME),
+        slice(DEGREES_OF_FREEDOM_OF_BODY_FRAME, -extra),
+        slice(-extra, None),
+    )
     S = stiffness_in_frame(A[contact, contact])
     load = -forces_in_frame(A[loads, contact]).T
     on_frame = -A[frame, loads]
@@ -673,7 +697,7 @@ def condensed_shoe_corrected_for_round_off(
     corrected = contact_stiffness_without_strain_in_rigid_motion(
         S, R, forces_in_frame(A[frame, contact]).T
     )
-    actuation = end.columns.column_slice_of_each_load[ACTUATION]
+    actuation = end.columns.column_slice_of_each_load[ACTUATION_LOAD_NAME]
     return CondensedShoe(
         S=stiffness_of_hinge_face_and_contact_nodes(corrected.S, R),
         loads=np.concatenate([on_frame, load]),
@@ -685,9 +709,9 @@ def condensed_shoe_corrected_for_round_off(
     )
 
 
-def _contact_stiffness_of_gripped_lining(
+def _contact_stiffness_of_lining_with_back_in_grip(
     row: list[ColumnSubstructure],
-    div: ShoeDivision,
+    div: ShoeElementDivision,
     left: Floats | None = None,
     right: Floats | None = None,
 ) -> Floats:
@@ -709,7 +733,7 @@ def _contact_stiffness_of_gripped_lining(
 
 
 def _contact_stiffness_of_linings_on_rigid_body(
-    row: list[ColumnSubstructure], div: ShoeDivision
+    row: list[ColumnSubstructure], div: ShoeElementDivision
 ) -> Floats:
     """The stiffness of the contact nodes of one or several linings on a rigid body.
 
@@ -733,7 +757,7 @@ def _contact_stiffness_of_linings_on_rigid_body(
 
 
 def _assemble_columns_of_linings_and_slots(
-    columns: list[ColumnSubstructure], div: ShoeDivision
+    columns: list[ColumnSubstructure], div: ShoeElementDivision
 ) -> Floats:
     """The stiffness of all contact nodes, assembled from the columns under linings and in slots.
 
@@ -762,7 +786,9 @@ def _assemble_columns_of_linings_and_slots(
     return before.K
 
 
-def _contact_stiffness_of_gripped_shoe(columns: _ShoeColumns, div: ShoeDivision) -> Floats:
+def _contact_stiffness_of_shoe_with_back_in_grip(
+    columns: _CondensedElementColumnsOfShoe, div: ShoeElementDivision
+) -> Floats:
     """The stiffness of the contact nodes of a shoe whose body is held by a grip on its back.
 
     The parts of the body beyond the lining are free.
@@ -792,10 +818,10 @@ def _contact_stiffness_of_gripped_shoe(columns: _ShoeColumns, div: ShoeDivision)
         if after
         else None
     )
-    return _contact_stiffness_of_gripped_lining(row, div, body_before, body_after)
+    return _contact_stiffness_of_lining_with_back_in_grip(row, div, body_before, body_after)
 
 
-def _join_first_column_to_body_at_hinge(
+def _join_first_lining_column_with_body_at_hinge(
     first: ColumnSubstructure, before: list[ColumnSubstructure], held: Floats
 ) -> ColumnSubstructure:
     """The first element column under the lining, joined with the body between lining and hinge.
@@ -846,11 +872,11 @@ def _constrain_element_column_side_to_hinge(
     | frame | other unknowns].
     """
     left = piece.left - len(held)
-    at, frame = slice(left, piece.left), slice(left, left + FRAME)
+    at, frame = slice(left, piece.left), slice(left, left + DEGREES_OF_FREEDOM_OF_BODY_FRAME)
     rest = np.arange(len(piece.K) - len(held))
-    others, n = rest.copy(), len(rest) + FRAME
+    others, n = rest.copy(), len(rest) + DEGREES_OF_FREEDOM_OF_BODY_FRAME
     rest[left:] += len(held)
-    others[left:] += FRAME
+    others[left:] += DEGREES_OF_FREEDOM_OF_BODY_FRAME
     K = np.empty((n, n))
     K[others[:, None], others] = piece.K[rest[:, None], rest]
     K[frame, frame] = held.T @ piece.K[at, at] @ held
@@ -859,7 +885,7 @@ def _constrain_element_column_side_to_hinge(
     return ColumnSubstructure(K, left, piece.right)
 
 
-class _CorrectedStiffness(NamedTuple):
+class _ContactStiffnessCorrectedForRoundOff(NamedTuple):
     """The stiffness `S` (2n, 2n) of the n contact nodes, corrected for round-off.
 
     `round_off_forces` (2n, 3) estimate the forces on the contact nodes that the three rigid-body
@@ -872,7 +898,7 @@ class _CorrectedStiffness(NamedTuple):
 
 def contact_stiffness_without_strain_in_rigid_motion(
     S: Floats, R: Floats, held: Floats
-) -> _CorrectedStiffness:
+) -> _ContactStiffnessCorrectedForRoundOff:
     """The stiffness of the contact nodes, corrected so that rigid-body modes cause no strain.
 
     The frame is the rigid face that the hinge holds. If the frame makes a unit motion while the
@@ -902,7 +928,7 @@ def contact_stiffness_without_strain_in_rigid_motion(
     change, moment = back @ after.T, R.T @ after
     symmetric_moment = 0.5 * (moment + moment.T)
     corrected = S - change - change.T + back @ symmetric_moment @ back.T
-    return _CorrectedStiffness(corrected, before)
+    return _ContactStiffnessCorrectedForRoundOff(corrected, before)
 
 
 def stiffness_of_hinge_face_and_contact_nodes(S: Floats, R: Floats) -> Floats:
@@ -913,11 +939,13 @@ def stiffness_of_hinge_face_and_contact_nodes(S: Floats, R: Floats) -> Floats:
     rigid body, by the modes R (2n, 3).
     """
     SR = S @ R
-    whole = np.empty((FRAME + len(S), FRAME + len(S)))
-    whole[:FRAME, :FRAME] = R.T @ SR
-    whole[:FRAME, FRAME:] = -SR.T
-    whole[FRAME:, :FRAME] = -SR
-    whole[FRAME:, FRAME:] = S
+    whole = np.empty(
+        (DEGREES_OF_FREEDOM_OF_BODY_FRAME + len(S), DEGREES_OF_FREEDOM_OF_BODY_FRAME + len(S))
+    )
+    whole[:DEGREES_OF_FREEDOM_OF_BODY_FRAME, :DEGREES_OF_FREEDOM_OF_BODY_FRAME] = R.T @ SR
+    whole[:DEGREES_OF_FREEDOM_OF_BODY_FRAME, DEGREES_OF_FREEDOM_OF_BODY_FRAME:] = -SR.T
+    whole[DEGREES_OF_FREEDOM_OF_BODY_FRAME:, :DEGREES_OF_FREEDOM_OF_BODY_FRAME] = -SR
+    whole[DEGREES_OF_FREEDOM_OF_BODY_FRAME:, DEGREES_OF_FREEDOM_OF_BODY_FRAME:] = S
     return whole
 
 

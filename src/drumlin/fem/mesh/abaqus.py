@@ -7,11 +7,14 @@ import numpy as np
 
 from drumlin.base.arrays import Ints
 
-LINE_CELLS = {"T2D2": "line", "T3D2": "line", "B21": "line", "B31": "line"} | dict.fromkeys(
-    ("T2D3", "T3D3", "B22", "B32"), "line3"
-)
+MESHIO_LINE_CELL_OF_ABAQUS_TYPE = {
+    "T2D2": "line",
+    "T3D2": "line",
+    "B21": "line",
+    "B31": "line",
+} | dict.fromkeys(("T2D3", "T3D3", "B22", "B32"), "line3")
 """meshio's name of the cell for each Abaqus type of line elements: trusses and beams."""
-PLANE_CELLS = {
+MESHIO_PLANE_CELL_OF_ABAQUS_TYPE = {
     f"{family}{nodes}": cell
     for family in ("CPS", "CPE", "S", "M3D", "STRI", "2D")
     for nodes, cell in {
@@ -23,11 +26,16 @@ PLANE_CELLS = {
     }.items()
 } | dict.fromkeys(("S9", "M3D9"), "quad9")
 """meshio's name of the cell for each Abaqus type of triangles and quadrilaterals."""
-CELL_OF_TYPE = LINE_CELLS | PLANE_CELLS
+MESHIO_CELL_OF_ABAQUS_TYPE = MESHIO_LINE_CELL_OF_ABAQUS_TYPE | MESHIO_PLANE_CELL_OF_ABAQUS_TYPE
 """meshio's name of the cell for each Abaqus element type that drumlin reads from a mesh file."""
-TYPE_OF_CELL = {"triangle": "CPS3", "triangle6": "CPS6", "quad": "CPS4", "quad8": "CPS8"}
+ABAQUS_TYPE_OF_MESHIO_CELL = {
+    "triangle": "CPS3",
+    "triangle6": "CPS6",
+    "quad": "CPS4",
+    "quad8": "CPS8",
+}
 """Abaqus's plane-stress element type for each of meshio's cell names, as written to .inp files."""
-NODES_PER_CELL = {
+NODES_PER_MESHIO_CELL = {
     "line": 2,
     "line3": 3,
     "triangle": 3,
@@ -37,7 +45,7 @@ NODES_PER_CELL = {
     "quad9": 9,
 }
 """Number of nodes of a mesh cell, by meshio's name of the cell."""
-NUMBERS_PER_LINE = 12
+LABELS_PER_LINE_OF_SET = 12
 """Number of node or element labels on a line of a set in a written .inp file.
 
 The file format allows up to 16.
@@ -69,13 +77,13 @@ def write_mesh_as_inp_file(
     used = np.unique(cells)
     lines = ["*NODE"]
     lines += [f"{i + 1}, {points[i][0]:.16e}, {points[i][1]:.16e}, 0." for i in used]
-    lines.append(f"*ELEMENT, TYPE={TYPE_OF_CELL[cell]}")
+    lines.append(f"*ELEMENT, TYPE={ABAQUS_TYPE_OF_MESHIO_CELL[cell]}")
     lines += [", ".join(map(str, [i, *(row + 1)])) for i, row in enumerate(cells, start=1)]
     # Labels of nodes and elements count from 1 in the file, and from 0 in the arrays.
     for keyword, sets in (("ELSET", subdomains), ("NSET", nodes)):
         for name, members in sets.items():
             lines.append(f"*{keyword}, {keyword}={name.upper()}")
             labels = np.asarray(members) + 1
-            for start in range(0, len(labels), NUMBERS_PER_LINE):
-                lines.append(", ".join(map(str, labels[start : start + NUMBERS_PER_LINE])))
+            for start in range(0, len(labels), LABELS_PER_LINE_OF_SET):
+                lines.append(", ".join(map(str, labels[start : start + LABELS_PER_LINE_OF_SET])))
     path.write_text("\n".join(lines) + "\n", encoding="utf-8")

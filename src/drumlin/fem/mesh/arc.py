@@ -12,11 +12,11 @@ import numpy as np
 from drumlin.base.arrays import Floats, Ints
 from drumlin.base.errors import BadInput
 from drumlin.brake.brake import Shoe
-from drumlin.brake.components import Bar, Beam
+from drumlin.brake.components import BeamBody, ShoeBodyOfConstantSection
 from drumlin.fem.mesh.beam import mesh_of_straight_beam_shoe
 from drumlin.fem.mesh.grading import (
-    MOST_LINEAR_LAYERS,
-    MOST_QUADRATIC_LAYERS,
+    MOST_LINEAR_LAYERS_BEHIND_LINING,
+    MOST_QUADRATIC_LAYERS_BEHIND_LINING,
     LiningDivision,
     divide_lining_into_elements,
     element_ends_beyond_lining,
@@ -60,11 +60,11 @@ MESH_KINDS = {
     "tri1": MeshKind("MeshTri1", 1, "triangle", "line"),
 }
 """The kinds of meshes by their names in options: quadrilaterals or triangles, of degree 1 or 2."""
-DEFAULT_KIND = "quad2"
+DEFAULT_MESH_KIND = "quad2"
 """The kind of mesh that is made if the user names none: quadratic quadrilaterals."""
 
 
-def element_kind_of_mesh(mesh: Any) -> MeshKind:
+def mesh_kind_of_scikit_fem_mesh(mesh: Any) -> MeshKind:
     """The kind of a scikit-fem mesh: quadrilaterals or triangles, of degree 1 or 2."""
     return next(kind for kind in MESH_KINDS.values() if kind.mesh is type(mesh))
 
@@ -83,7 +83,7 @@ def _move_nearest_element_ends_to_angles(angles: Floats, places: tuple[float, ..
     return np.sort(np.concatenate([angles[:1], np.delete(inner, moved), places, angles[-1:]]))
 
 
-FACE_SLACK = 1e-9
+EDGE_ON_ARC_FACE_TOLERANCE = 1e-9
 """Largest distance from a face of the shoe at which the middle of an edge counts as on the face.
 
 The edge is an edge of an element. Distances in depth are relative to the drum's radius, and
@@ -91,7 +91,7 @@ distances along the shoe are in rad. Distances of this size are round-off.
 """
 
 
-class _ArcLayout(NamedTuple):
+class _ArcMeshDepthsAndAngles(NamedTuple):
     """The rectangular grid of depths and angles from which the mesh of a shoe on an arc is made.
 
     The grid covers the longest layer; the parts beyond the ends of shorter layers are cut off.
@@ -117,7 +117,7 @@ class _ArcLayout(NamedTuple):
 
 
 def parametric_mesh_of_shoe(
-    shoe: Shoe, radius: float, elements: int | LiningDivision, kind: str = DEFAULT_KIND
+    shoe: Shoe, radius: float, elements: int | LiningDivision, kind: str = DEFAULT_MESH_KIND
 ) -> Any:
     """The parametric mesh of a shoe: scikit-fem's mesh with named groups, in the shoe's frame [m].
 
@@ -145,7 +145,7 @@ def parametric_mesh_of_shoe(
         if isinstance(elements, LiningDivision)
         else divide_lining_into_elements(shoe, radius, elements)
     )
-    if isinstance(shoe.body, Beam):
+    if isinstance(shoe.body, BeamBody):
         reason = shoe.reason_if_several_linings_are_not_allowed("the mesh of a straight beam")
         if reason is not None:
             raise BadInput(f"--kind = {kind!r}: shoe {shoe.name!r}: {reason}")
@@ -172,7 +172,7 @@ def parametric_mesh_of_shoe(
 
 def _depths_and_angles_of_arc_mesh(
     shoe: Shoe, radius: float, division: LiningDivision, kind: str
-) -> _ArcLayout:
+) -> _ArcMeshDepthsAndAngles:
     """The rectangular grid of depths and angles that the mesh of a shoe on an arc is cut from."""
     phi_1, phi_2 = shoe.arc
     layers = [("lining", shoe.lining.thickness)]
@@ -182,9 +182,9 @@ def _depths_and_angles_of_arc_mesh(
     # holds) begins and ends between two elements.
     angles = division.angles
     body = (phi_1, phi_2)
-    if isinstance(shoe.body, Bar):
+    if isinstance(shoe.body, ShoeBodyOfConstantSection):
         layers += [(name, plate.thickness) for name, plate in shoe.body.plates.items()]
-        ends = shoe.frame.phi(np.array([shoe.body.start, shoe.body.end]))
+        ends = shoe.frame.phi_of_surface_coordinates(np.array([shoe.body.start, shoe.body.end]))
         body = (float(ends.min()), float(ends.max()))
         angles = _move_nearest_element_ends_to_angles(
             angles, shoe.interval_of_body_back_held_by_support(radius) or ()
@@ -194,7 +194,11 @@ def _depths_and_angles_of_arc_mesh(
         angles = np.concatenate([before, angles, after])
 
     # Linear elements bend well only in thin layers, so that they may have more layers.
-    most = MOST_QUADRATIC_LAYERS if kind.endswith("2") else MOST_LINEAR_LAYERS
+    most = (
+        MOST_QUADRATIC_LAYERS_BEHIND_LINING
+        if kind.endswith("2")
+        else MOST_LINEAR_LAYERS_BEHIND_LINING
+    )
     depths = [division.depths]
     for _, thickness in layers[1:]:
         parts = relative_layer_depths_behind_lining(
@@ -202,10 +206,10 @@ def _depths_and_angles_of_arc_mesh(
         )
         depths.append(depths[-1][-1] + parts * thickness)
     bounds = np.array([part[-1] for part in depths])
-    return _ArcLayout(layers, bounds, np.concatenate(depths), angles, body)
+    return _ArcMeshDepthsAndAngles(layers, bounds, np.concatenate(depths), angles, body)
 
 
-def _element_grid_of_arc_shoe(shoe: Shoe, layout: _ArcLayout, kind: str) -> Any:
+def _element_grid_of_arc_shoe(shoe: Shoe, layout: _ArcMeshDepthsAndAngles, kind: str) -> Any:
     """The grid of depths and angles, without lining and backing where the shoe has no lining.
 
     The grid is scikit-fem's mesh of quadrilaterals or, for a `kind` of triangles, of triangles.
@@ -219,7 +223,7 @@ def _element_grid_of_arc_shoe(shoe: Shoe, layout: _ArcLayout, kind: str) -> Any:
 
 
 def _element_edges_on_each_boundary(
-    shoe: Shoe, radius: float, layout: _ArcLayout, grid: Any
+    shoe: Shoe, radius: float, layout: _ArcMeshDepthsAndAngles, grid: Any
 ) -> dict[str, Ints]:
     """The edges of the grid on each named boundary: "contact", "hinge" and "actuation".
 
@@ -229,16 +233,22 @@ def _element_edges_on_each_boundary(
     outer = np.isin(np.arange(grid.nfacets), grid.boundary_facets())
     # The boundary "hinge" is one of three faces: the back of a rigid shoe's lining, the body's end
     # face nearer to the pin, or the part of the body's back that the support holds (the grip).
-    on = {"contact": outer & (depth < FACE_SLACK * radius)}
+    on = {"contact": outer & (depth < EDGE_ON_ARC_FACE_TOLERANCE * radius)}
     grip = shoe.interval_of_body_back_held_by_support(radius) if shoe.body is not None else None
     if shoe.body is None:
-        on["hinge"] = outer & (depth > layout.thickness_of_lining_and_backing * (1 - FACE_SLACK))
+        on["hinge"] = outer & (
+            depth > layout.thickness_of_lining_and_backing * (1 - EDGE_ON_ARC_FACE_TOLERANCE)
+        )
     elif grip is None:
         near, far = sorted(layout.body, key=abs)
         behind = outer & (depth > layout.thickness_of_lining_and_backing)
-        on["hinge"] = behind & (np.abs(phi - near) < FACE_SLACK)
-        on["actuation"] = behind & (np.abs(phi - far) < FACE_SLACK)
+        on["hinge"] = behind & (np.abs(phi - near) < EDGE_ON_ARC_FACE_TOLERANCE)
+        on["actuation"] = behind & (np.abs(phi - far) < EDGE_ON_ARC_FACE_TOLERANCE)
     else:
-        back = outer & (depth > layout.bounds[-1] * (1 - FACE_SLACK))
-        on["hinge"] = back & (phi > grip[0] - FACE_SLACK) & (phi < grip[1] + FACE_SLACK)
+        back = outer & (depth > layout.bounds[-1] * (1 - EDGE_ON_ARC_FACE_TOLERANCE))
+        on["hinge"] = (
+            back
+            & (phi > grip[0] - EDGE_ON_ARC_FACE_TOLERANCE)
+            & (phi < grip[1] + EDGE_ON_ARC_FACE_TOLERANCE)
+        )
     return {name: np.flatnonzero(where) for name, where in on.items()}

@@ -15,67 +15,67 @@ import scipy.spatial
 from drumlin.base.arrays import Floats, Ints
 from drumlin.base.errors import BadInput
 from drumlin.brake.brake import Shoe
-from drumlin.brake.components import Bar
-from drumlin.brake.units import text_in_mm
+from drumlin.brake.components import ShoeBodyOfConstantSection
+from drumlin.brake.units import length_as_text_in_mm
 from drumlin.fem.mesh.degree import nodal_basis_of_mesh
 from drumlin.fem.mesh.edges import nodes_along_element_edges
 
-MOST_LISTED_NAMES = 30
+MOST_GROUP_NAMES_IN_MESSAGE = 30
 """Largest number of group names that the message on a missing group lists."""
-TABLES_OF_GROUPS = {
+BRAKE_FILE_KEY_OF_ELEMENT_GROUP = {
     "backing": "table [shoe.backing]",
     "shoe": "table [shoe.body]",
     "table": "key table in [shoe.body]",
 }
 """Groups of elements that a mesh needs only if the brake file has the table or key beside them."""
-LARGEST_ARC_DIFFERENCE = math.radians(2)
+LARGEST_LINING_END_ANGLE_DIFFERENCE_OF_MESH = math.radians(2)
 """Largest difference [rad] between the ends of the lining in the brake's file and in the mesh.
 
 With a larger difference the mesh and the brake's file do not describe the same shoe, and the mesh
 is refused.
 """
-SAME_POINT = 1e-7
+SAME_NODE_POSITION_TOLERANCE = 1e-7
 """Distance between two nodes, relative to the mesh's size, below which they have the same position.
 
 A mesh with two nodes at the same position is refused, since its parts are not bonded there.
 """
-MOST_COINCIDENT = 1000
+MOST_COUNTED_COINCIDENT_NODES = 1000
 """Largest number of coincident nodes for which the pairs of nodes at the same position are counted.
 
 The message on such nodes then states the number of pairs. More nodes could form more pairs than the
 memory holds, so that the message only says that there are many.
 """
-LARGEST_REACH = 1e6
+LARGEST_RELATIVE_MESH_COORDINATE = 1e6
 """Largest coordinate of a mesh, relative to the drum's radius or to the length of a pad.
 
 A larger mesh is refused: round-off makes its checks unsure. Nearly always its unit of length is
 wrong.
 """
-MIDDLE_NODE_OFFSET = 0.5
+LARGEST_RELATIVE_MIDDLE_NODE_OFFSET = 0.5
 """Largest distance of an edge's middle node from the middle of the chord, relative to the chord.
 
 The chord is the straight line between the ends of an element's edge. At this distance the edge is
 half a circle. A mesh with a larger distance is refused.
 """
-CONTACT_OFFSET = 0.01
+LARGEST_CONTACT_DISTANCE_FROM_DRUM_OVER_RADIUS = 0.01
 """Largest distance of the lining's contact nodes from the drum or the plane.
 
 The distance is relative to the drum's radius or to the length of a pad. The pressure is computed at
 the nodes and stated on the drum, so that both must nearly coincide. A mesh with a larger distance
 is refused.
 """
-CONTACT_DEPTH = 0.1
+LARGEST_CONTACT_OVERLAP_OVER_LINING_THICKNESS = 0.1
 """Largest depth by which the lining's face reaches into the drum or the plane in a mesh.
 
 The depth is relative to the lining's thickness. A larger depth is an interference fit, which is
 refused unless the brake's file declares it.
 """
-CONTACT_SLOPE = 0.1
+LARGEST_SLOPE_OF_CONTACT_AGAINST_DRUM = 0.1
 """Largest slope of an edge of the lining's face against the drum or the plane.
 
 A steeper edge is no part of the lining's face, and the mesh is refused.
 """
-JACOBIAN_RATIO = 1e-6
+SMALLEST_NODE_JACOBIAN_OVER_ELEMENT_SUM = 1e-6
 """Smallest Jacobian determinant at a node, relative to the sum over all nodes of its element.
 
 A mesh is refused if an element has a smaller determinant: the element is inverted or has no area in
@@ -163,7 +163,7 @@ def _mesh_with_only_needed_groups(mesh: Any, shoe: Shoe, fault: str, names: Sequ
     # A shoe needs its layers as subdomains, and contact, hinge and usually actuation as boundaries.
     subdomains, boundaries = mesh.subdomains, mesh.boundaries
     needed = {"lining"} | ({"backing"} if shoe.backing else set())
-    if isinstance(shoe.body, Bar):
+    if isinstance(shoe.body, ShoeBodyOfConstantSection):
         needed |= set(shoe.body.plates)
     elif shoe.body:
         needed.add("shoe")
@@ -172,10 +172,8 @@ def _mesh_with_only_needed_groups(mesh: Any, shoe: Shoe, fault: str, names: Sequ
     )
     missing = sorted((needed - set(subdomains)) | (lines - set(boundaries)))
     if missing:
-        found = (
-            ", ".join(dict.fromkeys([*subdomains, *boundaries, *names][:MOST_LISTED_NAMES]))
-            or "none"
-        )
+        shown = dict.fromkeys([*subdomains, *boundaries, *names][:MOST_GROUP_NAMES_IN_MESSAGE])
+        found = ", ".join(shown) or "none"
         raise BadInput(
             f"{fault}: named groups missing or empty: {', '.join(missing)}; found: {found} "
             f"(names or numbers of its own: groups = {{ {missing[0]} = ... }})"
@@ -185,7 +183,7 @@ def _mesh_with_only_needed_groups(mesh: Any, shoe: Shoe, fault: str, names: Sequ
     named = np.concatenate([subdomains[name] for name in needed])
     if len(np.unique(named)) < mesh.nelements or len(named) > mesh.nelements:
         reason = ""
-        for name, table in TABLES_OF_GROUPS.items():
+        for name, table in BRAKE_FILE_KEY_OF_ELEMENT_GROUP.items():
             if name in subdomains and name not in needed:
                 reason += f"; the file has a group {name}, and the shoe has no {table}"
         raise BadInput(
@@ -203,11 +201,11 @@ def _mesh_with_only_needed_groups(mesh: Any, shoe: Shoe, fault: str, names: Sequ
 def _check_nodes_are_near_and_distinct(mesh: Any, shoe: Shoe, radius: float, fault: str) -> None:
     """Refuse a mesh with nodes too far from the drum, or with two nodes at the same position."""
     size = float(np.abs(mesh.doflocs).max())
-    if size > LARGEST_REACH * radius:
+    if size > LARGEST_RELATIVE_MESH_COORDINATE * radius:
         where = (
-            f"on a plane, its lining {text_in_mm(radius)} long"
-            if shoe.flat
-            else f"in a drum of radius {text_in_mm(radius)}"
+            f"on a plane, its lining {length_as_text_in_mm(radius)} long"
+            if shoe.is_on_plane
+            else f"in a drum of radius {length_as_text_in_mm(radius)}"
         )
         raise BadInput(
             f"{fault}: reaches {size:.3g} m far; must be a shoe {where} "
@@ -215,11 +213,11 @@ def _check_nodes_are_near_and_distinct(mesh: Any, shoe: Shoe, radius: float, fau
         )
     # Many nodes at the same position would form too many pairs to count. Such nodes are found
     # first: they lie in the same square of a fine grid.
-    cells = np.unique(np.round(mesh.doflocs / (SAME_POINT * size)), axis=1)
-    if cells.shape[1] < mesh.doflocs.shape[1] - MOST_COINCIDENT:
+    cells = np.unique(np.round(mesh.doflocs / (SAME_NODE_POSITION_TOLERANCE * size)), axis=1)
+    if cells.shape[1] < mesh.doflocs.shape[1] - MOST_COUNTED_COINCIDENT_NODES:
         raise BadInput(f"{fault}: many nodes stand in one place; merge them, the parts are bonded")
     pairs = scipy.spatial.cKDTree(mesh.doflocs.T).query_pairs(
-        SAME_POINT * size, output_type="ndarray"
+        SAME_NODE_POSITION_TOLERANCE * size, output_type="ndarray"
     )
     if len(pairs):
         raise BadInput(
@@ -235,9 +233,9 @@ def _check_elements_are_valid_and_connected(mesh: Any, shoe: Shoe, fault: str) -
     on_edges = basis.doflocs[:, nodes_along_element_edges(basis, np.arange(mesh.nfacets))]
     first, *middles, last = on_edges.transpose(1, 0, 2)
     for middle in middles:
-        bent = np.hypot(*(middle - (first + last) / 2)) > MIDDLE_NODE_OFFSET * np.hypot(
-            *(last - first)
-        )
+        bent = np.hypot(
+            *(middle - (first + last) / 2)
+        ) > LARGEST_RELATIVE_MIDDLE_NODE_OFFSET * np.hypot(*(last - first))
         if bent.any():
             where = _text_with_count_of_faulty_elements(
                 mesh, mesh.f2t[0, np.flatnonzero(bent)], shoe
@@ -246,7 +244,7 @@ def _check_elements_are_valid_and_connected(mesh: Any, shoe: Shoe, fault: str) -
     # The Jacobian determinant must have the same sign at all nodes of an element, plus or minus.
     determinant = mesh.mapping().detDF(basis.elem.doflocs.T)
     determinant = np.broadcast_to(determinant, (mesh.nelements, determinant.shape[-1]))
-    smallest = np.abs(determinant.sum(axis=1)) * JACOBIAN_RATIO
+    smallest = np.abs(determinant.sum(axis=1)) * SMALLEST_NODE_JACOBIAN_OVER_ELEMENT_SUM
     flat = np.abs(determinant).min(axis=1) <= smallest
     inverted = flat | (np.ptp(np.sign(determinant), axis=1) > 0)
     if inverted.any():
@@ -325,13 +323,15 @@ def _check_contact_is_face_of_lining(mesh: Any, shoe: Shoe, radius: float, fault
         raise BadInput(f"{fault}: the group contact must be edges of the lining only")
     basis = nodal_basis_of_mesh(mesh)
     line = basis.doflocs[:, nodes_along_element_edges(basis, facets)]
-    off, word = shoe.distances_from_friction_surface(line, radius), shoe.surface.word
+    off, word = shoe.distances_from_friction_surface(line, radius), shoe.surface.name
     most, deep = float(np.abs(off).max()), -float(off.min())
-    if most > CONTACT_OFFSET * radius:
-        surface = "plane" if shoe.flat else f"drum's radius {text_in_mm(radius)}"
+    allowed = LARGEST_CONTACT_DISTANCE_FROM_DRUM_OVER_RADIUS * radius
+    if most > allowed:
+        surface = "plane" if shoe.is_on_plane else f"drum's radius {length_as_text_in_mm(radius)}"
         raise BadInput(
-            f"{fault}: the group contact lies up to {text_in_mm(most)} off the {surface}; "
-            f"must be within {text_in_mm(CONTACT_OFFSET * radius)} of it "
+            f"{fault}: the group contact lies up to {length_as_text_in_mm(most)} off the "
+            f"{surface}; "
+            f"must be within {length_as_text_in_mm(allowed)} of it "
             f"(coordinates are read in {shoe.mesh_unit})"
         )
     # The lining's elements must lie behind its face, which must not reach deep into the drum.
@@ -342,20 +342,25 @@ def _check_contact_is_face_of_lining(mesh: Any, shoe: Shoe, radius: float, fault
         raise BadInput(
             f"{fault}: the lining's elements lie in the {word}; must lie behind the group contact"
         )
-    if deep > CONTACT_DEPTH * shoe.lining.thickness and not shoe.mesh_interference:
+    if (
+        deep > LARGEST_CONTACT_OVERLAP_OVER_LINING_THICKNESS * shoe.lining.thickness
+        and not shoe.mesh_interference
+    ):
         raise BadInput(
-            f"{fault}: the group contact lies up to {text_in_mm(deep)} in the {word}, "
-            f"over {CONTACT_DEPTH:g} of the lining's thickness of "
-            f"{text_in_mm(shoe.lining.thickness)}; say mesh_interference = true if that is meant"
+            f"{fault}: the group contact lies up to {length_as_text_in_mm(deep)} in the {word}, "
+            f"over {LARGEST_CONTACT_OVERLAP_OVER_LINING_THICKNESS:g} of the lining's thickness of "
+            f"{length_as_text_in_mm(shoe.lining.thickness)}; say mesh_interference = true if "
+            f"that is meant"
         )
-    steep = (np.abs(np.diff(off, axis=0)) > CONTACT_SLOPE * np.hypot(*np.diff(line, axis=1))).any(
-        axis=0
-    )
+    steep = (
+        np.abs(np.diff(off, axis=0))
+        > LARGEST_SLOPE_OF_CONTACT_AGAINST_DRUM * np.hypot(*np.diff(line, axis=1))
+    ).any(axis=0)
     if steep.any():
         where = _text_with_count_of_faulty_elements(mesh, mesh.f2t[0, facets[steep]], shoe)
         raise BadInput(
             f"{fault}: {where} with an edge of the contact that is steeper than "
-            f"{CONTACT_SLOPE:g} against the {word}"
+            f"{LARGEST_SLOPE_OF_CONTACT_AGAINST_DRUM:g} against the {word}"
         )
     # The contact must have the same ends as the lining in the brake's file.
     nodes, ends = np.unique(mesh.facets[:, facets], return_inverse=True)
@@ -395,15 +400,21 @@ def _check_contact_covers_lining(
     fault : beginning of the message
     """
     found = (float(phi.min()), float(phi.max())) if len(phi) else (arc[0], arc[0])
-    if max(abs(a - b) for a, b in zip(found, arc, strict=True)) <= LARGEST_ARC_DIFFERENCE:
+    if (
+        max(abs(a - b) for a, b in zip(found, arc, strict=True))
+        <= LARGEST_LINING_END_ANGLE_DIFFERENCE_OF_MESH
+    ):
         return
-    text, frame = shoe.surface.place, shoe.frame
-    theta, wanted = (sorted(frame.theta(np.array(ends)).tolist()) for ends in (found, arc))
+    text, frame = shoe.surface.coordinate_as_text, shoe.frame
+    theta, wanted = (
+        sorted(frame.surface_coordinates_of_phi(np.array(ends)).tolist()) for ends in (found, arc)
+    )
     raise BadInput(
         f"{fault}: the group contact runs from {text(theta[0])} to {text(theta[1])}; "
-        f"must be the lining's {'length' if shoe.flat else 'arc'}, "
+        f"must be the lining's {'length' if shoe.is_on_plane else 'arc'}, "
         f"{text(wanted[0])} to {text(wanted[1])}, "
-        f"within {text(frame.unit * LARGEST_ARC_DIFFERENCE)} "
+        f"within "
+        f"{text(frame.surface_coordinate_per_phi * LARGEST_LINING_END_ANGLE_DIFFERENCE_OF_MESH)} "
         f"(coordinates are read in the {shoe.mesh_frame}'s frame)"
     )
 
@@ -418,7 +429,8 @@ def _check_hinge_is_nearer_to_pin_than_actuation(mesh: Any, shoe: Shoe, fault: s
         }
         if away["hinge"] > away["actuation"]:
             raise BadInput(
-                f"{fault}: the group hinge lies {text_in_mm(away['hinge'])} from the pin, "
-                f"the group actuation {text_in_mm(away['actuation'])}; "
+                f"{fault}: the group hinge lies {length_as_text_in_mm(away['hinge'])} from "
+                f"the pin, "
+                f"the group actuation {length_as_text_in_mm(away['actuation'])}; "
                 "must be the nearer one (are they swapped?)"
             )

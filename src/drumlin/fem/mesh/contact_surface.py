@@ -15,23 +15,23 @@ from scipy.interpolate import PchipInterpolator
 
 from drumlin.base.arrays import Bools, Floats, Ints
 from drumlin.brake.brake import Shoe
-from drumlin.fem.mesh.from_file import ContactOnSurface
+from drumlin.fem.mesh.from_file import MeshWithMovedContactNodes
 
-STRAIGHT = 0.1
+LARGEST_STRAIGHT_EDGE_OFFSET_OVER_ARC_HEIGHT = 0.1
 """Largest distance of an edge's middle node from its chord at which the edge counts as straight.
 
 The edge lies on the lining's face. The distance is relative to the height of the drum's arc over
 the chord; an edge that follows the arc has the distance 1. The possible rounding of the coordinates
 is added to the limit.
 """
-STRAIGHT_SIDES = 0.9
+LEAST_STRAIGHT_EDGE_FRACTION = 0.9
 """Fraction of the edges on a lining's face that must be straight for their nodes to be moved.
 
 The middle nodes of the straight edges are then moved onto the drum: mesh generators make all edges
 straight or none of them. A lining with one worn flat has curved edges elsewhere, and its flat must
 stay.
 """
-SMOOTHING_NODES = 8
+SMOOTHING_NODES_ON_EACH_SIDE = 8
 """Distance on each side of a node over which the offsets from the drum are averaged.
 
 The distance is relative to the median distance of neighbouring contact nodes, so that 17 nodes are
@@ -39,21 +39,21 @@ averaged on an even mesh, or to the length within which nodes share a rounding e
 longer. The mean rounding error of 17 nodes is a quarter of the rounding error of one node. The
 shape of a lining is then seen even if its height is less than the rounding of coordinates.
 """
-SIGNIFICANT = 4.0
+LINING_SHAPE_OFFSET_IN_STANDARD_ERRORS = 4.0
 """Ratio of a mean offset to its standard error above which the lining has a shape of its own.
 
 The offset is the distance of neighbouring contact nodes from the drum. The standard error of its
 mean comes from the rounding of coordinates alone. By rounding alone the ratio exceeds the limit at
 one of 16 000 nodes.
 """
-MOST_NOISE = 1.5
+LARGEST_SCATTER_OVER_ROUNDING_SCATTER = 1.5
 """Ratio of a scatter to rounding errors above which contact nodes are not moved onto a smooth line.
 
 The scatter is the root mean square distance of the nodes from the line, and the ratio relates it to
 the standard deviation of one rounding error. A larger scatter shows a step or a corner in the
 lining, which a smooth line would wipe out.
 """
-COORDINATE_ROUND_OFF = 1e-12
+NODE_ON_DRUM_TOLERANCE = 1e-12
 """Offset from the drum, relative to its radius, below which a contact node lies on the drum.
 
 So small an offset is round-off of the computer's arithmetic.
@@ -70,19 +70,20 @@ class _ContactNodes:
     middle : (n,) whether each node is the middle node of an element's edge
     phi : (n,) angle of each node [rad]
     off : (n,) offset of each node from the drum or the plane [m], positive for an open gap
-    slack : (n,) largest offset [m] that the rounding of the coordinates can cause
+    offset_bound_by_rounding : (n,) largest offset [m] that the rounding of the coordinates can
+        cause
     """
 
     nodes: Ints
     middle: Bools
     phi: Floats
     off: Floats
-    slack: Floats
+    offset_bound_by_rounding: Floats
 
 
 def move_contact_nodes_onto_drum_or_plane(
     mesh: Any, rounding: Floats, shoe: Shoe, radius: float
-) -> ContactOnSurface:
+) -> MeshWithMovedContactNodes:
     """The mesh with its contact nodes moved onto the drum or the plane, and counts of moved nodes.
 
     Only those offsets are removed that come from the rounding of the file's coordinates or from
@@ -99,7 +100,7 @@ def move_contact_nodes_onto_drum_or_plane(
     # have after the move [m].
     line = _contact_nodes_in_order_of_angle(mesh, rounding, shoe, radius)
     straight = _which_nodes_are_middles_of_straight_edges(mesh, line, shoe, radius)
-    largest = _largest_offsets_on_edges_that_may_be_straight(mesh, line, shoe, radius)
+    largest = _largest_middle_node_offsets_of_straight_edges(mesh, line, shoe, radius)
     target = line.off.copy()
     free = ~(straight & line.middle) & (largest == 0)
     target[free] = _contact_offsets_without_rounding(line, free, shoe, radius)
@@ -109,36 +110,36 @@ def move_contact_nodes_onto_drum_or_plane(
         smooth = PchipInterpolator(line.phi[corners], target[corners])(line.phi)
         moved = straight | (np.abs(line.off - smooth) < largest)
         target[moved] = smooth[moved]
-    target[np.abs(target) < COORDINATE_ROUND_OFF * radius] = 0.0
+    target[np.abs(target) < NODE_ON_DRUM_TOLERANCE * radius] = 0.0
     moves = target - line.off
-    moves[np.abs(moves) <= COORDINATE_ROUND_OFF * radius] = 0.0
+    moves[np.abs(moves) <= NODE_ON_DRUM_TOLERANCE * radius] = 0.0
     if not moves.any():
-        return ContactOnSurface(mesh)
+        return MeshWithMovedContactNodes(mesh)
     by_rounding = ~straight & (moves != 0)
-    return ContactOnSurface(
+    return MeshWithMovedContactNodes(
         _mesh_with_moved_contact_nodes(mesh, line, moves, shoe),
         rounded=int(np.count_nonzero(by_rounding)),
-        rounded_by=float(np.abs(moves[by_rounding]).max(initial=0.0)),
+        largest_rounding_offset=float(np.abs(moves[by_rounding]).max(initial=0.0)),
         straight=int(np.count_nonzero(straight & (moves != 0))),
-        straight_by=float(np.abs(moves[straight]).max(initial=0.0)),
+        largest_move_of_straight_edge_middle=float(np.abs(moves[straight]).max(initial=0.0)),
     )
 
 
 def mesh_without_gaps_below_rounding(
-    mesh: Any, rounded_by: float, shoe: Shoe, radius: float
+    mesh: Any, largest_rounding_offset: float, shoe: Shoe, radius: float
 ) -> Any:
     """The mesh with those contact nodes on the drum or the plane that rounding may have moved off.
 
     Parameters
     ----------
     mesh : scikit-fem's mesh in the shoe's frame [m], with the group "contact"
-    rounded_by : largest offset [m] that rounding may have caused
+    largest_rounding_offset : largest offset [m] that rounding may have caused
     shoe : the shoe of the mesh
     radius : radius of the drum [m]; on a plane the length of the pad
     """
     exact = np.zeros(mesh.doflocs.shape)
     line = _contact_nodes_in_order_of_angle(mesh, exact, shoe, radius)
-    moves = np.where(np.abs(line.off) <= rounded_by, -line.off, 0.0)
+    moves = np.where(np.abs(line.off) <= largest_rounding_offset, -line.off, 0.0)
     return _mesh_with_moved_contact_nodes(mesh, line, moves, shoe)
 
 
@@ -154,7 +155,7 @@ def contact_offsets_in_order_of_angle(mesh: Any, shoe: Shoe, radius: float) -> F
     exact = np.zeros(mesh.doflocs.shape)
     off = _contact_nodes_in_order_of_angle(mesh, exact, shoe, radius).off
     # Nodes that were put on the drum lie off it by round-off, which is no gap.
-    return np.where(np.abs(off) <= COORDINATE_ROUND_OFF * radius, 0.0, off)
+    return np.where(np.abs(off) <= NODE_ON_DRUM_TOLERANCE * radius, 0.0, off)
 
 
 def _contact_nodes_in_order_of_angle(
@@ -176,21 +177,25 @@ def _contact_nodes_in_order_of_angle(
     normal = np.abs(_unit_normals_away_from_drum(xy, shoe))
     # On a drum the rounding errors of x and y both count: turning the coordinates into the shoe's
     # frame mixes them. On a plane only the coordinate square to the plane counts.
-    slack = np.hypot(*rounding[:, nodes]) if not shoe.flat else (normal * rounding[:, nodes]).sum(0)
+    offset_bound_by_rounding = (
+        np.hypot(*rounding[:, nodes])
+        if not shoe.is_on_plane
+        else (normal * rounding[:, nodes]).sum(0)
+    )
     return _ContactNodes(
         nodes=nodes,
         middle=(np.arange(len(nodes)) >= len(corners))[order],
         phi=phi[order],
         off=shoe.distances_from_friction_surface(xy, radius),
-        slack=slack,
+        offset_bound_by_rounding=offset_bound_by_rounding,
     )
 
 
 def _unit_normals_away_from_drum(xy: Floats, shoe: Shoe) -> Floats:
     """The unit vectors (2, n) at points (2, n) that point away from the drum or the plane."""
-    if shoe.flat:
+    if shoe.is_on_plane:
         return np.array([np.zeros(xy.shape[1]), np.ones(xy.shape[1])])
-    return -shoe.sign * xy / np.hypot(*xy)
+    return -shoe.sign_internal_plus_external_minus * xy / np.hypot(*xy)
 
 
 def _which_nodes_are_middles_of_straight_edges(
@@ -199,26 +204,33 @@ def _which_nodes_are_middles_of_straight_edges(
     """A mask (n,) of the contact nodes, True for each middle node of a straight edge.
 
     On a straight edge of a quadratic element the middle node lies off the drum. The mask is False
-    for all nodes if less than STRAIGHT_SIDES of the edges on the lining's face are straight.
+    for all nodes if less than LEAST_STRAIGHT_EDGE_FRACTION of the edges on the lining's face are
+    straight.
     """
     found = np.zeros(len(line.nodes), dtype=bool)
     at = np.flatnonzero(line.middle)
-    if shoe.flat or not len(at) or at[0] == 0 or at[-1] == len(found) - 1:
+    if shoe.is_on_plane or not len(at) or at[0] == 0 or at[-1] == len(found) - 1:
         return found
     xy = mesh.doflocs[:, line.nodes]
-    height = _heights_of_arcs_over_edges(mesh, line, at, radius)
+    height = _heights_of_drum_arc_over_chords(mesh, line, at, radius)
     beside = np.hypot(*(xy[:, at] - (xy[:, at - 1] + xy[:, at + 1]) / 2))
     # If the arc over an edge is lower than the rounding, a straight edge cannot be told from a
     # curved one.
-    seen = height > 2 * line.slack[at] + COORDINATE_ROUND_OFF * radius
-    straight = seen & (beside <= STRAIGHT * height + 2 * line.slack[at])
+    seen = height > 2 * line.offset_bound_by_rounding[at] + NODE_ON_DRUM_TOLERANCE * radius
+    straight = seen & (
+        beside
+        <= LARGEST_STRAIGHT_EDGE_OFFSET_OVER_ARC_HEIGHT * height
+        + 2 * line.offset_bound_by_rounding[at]
+    )
     counted = max(int(np.count_nonzero(seen)), 1)
-    if np.count_nonzero(straight) >= STRAIGHT_SIDES * counted:
+    if np.count_nonzero(straight) >= LEAST_STRAIGHT_EDGE_FRACTION * counted:
         found[at[straight]] = True
     return found
 
 
-def _heights_of_arcs_over_edges(mesh: Any, line: _ContactNodes, at: Ints, radius: float) -> Floats:
+def _heights_of_drum_arc_over_chords(
+    mesh: Any, line: _ContactNodes, at: Ints, radius: float
+) -> Floats:
     """The heights (k,) [m] of the drum's arc over the chords of the edges with middle nodes `at`.
 
     `at` (k,) are the positions of these middle nodes in `line.nodes`.
@@ -227,7 +239,7 @@ def _heights_of_arcs_over_edges(mesh: Any, line: _ContactNodes, at: Ints, radius
     return np.asarray(((xy[:, at + 1] - xy[:, at - 1]) ** 2).sum(axis=0) / (8 * radius))
 
 
-def _largest_offsets_on_edges_that_may_be_straight(
+def _largest_middle_node_offsets_of_straight_edges(
     mesh: Any, line: _ContactNodes, shoe: Shoe, radius: float
 ) -> Floats:
     """The largest offsets (n,) [m] of middle nodes on edges that may be straight; 0 at other nodes.
@@ -238,11 +250,13 @@ def _largest_offsets_on_edges_that_may_be_straight(
     """
     largest = np.zeros(len(line.nodes))
     at = np.flatnonzero(line.middle)
-    if shoe.flat or not len(at) or at[0] == 0 or at[-1] == len(line.nodes) - 1:
+    if shoe.is_on_plane or not len(at) or at[0] == 0 or at[-1] == len(line.nodes) - 1:
         return largest
-    height = _heights_of_arcs_over_edges(mesh, line, at, radius)
-    unseen = (height <= 2 * line.slack[at]) & (line.slack[at] > COORDINATE_ROUND_OFF * radius)
-    largest[at] = np.where(unseen, height + line.slack[at], 0.0)
+    height = _heights_of_drum_arc_over_chords(mesh, line, at, radius)
+    unseen = (height <= 2 * line.offset_bound_by_rounding[at]) & (
+        line.offset_bound_by_rounding[at] > NODE_ON_DRUM_TOLERANCE * radius
+    )
+    largest[at] = np.where(unseen, height + line.offset_bound_by_rounding[at], 0.0)
     return largest
 
 
@@ -255,21 +269,25 @@ def _contact_offsets_without_rounding(
     explain it. Other offsets follow the smooth line through the nodes, or stay if no smooth line
     fits.
     """
-    off, slack, place = line.off[free], line.slack[free], line.phi[free] * radius
-    shape = _lining_offsets_beyond_rounding(off, slack, place, radius)
+    off, offset_bound_by_rounding, place = (
+        line.off[free],
+        line.offset_bound_by_rounding[free],
+        line.phi[free] * radius,
+    )
+    shape = _lining_offsets_beyond_rounding(off, offset_bound_by_rounding, place, radius)
     found = off.copy()
-    on = np.abs(off) <= slack * (1 + 1e-6) + COORDINATE_ROUND_OFF * radius
+    on = np.abs(off) <= offset_bound_by_rounding * (1 + 1e-6) + NODE_ON_DRUM_TOLERANCE * radius
     found[on & np.isnan(shape)] = 0.0
     # On a plane, rounding moves all nodes by whole multiples of the last digit. This is no random
     # scatter, so that these nodes are not moved onto a smooth line.
-    smooth = ~np.isnan(shape) & (np.abs(shape - off) <= slack)
-    if not shoe.flat:
+    smooth = ~np.isnan(shape) & (np.abs(shape - off) <= offset_bound_by_rounding)
+    if not shoe.is_on_plane:
         found[smooth] = shape[smooth]
     return found
 
 
 def _lining_offsets_beyond_rounding(
-    off: Floats, slack: Floats, place: Floats, radius: float
+    off: Floats, offset_bound_by_rounding: Floats, place: Floats, radius: float
 ) -> Floats:
     """The lining's own offset (k,) [m] from the drum at each node; nan if rounding can explain it.
 
@@ -279,13 +297,13 @@ def _lining_offsets_beyond_rounding(
     Parameters
     ----------
     off : (k,) offsets of the nodes from the drum or the plane [m]
-    slack : (k,) largest offsets that the rounding of coordinates can cause [m]
+    offset_bound_by_rounding : (k,) largest offsets that the rounding of coordinates can cause [m]
     place : (k,) positions of the nodes along the lining [m]
     radius : radius of the drum [m]; on a plane the length of the pad
     """
     shape = np.full(len(off), np.nan)
-    if len(off) < 3 or not slack.any():
-        shape[np.abs(off) > slack] = off[np.abs(off) > slack]
+    if len(off) < 3 or not offset_bound_by_rounding.any():
+        shape[np.abs(off) > offset_bound_by_rounding] = off[np.abs(off) > offset_bound_by_rounding]
         return shape
     # Whether the offset of a node is more than rounding is judged by the mean offset of its
     # neighbours, in which rounding errors cancel.
@@ -293,19 +311,27 @@ def _lining_offsets_beyond_rounding(
     for i in range(len(off)):
         # Where the circle is parallel to x or y, all nodes within sqrt(2 R d) have about the same
         # rounding error, with the radius R and the largest error d. Fewer errors are independent.
-        apart = max(step, float(np.sqrt(2 * radius * slack[i])))
-        near = np.flatnonzero(np.abs(place - place[i]) <= SMOOTHING_NODES * apart)
-        scatter = float(slack[near].mean()) / np.sqrt(6.0)
+        apart = max(step, float(np.sqrt(2 * radius * offset_bound_by_rounding[i])))
+        near = np.flatnonzero(np.abs(place - place[i]) <= SMOOTHING_NODES_ON_EACH_SIDE * apart)
+        scatter = float(offset_bound_by_rounding[near].mean()) / np.sqrt(6.0)
         independent = max(len(near) * min(1.0, step / apart), 1.0)
         mean = float(off[near].mean())
-        beyond = np.abs(off[near]) > slack[near] * (1 + 1e-6) + COORDINATE_ROUND_OFF * radius
-        if abs(mean) <= SIGNIFICANT * scatter / np.sqrt(independent) and not beyond.any():
+        beyond = (
+            np.abs(off[near])
+            > offset_bound_by_rounding[near] * (1 + 1e-6) + NODE_ON_DRUM_TOLERANCE * radius
+        )
+        if (
+            abs(mean) <= LINING_SHAPE_OFFSET_IN_STANDARD_ERRORS * scatter / np.sqrt(independent)
+            and not beyond.any()
+        ):
             continue
-        if abs(off[i]) <= slack[i] and abs(mean) <= SIGNIFICANT * scatter / np.sqrt(independent):
+        if abs(off[i]) <= offset_bound_by_rounding[i] and abs(
+            mean
+        ) <= LINING_SHAPE_OFFSET_IN_STANDARD_ERRORS * scatter / np.sqrt(independent):
             continue
         fit = np.polynomial.Polynomial.fit(place[near], off[near], min(2, len(near) - 1))
         rest = off[near] - fit(place[near])
-        rough = float(np.sqrt(np.mean(rest**2))) > MOST_NOISE * scatter
+        rough = float(np.sqrt(np.mean(rest**2))) > LARGEST_SCATTER_OVER_ROUNDING_SCATTER * scatter
         shape[i] = off[i] if rough else fit(place[i])
     return shape
 

@@ -7,7 +7,7 @@ from pathlib import Path
 from drumlin.base.errors import DrumlinError
 from drumlin.base.files import read_bytes
 
-LARGEST_MESH = 50_000_000
+LARGEST_MESH_FILE_SIZE = 50_000_000
 """Largest size [bytes] of a mesh file: some 500 000 nodes as text.
 
 A larger file is refused before it is read, so that it cannot fill the memory.
@@ -22,12 +22,14 @@ def read_bytes_of_mesh_file(path: Path) -> bytes:
     BadInput
         for a file that cannot be read, is too long, or is not a file on a disk
     """
-    return read_bytes(path, LARGEST_MESH, "a mesh", regular=True)
+    return read_bytes(path, LARGEST_MESH_FILE_SIZE, "a mesh", regular=True)
 
 
-INCLUDED = re.compile(rb"^\s*\*include\s*,\s*input\s*=\s*([^\r\n,]+)", re.IGNORECASE | re.MULTILINE)
+INCLUDE_LINE_PATTERN = re.compile(
+    rb"^\s*\*include\s*,\s*input\s*=\s*([^\r\n,]+)", re.IGNORECASE | re.MULTILINE
+)
 """Pattern of a line *INCLUDE in an Abaqus input file; group 1 is the name of the included file."""
-MOST_NESTED = 8
+LARGEST_INCLUDE_DEPTH = 8
 """Largest depth of input files that include each other by *INCLUDE.
 
 Usual files have a depth of one or two. Without a limit a file that includes itself would never end.
@@ -46,7 +48,7 @@ def digest_of_mesh_file(path: Path, depth: int = 0) -> str:
         return "none"
     # The digests of included files are digested too, in the order of their lines.
     found = hashlib.sha256(data)
-    for name in INCLUDED.findall(data) if depth < MOST_NESTED else ():
+    for name in INCLUDE_LINE_PATTERN.findall(data) if depth < LARGEST_INCLUDE_DEPTH else ():
         included = path.parent / name.decode(errors="replace").strip().strip("\"'")
         found.update(digest_of_mesh_file(included, depth + 1).encode())
     return found.hexdigest()[:16]

@@ -7,7 +7,7 @@ import numpy as np
 
 from drumlin.base.arrays import Floats, Ints
 
-CellGroups = Mapping[str, Mapping[str, Ints]]
+CellNumbersByGroupAndType = Mapping[str, Mapping[str, Ints]]
 """The cells in each group: group name -> meshio's cell type -> numbers (m,) of the cells.
 
 The number of a cell is its position among all cells of its type.
@@ -15,7 +15,7 @@ The number of a cell is its position among all cells of its type.
 
 
 @dataclass(frozen=True)
-class FileContent:
+class MeshFileContent:
     """The content of a mesh file, as the reader of its format returns it.
 
     Parameters
@@ -25,7 +25,8 @@ class FileContent:
     cell_groups : cells in each named group
     node_groups : nodes (m,) in each named group
     edge_groups : corner nodes (m, 2) of the edges in each named group
-    outer_groups : corner nodes (m, 2) of edges by group; edges inside the mesh are to be left out
+    outline_edge_groups : corner nodes (m, 2) of edges by group; edges inside the mesh are to be
+        left out
     rounding : (n, 2) largest rounding error of x and y in the file, in the file's unit; None if it
         has to be found from the coordinates
     turned : whether the reader turned the coordinates, which mixes the rounding errors of x and y
@@ -35,10 +36,10 @@ class FileContent:
 
     points: Floats
     cells: Mapping[str, Ints]
-    cell_groups: CellGroups = field(default_factory=dict)
+    cell_groups: CellNumbersByGroupAndType = field(default_factory=dict)
     node_groups: Mapping[str, Ints] = field(default_factory=dict)
     edge_groups: Mapping[str, Ints] = field(default_factory=dict)
-    outer_groups: Mapping[str, Ints] = field(default_factory=dict)
+    outline_edge_groups: Mapping[str, Ints] = field(default_factory=dict)
     rounding: Floats | None = None
     turned: bool = False
     broken: Mapping[str, str] = field(default_factory=dict)
@@ -47,17 +48,17 @@ class FileContent:
     @property
     def names_of_all_groups(self) -> list[str]:
         """The names of all groups in the file, each once."""
-        groups = (self.cell_groups, self.node_groups, self.edge_groups, self.outer_groups)
+        groups = (self.cell_groups, self.node_groups, self.edge_groups, self.outline_edge_groups)
         return list(dict.fromkeys(name for kind in groups for name in kind))
 
 
-MOST_DECIMALS = 12
+FEWEST_DIGITS_OF_EXACT_COORDINATE = 12
 """Number of digits from which on a coordinate in a mesh file counts as exact.
 
 The digits are decimals or significant digits. Double precision has 16 digits. Rounding to 12 digits
 moves a node by some billionths of the lining's compression.
 """
-DIGIT_SLACK = 1e-3
+ROUND_DECIMAL_COORDINATE_TOLERANCE = 1e-3
 """Largest distance from a round decimal number at which a coordinate counts as this number.
 
 The distance is relative to the step between round numbers, such as 0.01 for two decimals. The
@@ -90,11 +91,11 @@ def _place_values_of_last_decimal(points: Floats) -> Floats | None:
     """The value of the last decimal of coordinates that all have the same number of decimals.
 
     For two decimals the value is 0.01. It is repeated for each coordinate (n, k). None is returned
-    if the coordinates have more than about MOST_DECIMALS digits.
+    if the coordinates have more than about FEWEST_DIGITS_OF_EXACT_COORDINATE digits.
     """
     # More and more decimals are tried, beginning with the leading digit of the largest coordinate.
     largest = int(np.floor(np.log10(max(float(np.abs(points).max(initial=0.0)), 1e-300))))
-    for decimals in range(-largest, MOST_DECIMALS - largest):
+    for decimals in range(-largest, FEWEST_DIGITS_OF_EXACT_COORDINATE - largest):
         step = 10.0**-decimals
         if _is_each_coordinate_multiple_of_step(points, step):
             return np.full(points.shape, step)
@@ -105,9 +106,10 @@ def _place_values_of_last_significant_digit(points: Floats, exponents: Floats) -
     """The value (n, k) of the last digit of coordinates with the same number of significant digits.
 
     For 12.34 with four digits the value is 0.01. None is returned if the coordinates have
-    MOST_DECIMALS digits or more. `exponents` (n, k) are the numbers of digits before the point.
+    FEWEST_DIGITS_OF_EXACT_COORDINATE digits or more. `exponents` (n, k) are the numbers of digits
+    before the point.
     """
-    for digits in range(1, MOST_DECIMALS):
+    for digits in range(1, FEWEST_DIGITS_OF_EXACT_COORDINATE):
         steps = 10.0 ** (exponents - digits)
         if _is_each_coordinate_multiple_of_step(points, steps):
             return np.where(points == 0, 0.0, steps)
@@ -117,4 +119,6 @@ def _place_values_of_last_significant_digit(points: Floats, exponents: Floats) -
 def _is_each_coordinate_multiple_of_step(points: Floats, step: Floats | float) -> bool:
     """Whether all coordinates are whole multiples of the step, up to round-off."""
     multiples = points / step
-    return bool(np.all(np.abs(multiples - np.round(multiples)) <= DIGIT_SLACK))
+    return bool(
+        np.all(np.abs(multiples - np.round(multiples)) <= ROUND_DECIMAL_COORDINATE_TOLERANCE)
+    )

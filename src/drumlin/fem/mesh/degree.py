@@ -17,17 +17,17 @@ import numpy as np
 
 from drumlin.base.arrays import Floats, Ints
 from drumlin.brake.brake import Shoe
-from drumlin.fem.mesh.arc import element_kind_of_mesh
+from drumlin.fem.mesh.arc import mesh_kind_of_scikit_fem_mesh
 from drumlin.fem.mesh.edges import nodes_along_element_edges
 from drumlin.response.resultants import gauss_lobatto_points, lagrange_shape_function_values
 
-TRIANGLE_CORNERS = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
+REFERENCE_TRIANGLE_CORNER_COORDINATES = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
 """The corners (3, 2) of scikit-fem's reference triangle."""
-SQUARE_CORNERS = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
+REFERENCE_SQUARE_CORNER_COORDINATES = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
 """The corners (4, 2) of scikit-fem's reference square."""
-TRIANGLE_SIDES = ((0, 1), (1, 2), (0, 2))
+CORNER_PAIRS_OF_TRIANGLE_SIDES = ((0, 1), (1, 2), (0, 2))
 """The corners at the ends of each side of the reference triangle, in scikit-fem's order."""
-SQUARE_SIDES = ((0, 1), (1, 2), (2, 3), (0, 3))
+CORNER_PAIRS_OF_SQUARE_SIDES = ((0, 1), (1, 2), (2, 3), (0, 3))
 """The corners at the ends of each side of the reference square, in scikit-fem's order."""
 STRAIGHT_TRIANGLE = 1e-12
 """Distance of a triangle's nodes from their places in a straight triangle that is neglected.
@@ -37,14 +37,14 @@ of usual triangles. Straight triangles take less time to integrate.
 """
 
 
-class _Slopes(NamedTuple):
+class _ShapeFunctionGradient(NamedTuple):
     """The gradient of a shape function, `grad` (2, elements, points) [1/m]; scikit-fem's name."""
 
     grad: Floats
 
 
 @dataclass(frozen=True)
-class NodalElement:
+class LagrangeElement:
     """A triangle or a square with Lagrange polynomials of a degree as its shape functions.
 
     The nodes are the corners, then the Gauss-Lobatto points of each side from its first corner to
@@ -62,12 +62,16 @@ class NodalElement:
     @property
     def sides(self) -> tuple[tuple[int, int], ...]:
         """The two corners of each side."""
-        return TRIANGLE_SIDES if self.corners == 3 else SQUARE_SIDES
+        return CORNER_PAIRS_OF_TRIANGLE_SIDES if self.corners == 3 else CORNER_PAIRS_OF_SQUARE_SIDES
 
     @cached_property
     def doflocs(self) -> Floats:
         """The nodes (nodes, 2) in the reference triangle or square."""
-        corners = TRIANGLE_CORNERS if self.corners == 3 else SQUARE_CORNERS
+        corners = (
+            REFERENCE_TRIANGLE_CORNER_COORDINATES
+            if self.corners == 3
+            else REFERENCE_SQUARE_CORNER_COORDINATES
+        )
         inner = 0.5 + 0.5 * gauss_lobatto_points(self.degree)[1:-1, None]
         on_sides = [corners[a] + inner * (corners[b] - corners[a]) for a, b in self.sides]
         if self.corners == 3:
@@ -167,7 +171,7 @@ class NodalBasis:
     """
 
     mesh: Any
-    elem: NodalElement
+    elem: LagrangeElement
     doflocs: Floats
     element_dofs: Ints
     nodal_dofs: Ints
@@ -226,9 +230,12 @@ class NodalBasis:
         return gradients, np.abs(determinants) * self.W
 
     @property
-    def basis(self) -> list[tuple[_Slopes]]:
+    def basis(self) -> list[tuple[_ShapeFunctionGradient]]:
         """The gradients of each shape function, under the attribute names of scikit-fem's basis."""
-        return [(_Slopes(gradient),) for gradient in self._shape_function_gradients_and_areas[0]]
+        return [
+            (_ShapeFunctionGradient(gradient),)
+            for gradient in self._shape_function_gradients_and_areas[0]
+        ]
 
     @property
     def dx(self) -> Floats:
@@ -276,7 +283,7 @@ class ElementsOfGroups(NamedTuple):
 
 def number_of_nodes_at_degree(mesh: Any, degree: int) -> int:
     """The number of nodes of a scikit-fem mesh if its elements have the given degree."""
-    inside = len(NodalElement(degree, len(mesh.t)).doflocs) - len(mesh.t) * degree
+    inside = len(LagrangeElement(degree, len(mesh.t)).doflocs) - len(mesh.t) * degree
     return int(mesh.nvertices + (degree - 1) * mesh.nfacets + inside * mesh.nelements)
 
 
@@ -292,7 +299,11 @@ def nodal_basis_of_shoe_mesh(mesh: Any, degree: int, shoe: Shoe, radius: float) 
     """
     basis = nodal_basis_of_mesh(mesh, degree)
     # On a plane the sides of the mesh have the right shape already.
-    return basis if shoe.flat else _basis_with_contact_nodes_at_mesh_offsets(basis, shoe, radius)
+    return (
+        basis
+        if shoe.is_on_plane
+        else _basis_with_contact_distances_off_drum_of_mesh(basis, shoe, radius)
+    )
 
 
 def nodal_basis_of_mesh(mesh: Any, degree: int | None = None) -> NodalBasis:
@@ -300,7 +311,7 @@ def nodal_basis_of_mesh(mesh: Any, degree: int | None = None) -> NodalBasis:
 
     If no degree is given, the basis has the degree of the mesh itself, 1 or 2.
     """
-    elem = NodalElement(degree or element_kind_of_mesh(mesh).degree, len(mesh.t))
+    elem = LagrangeElement(degree or mesh_kind_of_scikit_fem_mesh(mesh).degree, len(mesh.t))
     # The mapping of the mesh gives the places of the nodes.
     shape = (2, mesh.nelements, len(elem.doflocs))
     places = np.broadcast_to(mesh.mapping().F(elem.doflocs.T), shape)
@@ -308,7 +319,7 @@ def nodal_basis_of_mesh(mesh: Any, degree: int | None = None) -> NodalBasis:
 
 
 def nodal_basis_with_given_node_positions(
-    mesh: Any, elem: NodalElement, places: Floats
+    mesh: Any, elem: LagrangeElement, places: Floats
 ) -> NodalBasis:
     """The basis on a mesh for elements of the type `elem`, with its nodes at given places.
 
@@ -341,7 +352,7 @@ def nodal_basis_with_given_node_positions(
     )
 
 
-def _basis_with_contact_nodes_at_mesh_offsets(
+def _basis_with_contact_distances_off_drum_of_mesh(
     basis: NodalBasis, shoe: Shoe, radius: float
 ) -> NodalBasis:
     """The basis whose contact nodes have the distances off the drum that the mesh's nodes have.
@@ -357,7 +368,7 @@ def _basis_with_contact_nodes_at_mesh_offsets(
     at = gauss_lobatto_points(basis.elem.degree)
     target = lagrange_shape_function_values(len(given) - 1, at).T @ given
     xy = basis.doflocs[:, nodes_along_element_edges(basis, facets)]
-    outward = -shoe.sign * xy / np.hypot(*xy)
+    outward = -shoe.sign_internal_plus_external_minus * xy / np.hypot(*xy)
     moves = (target - shoe.distances_from_friction_surface(xy, radius)) * outward
     return basis.basis_with_moved_nodes(
         node_displacements_that_follow_moved_sides(basis, facets, moves)
@@ -398,7 +409,7 @@ def node_displacements_that_follow_moved_sides(
 
 
 def _node_places_along_side_and_shares_of_its_move(
-    elem: NodalElement, a: int, b: int
+    elem: LagrangeElement, a: int, b: int
 ) -> tuple[Floats, Floats]:
     """How the nodes of an element follow one side: place along the side, and share of its move.
 
@@ -416,6 +427,6 @@ def _node_places_along_side_and_shares_of_its_move(
         share = np.zeros_like(ends)
         np.divide(4 * corner[a] * corner[b], ends, out=share, where=ends > 0)
         return along, share
-    direction = SQUARE_CORNERS[b] - SQUARE_CORNERS[a]
-    from_start = elem.doflocs - SQUARE_CORNERS[a]
+    direction = REFERENCE_SQUARE_CORNER_COORDINATES[b] - REFERENCE_SQUARE_CORNER_COORDINATES[a]
+    from_start = elem.doflocs - REFERENCE_SQUARE_CORNER_COORDINATES[a]
     return 2 * from_start @ direction - 1, 1 - np.abs(from_start @ direction[::-1])

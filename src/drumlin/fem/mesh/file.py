@@ -25,7 +25,7 @@ from drumlin.base.errors import BadInput, system_message_of_error
 from drumlin.base.files import temporary_file_replacing_output
 from drumlin.brake.brake import Shoe
 from drumlin.fem.mesh.abaqus import write_mesh_as_inp_file
-from drumlin.fem.mesh.arc import MESH_KINDS, element_kind_of_mesh
+from drumlin.fem.mesh.arc import MESH_KINDS, mesh_kind_of_scikit_fem_mesh
 from drumlin.fem.mesh.check import (
     check_cells_share_nodes_consistently,
     check_mesh_and_drop_unneeded_groups,
@@ -35,39 +35,39 @@ from drumlin.fem.mesh.contact_surface import (
     move_contact_nodes_onto_drum_or_plane,
 )
 from drumlin.fem.mesh.content import read_bytes_of_mesh_file
-from drumlin.fem.mesh.content_of_file import FileContent, largest_rounding_errors_of_coordinates
+from drumlin.fem.mesh.content_of_file import MeshFileContent, largest_rounding_errors_of_coordinates
 from drumlin.fem.mesh.degree import nodal_basis_of_mesh
 from drumlin.fem.mesh.edges import (
     element_edges_between_vertices_and_missing_count,
     nodes_along_element_edges,
 )
-from drumlin.fem.mesh.from_file import ShoeMesh
+from drumlin.fem.mesh.from_file import ShoeMeshReadFromFile
 from drumlin.fem.mesh.inp import read_mesh_from_inp_text
 from drumlin.fem.mesh.msh4 import is_text_in_gmsh_format_4, read_mesh_in_gmsh_format_4
 from drumlin.fem.mesh.of_meshio import content_of_meshio_mesh
 from drumlin.fem.mesh.plane_cells import (
-    BESIDE,
-    CUBIC_MIDDLE,
-    LOWER,
-    PlaneCells,
+    CELL_TYPES_BESIDES_PLANE_CELLS,
+    CUBIC_EDGE_MIDDLE_WEIGHTS,
+    SECOND_ORDER_CELL_OF_THIRD_ORDER_CELL,
+    PlaneCellsOfOneKind,
     convert_plane_cells_to_one_kind,
 )
 from drumlin.fem.mesh.vtu import check_decompressed_vtu_size_fits_memory
 
-FORMATS = (".msh", ".inp", ".vtu")
+MESH_FILE_SUFFIXES = (".msh", ".inp", ".vtu")
 """The suffixes of mesh files that drumlin reads and writes."""
-GROUP_NAMES = ("lining", "backing", "table", "shoe", "contact", "hinge", "actuation")
+MESH_GROUP_NAMES = ("lining", "backing", "table", "shoe", "contact", "hinge", "actuation")
 """The names of the groups of a mesh that a shoe may need; groups with other names are ignored."""
-MOST_FILE_NODES = 1_000_000
+MOST_NODES_IN_MESH_FILE = 1_000_000
 """Largest number of nodes of a mesh in a file; a file with more nodes is refused to save memory."""
-LARGEST_NUMBER = 10_000_000
+LARGEST_NODE_NUMBER_IN_FILE = 10_000_000
 """Largest number that an .msh file may give to a node; a file with a larger one is refused.
 
 meshio's reader makes an array as long as the largest number, which could fill the memory.
 """
-METRES_PER_UNIT = {"m": 1.0, "mm": 1e-3, "in": 0.0254}
+METRES_PER_MESH_FILE_UNIT = {"m": 1.0, "mm": 1e-3, "in": 0.0254}
 """Metres in each unit of length that the coordinates of a mesh file may have."""
-LONGEST_REASON = 160
+LONGEST_REPEATED_MESHIO_MESSAGE = 160
 """Largest number of characters of meshio's own error message that drumlin's message repeats."""
 
 
@@ -77,7 +77,7 @@ def write_shoe_mesh_to_file(path: Path, mesh: Any, shoe: Shoe) -> None:
     The suffix of the path is .msh (Gmsh 2.2), .inp or .vtu; BadInput is raised for another one. In
     an .inp file quadratic quadrilaterals have eight nodes, without the centre node.
     """
-    if path.suffix not in FORMATS:
+    if path.suffix not in MESH_FILE_SUFFIXES:
         raise BadInput(
             f"--format = {path.suffix[1:]!r}: unknown format of a mesh; allowed: msh, inp, vtu"
         )
@@ -91,15 +91,15 @@ def write_shoe_mesh_to_file(path: Path, mesh: Any, shoe: Shoe) -> None:
         if path.suffix == ".inp":
             nodes = {name: np.unique(along) for name, along in edges.items()}
             write_mesh_as_inp_file(
-                partial, xy, element_kind_of_mesh(mesh).cell, cells, mesh.subdomains, nodes
+                partial, xy, mesh_kind_of_scikit_fem_mesh(mesh).cell, cells, mesh.subdomains, nodes
             )
         elif path.suffix == ".vtu":
             _write_mesh_as_vtu_file(
-                partial, xy, element_kind_of_mesh(mesh).cell, cells, mesh.subdomains, edges
+                partial, xy, mesh_kind_of_scikit_fem_mesh(mesh).cell, cells, mesh.subdomains, edges
             )
         else:
             _write_mesh_as_gmsh_file(
-                partial, xy, element_kind_of_mesh(mesh), cells, mesh.subdomains, edges
+                partial, xy, mesh_kind_of_scikit_fem_mesh(mesh), cells, mesh.subdomains, edges
             )
 
 
@@ -168,20 +168,22 @@ def read_shoe_mesh_from_file(path: Path, shoe: Shoe, radius: float, key: str = "
     return read_shoe_mesh_with_notes(path, shoe, radius, key).mesh
 
 
-def read_shoe_mesh_with_notes(path: Path, shoe: Shoe, radius: float, key: str = "mesh") -> ShoeMesh:
+def read_shoe_mesh_with_notes(
+    path: Path, shoe: Shoe, radius: float, key: str = "mesh"
+) -> ShoeMeshReadFromFile:
     """Read a user's mesh of a shoe from a file, with notes on moved nodes and ignored parts.
 
     See `read_shoe_mesh_from_file` for the parameters and errors.
     """
     fault = f"{key} = '{path}'"
     content = _read_content_of_mesh_file(path, shoe, fault)
-    if len(content.points) > MOST_FILE_NODES:
+    if len(content.points) > MOST_NODES_IN_MESH_FILE:
         raise BadInput(
-            f"{fault}: has {len(content.points)} nodes; must have at most {MOST_FILE_NODES}"
+            f"{fault}: has {len(content.points)} nodes; must have at most {MOST_NODES_IN_MESH_FILE}"
         )
     # The coordinates are converted to the shoe's frame [m]. The array `rounding` has their largest
     # rounding errors in the file's unit.
-    unit = METRES_PER_UNIT[shoe.mesh_unit]
+    unit = METRES_PER_MESH_FILE_UNIT[shoe.mesh_unit]
     points = _xy_coordinates_of_plane_mesh(content, fault)
     rounding = content.rounding
     if rounding is None:
@@ -189,12 +191,12 @@ def read_shoe_mesh_with_notes(path: Path, shoe: Shoe, radius: float, key: str = 
     points = points * unit
     if shoe.mesh_frame == "brake":
         points = shoe.convert_points_to_shoe_frame(points)
-    plane = convert_plane_cells_to_one_kind(content, points, fault, on_drum=not shoe.flat)
+    plane = convert_plane_cells_to_one_kind(content, points, fault, on_drum=not shoe.is_on_plane)
     # Nodes that were added lie between other nodes and have no rounding of their own. A middle
     # node that was added on a third-order side has the rounding errors of the side's nodes.
     slack = np.zeros((len(plane.points), 2))
-    if set(content.cells) & set(LOWER):
-        slack[:] = np.abs(CUBIC_MIDDLE).sum() * rounding.max(axis=0) * unit
+    if set(content.cells) & set(SECOND_ORDER_CELL_OF_THIRD_ORDER_CELL):
+        slack[:] = np.abs(CUBIC_EDGE_MIDDLE_WEIGHTS).sum() * rounding.max(axis=0) * unit
     slack[: len(points)] = rounding * unit
     check_cells_share_nodes_consistently(plane.cells, plane.number_of_corners_per_cell, fault)
     mesh, vertex = _mesh_of_cells_and_vertex_number_of_each_node(plane, plane.points)
@@ -207,13 +209,13 @@ def read_shoe_mesh_with_notes(path: Path, shoe: Shoe, radius: float, key: str = 
     contact = move_contact_nodes_onto_drum_or_plane(mesh, nodal.doflocs, shoe, radius)
     if contact.mesh is not mesh:
         check_mesh_and_drop_unneeded_groups(
-            contact.mesh, shoe, radius, f"{fault}: with its contact line on the {shoe.surface.word}"
+            contact.mesh, shoe, radius, f"{fault}: with its contact line on the {shoe.surface.name}"
         )
     off = contact_offsets_in_order_of_angle(contact.mesh, shoe, radius)
-    return ShoeMesh(contact.mesh, contact, mesh, off, content.notes + plane.notes)
+    return ShoeMeshReadFromFile(contact.mesh, contact, mesh, off, content.notes + plane.notes)
 
 
-def _read_content_of_mesh_file(path: Path, shoe: Shoe, fault: str) -> FileContent:
+def _read_content_of_mesh_file(path: Path, shoe: Shoe, fault: str) -> MeshFileContent:
     """Read the content of a mesh file: nodes, cells and groups.
 
     BadInput is raised for a file that cannot be read; its message begins with `fault`.
@@ -223,9 +225,10 @@ def _read_content_of_mesh_file(path: Path, shoe: Shoe, fault: str) -> FileConten
     except (OSError, ValueError) as error:
         raise BadInput(f"{fault}: no such file ({system_message_of_error(error)})") from error
     suffix = path.suffix.lower()
-    if not regular or suffix not in FORMATS:
+    if not regular or suffix not in MESH_FILE_SUFFIXES:
         raise BadInput(
-            f"{fault}: is not a mesh: must be a file whose name ends in {', '.join(FORMATS)}"
+            f"{fault}: is not a mesh: must be a file whose name ends in "
+            f"{', '.join(MESH_FILE_SUFFIXES)}"
         )
     data = read_bytes_of_mesh_file(path)
     if suffix == ".msh":
@@ -255,11 +258,14 @@ def _read_content_of_mesh_file(path: Path, shoe: Shoe, fault: str) -> FileConten
         elif type(error) is ValueError:
             reason = str(error)
         raise BadInput(
-            f"{fault}: is not a mesh that can be read ({' '.join(reason.split())[:LONGEST_REASON]})"
+            f"{fault}: is not a mesh that can be read "
+            f"({' '.join(reason.split())[:LONGEST_REPEATED_MESHIO_MESSAGE]})"
         ) from error
 
 
-def _read_mesh_file_by_its_format(path: Path, suffix: str, data: bytes, shoe: Shoe) -> FileContent:
+def _read_mesh_file_by_its_format(
+    path: Path, suffix: str, data: bytes, shoe: Shoe
+) -> MeshFileContent:
     """The nodes, cells and groups of a mesh file, read by the reader of its format.
 
     The suffix and the first bytes of `data`, the content of the file, tell the format.
@@ -316,9 +322,10 @@ def _check_node_numbers_fit_memory(path: Path, fault: str) -> None:
                 count = int(file.readline().split()[3])
                 numbers = np.append(numbers, _read_next_numbers_of_text_file(file, count))
                 _read_next_numbers_of_text_file(file, 3 * count)
-    if numbers.size and numbers.max() > LARGEST_NUMBER:
+    if numbers.size and numbers.max() > LARGEST_NODE_NUMBER_IN_FILE:
         raise BadInput(
-            f"{fault}: numbers a node {numbers.max():.0f}; must be up to {LARGEST_NUMBER}"
+            f"{fault}: numbers a node {numbers.max():.0f}; must be up to "
+            f"{LARGEST_NODE_NUMBER_IN_FILE}"
         )
 
 
@@ -327,14 +334,18 @@ def _read_next_numbers_of_text_file(file: Any, count: int) -> Floats:
     return np.fromfile(file, count=max(count, 0), sep=" ")
 
 
-def _xy_coordinates_of_plane_mesh(content: FileContent, fault: str) -> Floats:
+def _xy_coordinates_of_plane_mesh(content: MeshFileContent, fault: str) -> Floats:
     """The coordinates x, y (n, 2) of all nodes of a mesh file, in the file's unit.
 
     BadInput is raised for a mesh that is not plane; its message begins with `fault`. Nodes that
     belong to no plane cell may have any z.
     """
     points = content.points
-    used = [cells.ravel() for name, cells in content.cells.items() if name not in BESIDE]
+    used = [
+        cells.ravel()
+        for name, cells in content.cells.items()
+        if name not in CELL_TYPES_BESIDES_PLANE_CELLS
+    ]
     nodes = np.unique(np.concatenate(used)) if used else np.zeros(0, dtype=np.int64)
     nodes = nodes[(nodes >= 0) & (nodes < len(points))]
     if not np.isfinite(points).all():
@@ -350,7 +361,7 @@ def _xy_coordinates_of_plane_mesh(content: FileContent, fault: str) -> Floats:
 
 
 def _mesh_of_cells_and_vertex_number_of_each_node(
-    plane: PlaneCells, values: Floats
+    plane: PlaneCellsOfOneKind, values: Floats
 ) -> tuple[Any, Ints]:
     """scikit-fem's mesh of the cells in a file, and the vertex number of each node of the file.
 
@@ -375,7 +386,12 @@ def _mesh_of_cells_and_vertex_number_of_each_node(
 
 
 def _mesh_with_named_groups_of_file(
-    content: FileContent, shoe: Shoe, plane: PlaneCells, mesh: Any, vertex: Ints, fault: str
+    content: MeshFileContent,
+    shoe: Shoe,
+    plane: PlaneCellsOfOneKind,
+    mesh: Any,
+    vertex: Ints,
+    fault: str,
 ) -> Any:
     """The mesh with the groups of the file as its subdomains and boundaries.
 
@@ -391,7 +407,7 @@ def _mesh_with_named_groups_of_file(
     fault : beginning of each message
     """
     subdomains, boundaries = {}, {}
-    for name in GROUP_NAMES:
+    for name in MESH_GROUP_NAMES:
         wanted = shoe.groups.names_of_group_in_mesh_file(name)
         for alias in wanted:
             if alias in content.broken:
@@ -409,7 +425,7 @@ def _mesh_with_named_groups_of_file(
     return mesh
 
 
-def _check_given_groups_are_in_file(content: FileContent, shoe: Shoe, fault: str) -> None:
+def _check_given_groups_are_in_file(content: MeshFileContent, shoe: Shoe, fault: str) -> None:
     """Refuse names in a shoe's key `groups` that the mesh file does not have."""
     for name in shoe.groups.element_groups_named_in_brake_file:
         missing = [
@@ -425,7 +441,7 @@ def _check_given_groups_are_in_file(content: FileContent, shoe: Shoe, fault: str
 
 
 def _find_elements_in_named_groups(
-    content: FileContent, plane: PlaneCells, names: list[str]
+    content: MeshFileContent, plane: PlaneCellsOfOneKind, names: list[str]
 ) -> Ints:
     """The numbers of the elements in the groups of the given names, each number once."""
     found = [np.zeros(0, dtype=np.int64)]
@@ -437,8 +453,8 @@ def _find_elements_in_named_groups(
 
 
 def _find_element_edges_in_named_groups(
-    content: FileContent,
-    plane: PlaneCells,
+    content: MeshFileContent,
+    plane: PlaneCellsOfOneKind,
     mesh: Any,
     vertex: Ints,
     names: list[str],
@@ -461,10 +477,12 @@ def _find_element_edges_in_named_groups(
             if cell.startswith("line"):
                 ends.append(content.cells[cell][rows, :2])
         ends += [content.edge_groups[name]] if name in content.edge_groups else []
-        outer_ends += [content.outer_groups[name]] if name in content.outer_groups else []
+        outer_ends += (
+            [content.outline_edge_groups[name]] if name in content.outline_edge_groups else []
+        )
     # A set of nodes is used only if the file has no edges of the same name.
-    found = _require_element_edges_between_vertices(mesh, vertex[np.concatenate(ends)], fault)
-    outlined = _require_element_edges_between_vertices(
+    found = _numbers_of_element_edges_between_vertices(mesh, vertex[np.concatenate(ends)], fault)
+    outlined = _numbers_of_element_edges_between_vertices(
         mesh, vertex[np.concatenate(outer_ends)], fault
     )
     outer = mesh.boundary_facets()
@@ -480,7 +498,7 @@ def _find_element_edges_in_named_groups(
 
 
 def _element_edges_with_all_nodes_in_set(
-    plane: PlaneCells, mesh: Any, vertex: Ints, inside: Bools, fault: str
+    plane: PlaneCellsOfOneKind, mesh: Any, vertex: Ints, inside: Bools, fault: str
 ) -> Ints:
     """The numbers of the mesh's edges whose nodes all belong to a set of nodes.
 
@@ -495,10 +513,10 @@ def _element_edges_with_all_nodes_in_set(
     middles = plane.cells[:, corners : 2 * corners]
     if middles.size and inside[middles].any():
         whole &= inside[middles] | plane.added[middles]
-    return _require_element_edges_between_vertices(mesh, vertex[pairs[whole]], fault)
+    return _numbers_of_element_edges_between_vertices(mesh, vertex[pairs[whole]], fault)
 
 
-def _require_element_edges_between_vertices(mesh: Any, ends: Ints, fault: str) -> Ints:
+def _numbers_of_element_edges_between_vertices(mesh: Any, ends: Ints, fault: str) -> Ints:
     """The numbers of the mesh's edges between pairs of vertices `ends` (n, 2), each once.
 
     BadInput is raised for pairs that are no edge of the mesh; its message begins with `fault`.

@@ -11,31 +11,31 @@ from drumlin.base.errors import BadInput
 from drumlin.brake.brake import Shoe
 from drumlin.response.response import ShoeResponse
 
-SMALLEST_REPORTED_MOVE = 1e-3
+SMALLEST_REPORTED_MOVE_OVER_LINING_COMPRESSION = 1e-3
 """Distance above which a note reports that contact nodes were moved, or lie off the surface.
 
 The distance is relative to the lining's mean compression p t/E. The pressure changes by about the
 same fraction.
 """
-ZIGZAG = 0.2
+ZIGZAG_WAVE_HEIGHT_OVER_LINING_COMPRESSION = 0.2
 """Height of a wave in a lining's meshed face above which its top and bottom count as turns.
 
 The height is relative to the lining's mean compression p t/E. A zigzag of this height makes the
 pressure go up and down by a tenth of its mean.
 """
-FEW_TURNS = 5
+MOST_RISE_FALL_CHANGES_ON_ANY_MESH = 5
 """Largest number of turns between rise and fall that a lining's face may have on any mesh.
 
 Real linings have flats, steps or a worn end, which cause a few turns. A face with more turns is
-accepted only if the mesh has NODES_PER_TURN nodes for each of them.
+accepted only if the mesh has FEWEST_NODES_PER_RISE_FALL_CHANGE nodes for each of them.
 """
-NODES_PER_TURN = 8
+FEWEST_NODES_PER_RISE_FALL_CHANGE = 8
 """Smallest number of contact nodes per turn between rise and fall that shows a real shape.
 
-A meshed face with more than FEW_TURNS turns and fewer nodes per turn is refused. Its nodes are
-inexact and form a zigzag, or each straight edge was split into several.
+A meshed face with more than MOST_RISE_FALL_CHANGES_ON_ANY_MESH turns and fewer nodes per turn is
+refused. Its nodes are inexact and form a zigzag, or each straight edge was split into several.
 """
-MOST_TURNS = 12
+MOST_RISE_FALL_CHANGES_OF_LINING_FACE = 12
 """Number of turns between rise and fall above which a lining's face is refused as a polygon.
 
 The number of nodes per turn does not matter. Turns are counted here if their height is above half
@@ -44,27 +44,27 @@ the lining's mean compression p t/E.
 
 
 @dataclass(frozen=True)
-class ContactOnSurface:
+class MeshWithMovedContactNodes:
     """A mesh whose contact nodes were moved onto the drum or the plane, with counts of moved nodes.
 
     Parameters
     ----------
     mesh : scikit-fem's mesh in the shoe's frame [m]
     rounded : number of nodes that were moved to undo the rounding of their coordinates
-    rounded_by : largest distance that these nodes were moved [m]
+    largest_rounding_offset : largest distance that these nodes were moved [m]
     straight : number of middle nodes of straight edges that were moved
-    straight_by : largest distance that these middle nodes were moved [m]
+    largest_move_of_straight_edge_middle : largest distance that these middle nodes were moved [m]
     """
 
     mesh: Any
     rounded: int = 0
-    rounded_by: float = 0.0
+    largest_rounding_offset: float = 0.0
     straight: int = 0
-    straight_by: float = 0.0
+    largest_move_of_straight_edge_middle: float = 0.0
 
 
 @dataclass(frozen=True)
-class ShoeMesh:
+class ShoeMeshReadFromFile:
     """A shoe's mesh that was read from a file, with notes on changes.
 
     Attributes
@@ -77,13 +77,15 @@ class ShoeMesh:
     """
 
     mesh: Any
-    contact: ContactOnSurface
+    contact: MeshWithMovedContactNodes
     in_file: Any
     off: Floats
     notes: tuple[str, ...]
 
 
-def notes_on_mesh_file(shoe: Shoe, made: ShoeMesh, response: ShoeResponse) -> Iterator[str]:
+def notes_on_mesh_file(
+    shoe: Shoe, made: ShoeMeshReadFromFile, response: ShoeResponse
+) -> Iterator[str]:
     """Yield the notes on a shoe's mesh file that go with the shoe's result, one line each.
 
     The notes report parts of the file that were ignored, contact nodes that were moved, and offsets
@@ -106,13 +108,23 @@ def notes_on_mesh_file(shoe: Shoe, made: ShoeMesh, response: ShoeResponse) -> It
     if compression <= 0:
         return
     # Nodes that were moved farther than a small part of the compression are reported.
-    contact, surface = made.contact, shoe.surface.word
+    contact, surface = made.contact, shoe.surface.name
     moves = (
-        (contact.rounded, contact.rounded_by, "nodes", "the rounding of the file's coordinates"),
-        (contact.straight, contact.straight_by, "middle nodes", "sides that are straight"),
+        (
+            contact.rounded,
+            contact.largest_rounding_offset,
+            "nodes",
+            "the rounding of the file's coordinates",
+        ),
+        (
+            contact.straight,
+            contact.largest_move_of_straight_edge_middle,
+            "middle nodes",
+            "sides that are straight",
+        ),
     )
     for count, by, nodes, cause in moves:
-        if by > SMALLEST_REPORTED_MOVE * compression:
+        if by > SMALLEST_REPORTED_MOVE_OVER_LINING_COMPRESSION * compression:
             yield (
                 f"{lead}: {count} {nodes} of the contact line were put on the {surface}, "
                 f"by up to {_text_of_distance_and_ratio_to_compression(by, compression)}: {cause}"
@@ -120,7 +132,7 @@ def notes_on_mesh_file(shoe: Shoe, made: ShoeMesh, response: ShoeResponse) -> It
     # Offsets that remain count as a gap, unless they are a zigzag.
     _check_contact_is_no_zigzag(made.off, compression, lead, surface)
     most = float(np.abs(made.off).max())
-    if most > SMALLEST_REPORTED_MOVE * compression:
+    if most > SMALLEST_REPORTED_MOVE_OVER_LINING_COMPRESSION * compression:
         distance = _text_of_distance_and_ratio_to_compression(most, compression)
         yield (
             f"{lead}: the contact line lies up to {distance} off the {surface}; "
@@ -157,11 +169,16 @@ def _check_contact_is_no_zigzag(off: Floats, compression: float, lead: str, surf
     surface : word for the surface in the message: drum or plane
     """
     turns, high = (
-        count_changes_between_rise_and_fall(off, ZIGZAG * compression),
+        count_changes_between_rise_and_fall(
+            off, ZIGZAG_WAVE_HEIGHT_OVER_LINING_COMPRESSION * compression
+        ),
         count_changes_between_rise_and_fall(off, compression / 2),
     )
-    unresolved = turns > FEW_TURNS and len(off) < NODES_PER_TURN * turns
-    if unresolved or high > MOST_TURNS:
+    unresolved = (
+        turns > MOST_RISE_FALL_CHANGES_ON_ANY_MESH
+        and len(off) < FEWEST_NODES_PER_RISE_FALL_CHANGE * turns
+    )
+    if unresolved or high > MOST_RISE_FALL_CHANGES_OF_LINING_FACE:
         raise BadInput(
             f"{lead}: the contact line goes off the {surface} and back {turns} times on "
             f"{len(off)} nodes, by up to "

@@ -12,7 +12,7 @@ import numpy as np
 from drumlin.base.arrays import Floats
 from drumlin.brake.brake import Shoe
 
-EDGE_SIZE = 1 / 32
+RELATIVE_SIZE_OF_LINING_END_ELEMENT = 1 / 32
 """Size of the element at a lining's end, relative to the size of an element in its middle.
 
 The layers of elements at the lining's two faces are thinner than those in its middle by the same
@@ -20,19 +20,19 @@ ratio. The pressure p is singular at the end. With four times this size the erro
 larger in the median of 22 random brakes, and up to six times as large. With half of this size the
 error is the same.
 """
-MOST_OVERHANG_ELEMENTS = 200
+MOST_ELEMENTS_BEYOND_LINING_END = 200
 """Largest number of elements along the shoe's body beyond each end of the lining, to save memory.
 
 A body that reaches farther beyond the lining has larger elements.
 """
-MOST_QUADRATIC_LAYERS = 8
+MOST_QUADRATIC_LAYERS_BEHIND_LINING = 8
 """Largest number of layers of quadratic elements through a shoe's backing, and through its body.
 
 With this limit the number of unknowns is in proportion to the number of elements along the lining,
 not to its square. On 22 random brakes twice as many layers take 1.4 times the unknowns for the same
 error of the pressure. Half as many layers make the error up to 2.4 times as large.
 """
-MOST_LINEAR_LAYERS = 80
+MOST_LINEAR_LAYERS_BEHIND_LINING = 80
 """Largest number of layers of linear elements through a shoe's backing, and through its body.
 
 Linear elements bend well only in thin layers. The limit is the default number of elements along a
@@ -76,7 +76,11 @@ def divide_lining_into_elements(shoe: Shoe, radius: float, elements: int) -> Lin
     return LiningDivision(
         angles=_element_ends_along_linings_and_slots(shoe, radius, elements),
         depths=points_graded_to_both_ends(
-            0, thickness, number_of_element_layers_in_lining(elements), thickness / 2, EDGE_SIZE
+            0,
+            thickness,
+            number_of_element_layers_in_lining(elements),
+            thickness / 2,
+            RELATIVE_SIZE_OF_LINING_END_ELEMENT,
         ),
         step=(end - start) / elements,
     )
@@ -124,7 +128,9 @@ def element_ends_along_lining(arc: float, shoe: Shoe, radius: float, elements: i
     radius : radius of the drum [m]
     elements : number of elements
     """
-    return points_graded_to_both_ends(0.0, arc, elements, shoe.lining.thickness / radius, EDGE_SIZE)
+    return points_graded_to_both_ends(
+        0.0, arc, elements, shoe.lining.thickness / radius, RELATIVE_SIZE_OF_LINING_END_ELEMENT
+    )
 
 
 def number_of_element_layers_in_lining(elements: int) -> int:
@@ -136,8 +142,8 @@ def element_ends_beyond_lining(near: float, far: float, division: LiningDivision
     """The ends (m + 1,) of m elements of a shoe's body beyond one end of the lining [rad].
 
     The elements have about the length of the division's `step`. If there would be more than
-    MOST_OVERHANG_ELEMENTS of them, only the first one has this length, and the lengths grow by a
-    constant ratio.
+    MOST_ELEMENTS_BEYOND_LINING_END of them, only the first one has this length, and the lengths
+    grow by a constant ratio.
 
     Parameters
     ----------
@@ -151,11 +157,11 @@ def element_ends_beyond_lining(near: float, far: float, division: LiningDivision
     # The elements are equal. If they are too many, their number is limited, and their lengths grow
     # by a constant ratio with the distance from the lining.
     count = max(1, round(length / step))
-    parts = np.linspace(0, 1, min(count, MOST_OVERHANG_ELEMENTS) + 1)
-    if count > MOST_OVERHANG_ELEMENTS:
+    parts = np.linspace(0, 1, min(count, MOST_ELEMENTS_BEYOND_LINING_END) + 1)
+    if count > MOST_ELEMENTS_BEYOND_LINING_END:
         growth = _element_growth_exponent_for_total_length(length / step)
-        parts = np.expm1(growth * np.arange(MOST_OVERHANG_ELEMENTS + 1)) / np.expm1(
-            growth * MOST_OVERHANG_ELEMENTS
+        parts = np.expm1(growth * np.arange(MOST_ELEMENTS_BEYOND_LINING_END + 1)) / np.expm1(
+            growth * MOST_ELEMENTS_BEYOND_LINING_END
         )
     places = near + (far - near) * parts
     places[-1] = far
@@ -184,12 +190,12 @@ def _element_growth_exponent_for_total_length(total: float) -> float:
     """The growth g for which the sum of the steps 1, e^g, e^(2g), ... is `total`, by bisection.
 
     The steps are lengths of elements beyond the lining, relative to the first element's length.
-    Their number is MOST_OVERHANG_ELEMENTS.
+    Their number is MOST_ELEMENTS_BEYOND_LINING_END.
     """
     low, high = 0.0, 1.0
     while high - low > 1e-12:
         middle = 0.5 * (low + high)
-        if math.expm1(MOST_OVERHANG_ELEMENTS * middle) < total * math.expm1(middle):
+        if math.expm1(MOST_ELEMENTS_BEYOND_LINING_END * middle) < total * math.expm1(middle):
             low = middle
         else:
             high = middle

@@ -12,12 +12,12 @@ from typing import NamedTuple, TypeVar
 import numpy as np
 
 from drumlin.base.arrays import Floats, Ints
-from drumlin.fem.mesh.abaqus import CELL_OF_TYPE, NODES_PER_CELL
-from drumlin.fem.mesh.content_of_file import FileContent, largest_rounding_errors_of_coordinates
-from drumlin.fem.mesh.inp_deck import Deck
+from drumlin.fem.mesh.abaqus import MESHIO_CELL_OF_ABAQUS_TYPE, NODES_PER_MESHIO_CELL
+from drumlin.fem.mesh.content_of_file import MeshFileContent, largest_rounding_errors_of_coordinates
+from drumlin.fem.mesh.inp_deck import AbaqusDeck
 from drumlin.fem.mesh.inp_parts import DeckInstance
 
-LOOSE = (
+IGNORED_ABAQUS_ELEMENT_PREFIXES = (
     *("SPRING", "DASHPOT", "MASS", "ROTARYI", "CONN", "GAP", "JOINT", "ITS", "DCOUP", "HEATCAP"),
     *("R2D", "R3D", "RAX", "RB2D", "RB3D", "DIST", "FRAME", "PIPE", "TUBE", "SLIDE"),
 )
@@ -26,12 +26,12 @@ LOOSE = (
 They are springs, masses, connectors, gaps and rigid bodies. The reader ignores them.
 """
 
-Parsed = TypeVar("Parsed")
-Key = tuple[str, int]
+ParsedMemberTypeVariable = TypeVar("ParsedMemberTypeVariable")
+NodeOrElementKey = tuple[str, int]
 """The key of a node or an element of an Abaqus deck: name of its instance, and its label there."""
 
 
-class ElementPlace(NamedTuple):
+class CellTypeAndRowOfElement(NamedTuple):
     """The place of an element of a deck among the cells of the mesh that is read.
 
     Attributes
@@ -46,7 +46,7 @@ class ElementPlace(NamedTuple):
 
 def read_mesh_from_inp_text(
     text: str, folder: Path | None = None, wanted: Collection[str] = ()
-) -> FileContent:
+) -> MeshFileContent:
     """Read the mesh in the text of an Abaqus or CalculiX input file.
 
     Names of groups become lower case.
@@ -63,11 +63,15 @@ def read_mesh_from_inp_text(
     ValueError
         with a line that says what cannot be read
     """
-    deck = Deck(text, folder)
-    return _Assembled(deck, _choose_bodies_that_make_up_shoe(deck, wanted)).nodes_cells_and_groups()
+    deck = AbaqusDeck(text, folder)
+    return _AssembledDeckMesh(
+        deck, _choose_bodies_that_make_up_shoe(deck, wanted)
+    ).nodes_cells_and_groups()
 
 
-def _choose_bodies_that_make_up_shoe(deck: Deck, wanted: Collection[str]) -> list[DeckInstance]:
+def _choose_bodies_that_make_up_shoe(
+    deck: AbaqusDeck, wanted: Collection[str]
+) -> list[DeckInstance]:
     """The instances and parts of a deck that make up the shoe.
 
     These are the bodies with elements in the wanted groups, and bodies without any elements. If no
@@ -84,7 +88,7 @@ def _choose_bodies_that_make_up_shoe(deck: Deck, wanted: Collection[str]) -> lis
     return found if owners else bodies
 
 
-def _names_of_instances_in_element_set(deck: Deck, body: DeckInstance, name: str) -> set[str]:
+def _names_of_instances_in_element_set(deck: AbaqusDeck, body: DeckInstance, name: str) -> set[str]:
     """The names of the instances whose elements are members of an element set of a body.
 
     The result is empty for a set that cannot be read.
@@ -95,16 +99,16 @@ def _names_of_instances_in_element_set(deck: Deck, body: DeckInstance, name: str
         return set()
 
 
-class _Assembled:
+class _AssembledDeckMesh:
     """The mesh made of the chosen instances and parts of a deck.
 
     Each part of a deck numbers its own nodes and elements. The mesh numbers all of them anew.
     """
 
-    def __init__(self, deck: Deck, bodies: list[DeckInstance]) -> None:
+    def __init__(self, deck: AbaqusDeck, bodies: list[DeckInstance]) -> None:
         self.deck, self.bodies = deck, bodies
-        self.number: dict[Key, int] = {}
-        self.place: dict[Key, ElementPlace | None] = {}
+        self.number: dict[NodeOrElementKey, int] = {}
+        self.place: dict[NodeOrElementKey, CellTypeAndRowOfElement | None] = {}
         self.cells: dict[str, list[list[int]]] = {}
         self.plane_strain: dict[str, None] = {}
         self.broken: dict[str, str] = {}
@@ -127,7 +131,9 @@ class _Assembled:
             if part.nodes:
                 points.append(body.placement(np.array(list(part.nodes.values()))))
                 rounding.append(
-                    largest_rounding_errors_of_coordinates(np.array(list(part.written.values())))
+                    largest_rounding_errors_of_coordinates(
+                        np.array(list(part.coordinates_as_written.values()))
+                    )
                 )
         return np.vstack(points), np.vstack(rounding)
 
@@ -147,12 +153,12 @@ class _Assembled:
             if cell is None:
                 self.place[body.name, label] = None
                 continue
-            if len(nodes) != NODES_PER_CELL[cell]:
+            if len(nodes) != NODES_PER_MESHIO_CELL[cell]:
                 raise ValueError(
                     f"*ELEMENT, TYPE={kind} needs a label "
-                    f"and {NODES_PER_CELL[cell]} nodes on each line"
+                    f"and {NODES_PER_MESHIO_CELL[cell]} nodes on each line"
                 )
-            self.place[body.name, label] = ElementPlace(cell, len(rows))
+            self.place[body.name, label] = CellTypeAndRowOfElement(cell, len(rows))
             found = [
                 self._node_number_of_label(body.name, node, f"element {label}") for node in nodes
             ]
@@ -172,17 +178,17 @@ class _Assembled:
             raise ValueError(f"{where} has the node {label}, which the file does not define")
         return found
 
-    def nodes_cells_and_groups(self) -> FileContent:
+    def nodes_cells_and_groups(self) -> MeshFileContent:
         """The content of the deck as the reader returns it: nodes, cells, groups and notes."""
         nodes, cells = (
             self._members_of_each_set("node_sets"),
             self._members_of_each_set("element_sets"),
         )
         surfaces = self._edges_and_nodes_of_surfaces()
-        return FileContent(
+        return MeshFileContent(
             points=self.points,
             cells={
-                cell: _integer_array_of_rows(rows, NODES_PER_CELL[cell])
+                cell: _integer_array_of_rows(rows, NODES_PER_MESHIO_CELL[cell])
                 for cell, rows in self.cells.items()
             },
             cell_groups={
@@ -196,7 +202,7 @@ class _Assembled:
             edge_groups={
                 name: _integer_array_of_rows(edges, 2) for name, edges in surfaces.edges.items()
             },
-            outer_groups={
+            outline_edge_groups={
                 name: _integer_array_of_rows(edges, 2) for name, edges in surfaces.outlines.items()
             },
             rounding=self.rounding,
@@ -223,7 +229,7 @@ class _Assembled:
             notes.append(f"TYPE={kinds} is plane strain; it is solved in plane stress")
         return tuple(notes)
 
-    def _members_of_each_set(self, which: str) -> dict[str, list[Key]]:
+    def _members_of_each_set(self, which: str) -> dict[str, list[NodeOrElementKey]]:
         """The members of each node set or element set of the deck, by the set's name.
 
         `which` is "node_sets" or "element_sets". A set of the assembly replaces sets of the same
@@ -232,7 +238,7 @@ class _Assembled:
         known = self.number if which == "node_sets" else self.place
         what = "node" if which == "node_sets" else "element"
 
-        def members_of_one_set(body: DeckInstance, name: str) -> list[Key]:
+        def members_of_one_set(body: DeckInstance, name: str) -> list[NodeOrElementKey]:
             """The members of the set `name` of a body that are in the mesh.
 
             ValueError is raised for a member that the file does not define.
@@ -260,8 +266,8 @@ class _Assembled:
     def _collect_members_by_group_name(
         self,
         named: Callable[[DeckInstance], Collection[str]],
-        found: Callable[[DeckInstance, str], list[Parsed]],
-    ) -> dict[str, list[Parsed]]:
+        found: Callable[[DeckInstance, str], list[ParsedMemberTypeVariable]],
+    ) -> dict[str, list[ParsedMemberTypeVariable]]:
         """The members of each named group of the deck, by the group's name.
 
         A group of the assembly replaces groups of the same name in other bodies. Otherwise the
@@ -274,7 +280,7 @@ class _Assembled:
         found : function that returns the members of a group of a body
         """
         # The assembly is first, so that its groups are known before the groups of parts.
-        groups: dict[str, list[Parsed]] = {}
+        groups: dict[str, list[ParsedMemberTypeVariable]] = {}
         assembly = self.deck.bodies[-1]
         bodies = [body for body in self.bodies if body.part is not assembly.part]
         for body in [assembly, *bodies]:
@@ -287,7 +293,9 @@ class _Assembled:
                     self.broken[name] = str(error)
         return groups
 
-    def _cell_numbers_of_elements_by_cell_type(self, keys: list[Key]) -> dict[str, Ints]:
+    def _cell_numbers_of_elements_by_cell_type(
+        self, keys: list[NodeOrElementKey]
+    ) -> dict[str, Ints]:
         """The cells of the elements of a group: type of cell -> numbers of the cells.
 
         `keys` are the elements of the group. Elements without a cell, such as springs, are left
@@ -300,9 +308,9 @@ class _Assembled:
                 rows[place.cell].append(place.row)
         return {cell: np.array(found, dtype=np.int64) for cell, found in rows.items()}
 
-    def _edges_and_nodes_of_surfaces(self) -> "_Surfaces":
+    def _edges_and_nodes_of_surfaces(self) -> "_EdgesAndNodesOfDeckSurfaces":
         """The edges and nodes of all *SURFACE sections of the deck."""
-        found = _Surfaces({}, {}, {})
+        found = _EdgesAndNodesOfDeckSurfaces({}, {}, {})
 
         def add_edges_and_nodes_of_one_surface(body: DeckInstance, name: str) -> list[None]:
             """Add the edges or nodes of the surface `name` of a body to `found`; return no members.
@@ -339,7 +347,7 @@ class _Assembled:
 
     def _nodes_or_elements_named_by_word_of_surface(
         self, body: DeckInstance, which: str, word: str
-    ) -> list[Key]:
+    ) -> list[NodeOrElementKey]:
         """The nodes or elements that a word on a line of *SURFACE stands for.
 
         The word is the name of a set or the label of one node or element. `which` is "node_sets" or
@@ -396,7 +404,7 @@ class _Assembled:
         return edges
 
 
-class _Surfaces(NamedTuple):
+class _EdgesAndNodesOfDeckSurfaces(NamedTuple):
     """The edges and nodes of the surfaces of a deck, by the name of the surface.
 
     Attributes
@@ -409,7 +417,7 @@ class _Surfaces(NamedTuple):
 
     edges: dict[str, list[list[int]]]
     outlines: dict[str, list[list[int]]]
-    nodes: dict[str, list[Key]]
+    nodes: dict[str, list[NodeOrElementKey]]
 
 
 def meshio_cell_name_of_abaqus_element(kind: str) -> str | None:
@@ -417,7 +425,7 @@ def meshio_cell_name_of_abaqus_element(kind: str) -> str | None:
 
     ValueError is raised for elements that are not plane or are axisymmetric.
     """
-    if kind.startswith(LOOSE):
+    if kind.startswith(IGNORED_ABAQUS_ELEMENT_PREFIXES):
         return None
     if kind.startswith(("CAX", "CGAX", "SAX", "MAX")):
         raise ValueError(
@@ -425,12 +433,12 @@ def meshio_cell_name_of_abaqus_element(kind: str) -> str | None:
         )
     # Letters at the end (R: reduced, H: hybrid) change the formulation and not the shape.
     plain = kind[:-2] if kind.endswith("R5") else kind.rstrip("HIRMSTW")
-    if plain not in CELL_OF_TYPE:
+    if plain not in MESHIO_CELL_OF_ABAQUS_TYPE:
         raise ValueError(
             f"*ELEMENT, TYPE={kind} is not an element of a plane mesh; "
-            f"allowed: {', '.join(CELL_OF_TYPE)}"
+            f"allowed: {', '.join(MESHIO_CELL_OF_ABAQUS_TYPE)}"
         )
-    return CELL_OF_TYPE[plain]
+    return MESHIO_CELL_OF_ABAQUS_TYPE[plain]
 
 
 def _integer_array_of_rows(rows: list[list[int]], width: int) -> Ints:

@@ -11,28 +11,33 @@ import numpy as np
 
 from drumlin.fem.mesh.inp_keywords import refuse_or_note_ignored_section
 from drumlin.fem.mesh.inp_parts import (
-    IN_PLACE,
+    IDENTITY_PLACEMENT,
     DeckInstance,
     DeckPart,
-    Member,
+    DeckSetMember,
     parse_node_or_element_label,
     parse_numbers_of_data_line,
     placement_of_instance_in_assembly,
     placement_of_nodes_after_system_section,
 )
-from drumlin.fem.mesh.inp_text import InputSection, split_input_file_into_sections
+from drumlin.fem.mesh.inp_text import KeywordSectionOfDeck, split_input_file_into_sections
 
-MOST_MEMBERS = 2_000_000
+MOST_MEMBERS_OF_ALL_DECK_SETS = 2_000_000
 """Largest number of members of all sets of an Abaqus deck together; a deck with more is refused.
 
 A set may consist of other sets and of ranges of labels, so that it can have far more members than
 its text has words.
 """
-OTHER_FILE = "reads its data lines from another file; use *INCLUDE, or put them into the deck"
+REASON_TO_REFUSE_DATA_IN_OTHER_FILE = (
+    "reads its data lines from another file; use *INCLUDE, or put them into the deck"
+)
 """Reason for refusing a keyword of an Abaqus deck whose data lines are in another file."""
-UNREAD_OPTIONS = {
-    "NODE": {"INPUT": OTHER_FILE},
-    "ELEMENT": {"INPUT": OTHER_FILE, "OFFSET": "renumbers elements; write out their labels"},
+REFUSED_KEYWORD_OPTIONS = {
+    "NODE": {"INPUT": REASON_TO_REFUSE_DATA_IN_OTHER_FILE},
+    "ELEMENT": {
+        "INPUT": REASON_TO_REFUSE_DATA_IN_OTHER_FILE,
+        "OFFSET": "renumbers elements; write out their labels",
+    },
     "INSTANCE": {
         "LIBRARY": "takes the instance from another analysis; write the mesh out in full",
         "INSTANCE": "takes the instance from another analysis; write the mesh out in full",
@@ -42,11 +47,11 @@ UNREAD_OPTIONS = {
 
 The reason also tells what to do instead. The outer key is the keyword, the inner key the option.
 """
-UNREAD_SET_OPTIONS = {
+REFUSED_SET_OPTIONS = {
     "ELSET": "names the nodes of an element set; write out their labels",
     "COMBINE": "combines other surfaces; write out their elements",
     "CROP": "keeps a part of a surface; write out its elements",
-    "INPUT": OTHER_FILE,
+    "INPUT": REASON_TO_REFUSE_DATA_IN_OTHER_FILE,
 }
 """Options that change the members of an Abaqus set or surface and are not read, with the reason.
 
@@ -54,7 +59,7 @@ The reason also tells what to do instead. It becomes the message if the shoe nee
 """
 
 
-class Deck:
+class AbaqusDeck:
     """An Abaqus or CalculiX input file: its parts, instances, sets and ignored keywords."""
 
     def __init__(self, text: str, folder: Path | None) -> None:
@@ -63,8 +68,8 @@ class Deck:
         self.instances: dict[str, DeckInstance] = {}
         self.unknown: dict[str, None] = {}
         self._scope, self._outer = self.root, self.root
-        self._system = IN_PLACE
-        self._room = MOST_MEMBERS
+        self._system = IDENTITY_PLACEMENT
+        self._room = MOST_MEMBERS_OF_ALL_DECK_SETS
         for section in split_input_file_into_sections(text, folder):
             self._add_section_to_its_part(section)
 
@@ -79,14 +84,14 @@ class Deck:
         ]
         return [DeckInstance("", self.root), *placed, DeckInstance("", self.assembly)]
 
-    def _add_section_to_its_part(self, section: InputSection) -> None:
+    def _add_section_to_its_part(self, section: KeywordSectionOfDeck) -> None:
         """Add the nodes, elements, sets or surfaces of one section of the deck to its part.
 
         A section that begins or ends a part, an instance or the assembly changes the part that
         later sections belong to.
         """
         keyword, scope = section.keyword, self._scope
-        for option, reason in UNREAD_OPTIONS.get(keyword, {}).items():
+        for option, reason in REFUSED_KEYWORD_OPTIONS.get(keyword, {}).items():
             if option in section.options:
                 raise ValueError(f"*{keyword}, {option}= {reason}")
         if keyword == "NODE":
@@ -103,13 +108,13 @@ class Deck:
             self._add_surface_of_section(section)
         elif keyword == "SYSTEM":
             self._system = placement_of_nodes_after_system_section(section.rows)
-        elif keyword in SCOPES:
-            self._system = IN_PLACE
-            SCOPES[keyword](self, section)
+        elif keyword in METHODS_OF_BEGIN_AND_END_KEYWORDS:
+            self._system = IDENTITY_PLACEMENT
+            METHODS_OF_BEGIN_AND_END_KEYWORDS[keyword](self, section)
         elif keyword:
             refuse_or_note_ignored_section(section, self.unknown)
 
-    def _add_nodes_of_section(self, section: InputSection) -> None:
+    def _add_nodes_of_section(self, section: KeywordSectionOfDeck) -> None:
         """Add the nodes of a *NODE section; a *SYSTEM section before it may move or turn them."""
         kind, scope = section.value_of_option_in_keyword_line("SYSTEM") or "R", self._scope
         if kind not in ("R", "C"):
@@ -123,14 +128,14 @@ class Deck:
                 # Cylindrical coordinates are radius, angle in degrees, and height.
                 angle = math.radians(xyz[1])
                 xyz = [xyz[0] * math.cos(angle), xyz[0] * math.sin(angle), xyz[2]]
-            if self._system is not IN_PLACE:
+            if self._system is not IDENTITY_PLACEMENT:
                 xyz = self._system(np.array(xyz)).tolist()
             scope.add_labelled_node_to_part(label, xyz, [*written, 0.0, 0.0][:2])
         # The option NSET of a *NODE section makes a set of these nodes.
-        labels = InputSection("NSET", {}, [[row[0]] for row in section.rows])
+        labels = KeywordSectionOfDeck("NSET", {}, [[row[0]] for row in section.rows])
         self._add_members_to_named_set(scope.node_sets, labels, section.options.get("NSET"))
 
-    def _add_elements_of_section(self, section: InputSection) -> None:
+    def _add_elements_of_section(self, section: KeywordSectionOfDeck) -> None:
         """Add the elements of an *ELEMENT section with the labels of their nodes.
 
         The number of nodes of each element is checked later.
@@ -143,13 +148,13 @@ class Deck:
             found[label] = nodes
         self._scope.add_labelled_elements_to_part(kind, found)
         # The option ELSET of an *ELEMENT section makes a set of these elements.
-        labels = InputSection("ELSET", {}, [[str(label)] for label in found])
+        labels = KeywordSectionOfDeck("ELSET", {}, [[str(label)] for label in found])
         self._add_members_to_named_set(
             self._scope.element_sets, labels, section.options.get("ELSET")
         )
 
     def _add_members_to_named_set(
-        self, sets: dict[str, list[Member]], section: InputSection, name: str | None
+        self, sets: dict[str, list[DeckSetMember]], section: KeywordSectionOfDeck, name: str | None
     ) -> None:
         """Add the data lines of a section to the set `name`; nothing is added without a name.
 
@@ -158,7 +163,7 @@ class Deck:
         """
         if not name:
             return
-        for option, reason in UNREAD_SET_OPTIONS.items():
+        for option, reason in REFUSED_SET_OPTIONS.items():
             if option in section.options and option != section.keyword:
                 self._scope.refused[name.lower()] = f"*{section.keyword}, {option}= {reason}"
         owner = section.options.get("INSTANCE", "").lower()
@@ -170,14 +175,14 @@ class Deck:
                     *(parse_node_or_element_label(word, where) for word in row),
                     1,
                 ][:3]
-                found.append(Member(owner, range(first, last + 1, step)))
+                found.append(DeckSetMember(owner, range(first, last + 1, step)))
             else:
-                found += [Member(owner, word.lower()) for word in row]
+                found += [DeckSetMember(owner, word.lower()) for word in row]
 
-    def _add_surface_of_section(self, section: InputSection) -> None:
+    def _add_surface_of_section(self, section: KeywordSectionOfDeck) -> None:
         """Keep the type and the data lines of a *SURFACE section under the surface's name."""
         name = section.options.get("NAME", "").lower()
-        for option, reason in UNREAD_SET_OPTIONS.items():
+        for option, reason in REFUSED_SET_OPTIONS.items():
             if option in section.options:
                 self._scope.refused[name] = f"*SURFACE, {option}= {reason}"
         self._scope.surfaces[name] = (
@@ -185,18 +190,18 @@ class Deck:
             section.rows,
         )
 
-    def _begin_part_of_input_deck(self, section: InputSection) -> None:
+    def _begin_part_of_input_deck(self, section: KeywordSectionOfDeck) -> None:
         """Begin a new part; the sections up to *END PART belong to it."""
         name = section.options.get("NAME", "").lower()
         if name in self.parts:
             raise ValueError(f"*PART, NAME={name}: there are two parts of this name")
         self._scope = self.parts[name] = DeckPart(name)
 
-    def _begin_assembly_of_input_deck(self, section: InputSection) -> None:
+    def _begin_assembly_of_input_deck(self, section: KeywordSectionOfDeck) -> None:
         """Begin the assembly; sections between its instances belong to it."""
         self._scope = self._outer = self.assembly
 
-    def _begin_instance_of_part_of_input_deck(self, section: InputSection) -> None:
+    def _begin_instance_of_part_of_input_deck(self, section: KeywordSectionOfDeck) -> None:
         """Begin an instance of a part, or an instance with nodes and elements of its own."""
         name, of = (section.options.get(key, "") for key in ("NAME", "PART"))
         part = self.parts.get(of.lower())
@@ -209,7 +214,7 @@ class Deck:
         placed = DeckInstance(name.lower(), part or self._scope, placement)
         self.instances[placed.name] = placed
 
-    def _end_part_instance_or_assembly(self, section: InputSection) -> None:
+    def _end_part_instance_or_assembly(self, section: KeywordSectionOfDeck) -> None:
         """End a part, an instance or the assembly.
 
         After the end of an instance, later sections belong to the assembly. After the end of a part
@@ -268,7 +273,9 @@ class Deck:
             # A slice that is not empty shows that there are more labels than allowed. The function
             # len would fail for a very long range.
             if labels[self._room :]:
-                raise ValueError(f"the sets have more than {MOST_MEMBERS} members together")
+                raise ValueError(
+                    f"the sets have more than {MOST_MEMBERS_OF_ALL_DECK_SETS} members together"
+                )
             self._room -= len(labels)
             for label in labels:
                 yield holder, label
@@ -281,15 +288,18 @@ class Deck:
         return found
 
 
-SCOPES = {
-    "PART": Deck._begin_part_of_input_deck,
-    "ASSEMBLY": Deck._begin_assembly_of_input_deck,
-    "INSTANCE": Deck._begin_instance_of_part_of_input_deck,
-    "END PART": Deck._end_part_instance_or_assembly,
-    "END ASSEMBLY": Deck._end_part_instance_or_assembly,
-    "END INSTANCE": Deck._end_part_instance_or_assembly,
+METHODS_OF_BEGIN_AND_END_KEYWORDS = {
+    "PART": AbaqusDeck._begin_part_of_input_deck,
+    "ASSEMBLY": AbaqusDeck._begin_assembly_of_input_deck,
+    "INSTANCE": AbaqusDeck._begin_instance_of_part_of_input_deck,
+    "END PART": AbaqusDeck._end_part_instance_or_assembly,
+    "END ASSEMBLY": AbaqusDeck._end_part_instance_or_assembly,
+    "END INSTANCE": AbaqusDeck._end_part_instance_or_assembly,
 }
-"""The method of `Deck` for each keyword that begins or ends a part, the assembly or an instance."""
+"""The method of `AbaqusDeck` for each keyword that begins or ends a part or an instance.
+
+The keywords of the assembly are among them.
+"""
 
 
 def _parse_label_in_element_line(word: str) -> int:

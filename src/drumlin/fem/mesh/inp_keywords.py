@@ -4,19 +4,21 @@ A keyword that moves nodes, makes nodes or elements, or changes the members of a
 read or refused. Another keyword is ignored, and a note names it unless it is known to be harmless.
 """
 
-from drumlin.fem.mesh.inp_text import InputSection
+from drumlin.fem.mesh.inp_text import KeywordSectionOfDeck
 
-MAKES_MESH = "makes nodes or elements that do not stand in the file; write the mesh out in full"
+REASON_TO_REFUSE_MESH_GENERATION = (
+    "makes nodes or elements that do not stand in the file; write the mesh out in full"
+)
 """Reason for refusing an Abaqus keyword that generates nodes or elements."""
-REFUSED = {
-    "NGEN": MAKES_MESH,
-    "NFILL": MAKES_MESH,
-    "NCOPY": MAKES_MESH,
+REFUSED_ABAQUS_KEYWORDS = {
+    "NGEN": REASON_TO_REFUSE_MESH_GENERATION,
+    "NFILL": REASON_TO_REFUSE_MESH_GENERATION,
+    "NCOPY": REASON_TO_REFUSE_MESH_GENERATION,
     "NMAP": "moves nodes; write the mesh out in full",
-    "ELGEN": MAKES_MESH,
-    "ELCOPY": MAKES_MESH,
+    "ELGEN": REASON_TO_REFUSE_MESH_GENERATION,
+    "ELCOPY": REASON_TO_REFUSE_MESH_GENERATION,
     "IMPERFECTION": "moves nodes; write the mesh out as it is then",
-    "SYMMETRIC MODEL GENERATION": MAKES_MESH,
+    "SYMMETRIC MODEL GENERATION": REASON_TO_REFUSE_MESH_GENERATION,
     "PARAMETER": "puts values in place of names; write the values out",
     "MODEL CHANGE": "takes elements out of the model; write only those that are there",
     "CYCLIC SYMMETRY MODEL": "repeats the mesh; write the whole shoe",
@@ -27,7 +29,7 @@ REFUSED = {
 The reason also tells what the user can do instead.
 """
 
-HARMLESS = frozenset(
+IGNORED_ABAQUS_KEYWORDS = frozenset(
     """|HEADING|PREPRINT|RESTART|STEP|END STEP|STATIC|DYNAMIC|VISCO|FREQUENCY|BUCKLE|MATERIAL
     |ELASTIC|DENSITY|EXPANSION|PLASTIC|CONDUCTIVITY|SPECIFIC HEAT|HYPERELASTIC
     |DAMPING|FRICTION|DEPVAR
@@ -53,14 +55,14 @@ elements nor groups. The materials, supports and loads of a brake come from the 
 """
 
 
-def refuse_or_note_ignored_section(section: InputSection, seen: dict[str, None]) -> None:
+def refuse_or_note_ignored_section(section: KeywordSectionOfDeck, seen: dict[str, None]) -> None:
     """Refuse or ignore a section of an Abaqus deck whose keyword is not read.
 
-    ValueError is raised for a keyword in `REFUSED`. A keyword that is ignored and not in `HARMLESS`
-    is added to `seen`, so that a note names it.
+    ValueError is raised for a keyword in `REFUSED_ABAQUS_KEYWORDS`. A keyword that is ignored and
+    not in `IGNORED_ABAQUS_KEYWORDS` is added to `seen`, so that a note names it.
     """
     keyword = section.keyword
-    if keyword in REFUSED:
-        raise ValueError(f"*{keyword} {REFUSED[keyword]}")
-    if keyword not in HARMLESS:
+    if keyword in REFUSED_ABAQUS_KEYWORDS:
+        raise ValueError(f"*{keyword} {REFUSED_ABAQUS_KEYWORDS[keyword]}")
+    if keyword not in IGNORED_ABAQUS_KEYWORDS:
         seen[f"*{keyword}"] = None

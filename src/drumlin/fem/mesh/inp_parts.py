@@ -13,7 +13,7 @@ import numpy as np
 from drumlin.base.arrays import Floats
 
 
-class Member(NamedTuple):
+class DeckSetMember(NamedTuple):
     """An entry of a set of nodes or elements in an Abaqus deck.
 
     Attributes
@@ -27,7 +27,7 @@ class Member(NamedTuple):
 
 
 @dataclass
-class DeckBlock:
+class DeckElementBlock:
     """The elements of one *ELEMENT section of an Abaqus deck.
 
     Attributes
@@ -49,8 +49,8 @@ class DeckPart:
     Parameters
     ----------
     nodes : label of each node -> x, y, z in the file's unit
-    written : label of each node -> its two coordinates as the deck writes them, which show how they
-        were rounded
+    coordinates_as_written : label of each node -> its two coordinates as the deck writes them,
+        which show how they were rounded
     turned : whether a *SYSTEM or a cylindrical system turns the coordinates
     blocks : elements of each *ELEMENT section
     labels : labels of all elements
@@ -61,23 +61,23 @@ class DeckPart:
 
     name: str = ""
     nodes: dict[int, list[float]] = field(default_factory=dict)
-    written: dict[int, list[float]] = field(default_factory=dict)
+    coordinates_as_written: dict[int, list[float]] = field(default_factory=dict)
     turned: bool = False
-    blocks: list[DeckBlock] = field(default_factory=list)
+    blocks: list[DeckElementBlock] = field(default_factory=list)
     labels: set[int] = field(default_factory=set)
-    node_sets: dict[str, list[Member]] = field(default_factory=dict)
-    element_sets: dict[str, list[Member]] = field(default_factory=dict)
+    node_sets: dict[str, list[DeckSetMember]] = field(default_factory=dict)
+    element_sets: dict[str, list[DeckSetMember]] = field(default_factory=dict)
     surfaces: dict[str, tuple[str, list[list[str]]]] = field(default_factory=dict)
     refused: dict[str, str] = field(default_factory=dict)
 
     def add_labelled_node_to_part(
-        self, label: int, xyz: Sequence[float], written: list[float]
+        self, label: int, xyz: Sequence[float], coordinates_as_written: list[float]
     ) -> None:
         """Add a node. ValueError is raised if another node has the same label."""
         if label in self.nodes:
             raise ValueError(f"node {label} is defined twice")
         self.nodes[label] = [*xyz]
-        self.written[label] = written
+        self.coordinates_as_written[label] = coordinates_as_written
 
     def add_labelled_elements_to_part(self, kind: str, elements: dict[int, list[int]]) -> None:
         """Add elements. ValueError is raised if a label belongs to another element already."""
@@ -85,11 +85,11 @@ class DeckPart:
         if taken:
             raise ValueError(f"element {min(taken)} is defined twice")
         self.labels |= elements.keys()
-        self.blocks.append(DeckBlock(kind, elements))
+        self.blocks.append(DeckElementBlock(kind, elements))
 
 
 @dataclass(frozen=True)
-class Placement:
+class PlacementOfPartInAssembly:
     """The rotation and translation that place a part in the assembly of an Abaqus deck.
 
     The coordinates in the assembly are `turn` (3, 3) times the coordinates in the part, plus
@@ -109,7 +109,7 @@ class Placement:
         return bool(np.any(self.turn != np.eye(3)))
 
 
-IN_PLACE = Placement(np.eye(3), np.zeros(3))
+IDENTITY_PLACEMENT = PlacementOfPartInAssembly(np.eye(3), np.zeros(3))
 """The placement that leaves a part where it is."""
 
 
@@ -119,10 +119,12 @@ class DeckInstance:
 
     name: str
     part: DeckPart
-    placement: Placement = IN_PLACE
+    placement: PlacementOfPartInAssembly = IDENTITY_PLACEMENT
 
 
-def placement_of_instance_in_assembly(rows: list[list[str]], name: str) -> Placement:
+def placement_of_instance_in_assembly(
+    rows: list[list[str]], name: str
+) -> PlacementOfPartInAssembly:
     """The placement of an *INSTANCE from its data lines: a translation, then a rotation.
 
     The first line has the translation. The second line has two points on the axis of the rotation
@@ -138,7 +140,7 @@ def placement_of_instance_in_assembly(rows: list[list[str]], name: str) -> Place
             raise ValueError(f"*INSTANCE, NAME={name}: its first data line must be a shift x, y, z")
         shift[: len(given)] = given
     if len(rows) < 2:
-        return Placement(np.eye(3), shift)
+        return PlacementOfPartInAssembly(np.eye(3), shift)
     given = parse_numbers_of_data_line(rows[1], f"*INSTANCE, NAME={name}")
     first, second = np.array(given[:3]), np.array(given[3:6])
     if len(given) != 7 or not np.any(second != first):
@@ -149,7 +151,7 @@ def placement_of_instance_in_assembly(rows: list[list[str]], name: str) -> Place
     turn = _rotation_matrix_about_axis(
         (second - first) / np.linalg.norm(second - first), math.radians(given[6])
     )
-    return Placement(turn, turn @ (shift - first) + first)
+    return PlacementOfPartInAssembly(turn, turn @ (shift - first) + first)
 
 
 def _rotation_matrix_about_axis(axis: Floats, angle: float) -> Floats:
@@ -159,18 +161,18 @@ def _rotation_matrix_about_axis(axis: Floats, angle: float) -> Floats:
     return np.eye(3) + math.sin(angle) * cross + (1 - math.cos(angle)) * cross @ cross
 
 
-def placement_of_nodes_after_system_section(rows: list[list[str]]) -> Placement:
+def placement_of_nodes_after_system_section(rows: list[list[str]]) -> PlacementOfPartInAssembly:
     """The placement of the nodes after a *SYSTEM section, from its data lines.
 
     The lines have the origin of the system, a point on its x-axis, and a point in its x-y plane. An
     empty section ends the system. ValueError is raised for other lines.
     """
     if not rows:
-        return IN_PLACE
+        return IDENTITY_PLACEMENT
     given = parse_numbers_of_data_line(rows[0], "*SYSTEM")
     origin, along = np.array(given[:3]), np.array(given[3:6])
     if len(given) == 3:
-        return Placement(np.eye(3), origin)
+        return PlacementOfPartInAssembly(np.eye(3), origin)
     third = parse_numbers_of_data_line(rows[1], "*SYSTEM") if len(rows) == 2 else [0.0, 0.0, 1.0]
     if len(given) != 6 or len(rows) > 2 or len(third) not in (2, 3):
         raise ValueError("*SYSTEM needs an origin, a point on its x-axis and one in its x-y plane")
@@ -181,7 +183,7 @@ def placement_of_nodes_after_system_section(rows: list[list[str]]) -> Placement:
     if not np.any(x) or not np.any(normal):
         raise ValueError("*SYSTEM: its three points must not lie on one line")
     x, normal = x / np.linalg.norm(x), normal / np.linalg.norm(normal)
-    return Placement(np.column_stack([x, np.cross(normal, x), normal]), origin)
+    return PlacementOfPartInAssembly(np.column_stack([x, np.cross(normal, x), normal]), origin)
 
 
 def parse_numbers_of_data_line(words: list[str], where: str) -> list[float]:

@@ -7,16 +7,16 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
 
-from drumlin.fem.mesh.content import MOST_NESTED, read_bytes_of_mesh_file
+from drumlin.fem.mesh.content import LARGEST_INCLUDE_DEPTH, read_bytes_of_mesh_file
 
-DATA_STARTS = frozenset("*+-.0123456789")
+FIRST_CHARACTERS_OF_KEYWORD_AND_NUMBER_LINES = frozenset("*+-.0123456789")
 """First characters of lines of an Abaqus input file that begin with a keyword or a number.
 
 After a keyword line that ends with a comma, such a line does not continue the keyword's options.
 """
 
 
-class InputSection(NamedTuple):
+class KeywordSectionOfDeck(NamedTuple):
     """A section of an Abaqus input file.
 
     Attributes
@@ -37,7 +37,7 @@ class InputSection(NamedTuple):
 
 def split_input_file_into_sections(
     text: str, folder: Path | None, depth: int = 0
-) -> Iterator[InputSection]:
+) -> Iterator[KeywordSectionOfDeck]:
     """Yield the sections of an Abaqus input file in order, and the sections of included files.
 
     Quotes around names are removed. A data line of *ELEMENT that ends with a comma continues in the
@@ -54,7 +54,7 @@ def split_input_file_into_sections(
     ValueError
         for an included file that cannot be read
     """
-    section, goes_on = InputSection("", {}, []), False
+    section, goes_on = KeywordSectionOfDeck("", {}, []), False
     for line in _lines_with_continuations_joined(text):
         # A line without a star is a data line of the section that the last keyword line began.
         if not line.startswith("*"):
@@ -71,7 +71,7 @@ def split_input_file_into_sections(
             yield from split_input_file_into_sections(
                 *_read_text_and_folder_of_included_file(section, folder, depth), depth + 1
             )
-            section = InputSection("", {}, [])
+            section = KeywordSectionOfDeck("", {}, [])
     yield section
 
 
@@ -85,7 +85,7 @@ def _lines_with_continuations_joined(text: str) -> Iterator[str]:
         line = raw.strip()
         if not line or line.startswith("**"):
             continue
-        if begun and line[0] in DATA_STARTS:
+        if begun and line[0] in FIRST_CHARACTERS_OF_KEYWORD_AND_NUMBER_LINES:
             yield begun
             begun = ""
         line = begun + line
@@ -104,31 +104,31 @@ def _word_without_blanks_and_quotes(word: str) -> str:
     return word.strip().strip("\"'").strip()
 
 
-def _section_from_keyword_line(line: str) -> InputSection:
+def _section_from_keyword_line(line: str) -> KeywordSectionOfDeck:
     """The section that a keyword line begins, with its options and without data lines."""
     first, *words = line[1:].split(",")
     pairs = [word.partition("=") for word in words if word.strip()]
     options = {
         key.strip().upper(): _word_without_blanks_and_quotes(value) for key, _, value in pairs
     }
-    return InputSection(" ".join(first.upper().split()), options, [])
+    return KeywordSectionOfDeck(" ".join(first.upper().split()), options, [])
 
 
 def _read_text_and_folder_of_included_file(
-    section: InputSection, folder: Path | None, depth: int
+    section: KeywordSectionOfDeck, folder: Path | None, depth: int
 ) -> tuple[str, Path | None]:
     """The text and the folder of the file that an *INCLUDE section names.
 
     `folder` is the folder of the including file. `depth` is 0 if this is the mesh file itself, 1 if
     the mesh file includes it, and so on. ValueError is raised for a file that cannot be found, and
-    for a depth of MOST_NESTED.
+    for a depth of LARGEST_INCLUDE_DEPTH.
     """
     name = section.options.get("INPUT", "")
     if not name or folder is None:
         raise ValueError("*INCLUDE names no file that can be found; its option INPUT must name one")
-    if depth >= MOST_NESTED:
+    if depth >= LARGEST_INCLUDE_DEPTH:
         raise ValueError(
-            f"*INCLUDE, INPUT={name}: files include each other over {MOST_NESTED} deep"
+            f"*INCLUDE, INPUT={name}: files include each other over {LARGEST_INCLUDE_DEPTH} deep"
         )
     path = folder / name.replace("\\", "/")
     if not path.is_file():

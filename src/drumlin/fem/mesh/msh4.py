@@ -11,9 +11,9 @@ from itertools import islice
 
 import numpy as np
 
-from drumlin.fem.mesh.content_of_file import FileContent
+from drumlin.fem.mesh.content_of_file import MeshFileContent
 
-CELL_OF_GMSH = {
+CELL_NAME_AND_NODE_COUNT_OF_GMSH_TYPE = {
     1: ("line", 2),
     2: ("triangle", 3),
     3: ("quad", 4),
@@ -31,7 +31,7 @@ CELL_OF_GMSH = {
 A file with an element of another type is refused.
 """
 
-Entity = tuple[int, int]
+DimensionAndTagOfGmshEntity = tuple[int, int]
 """The dimension (0 to 3) and the tag of a point, curve, surface or volume of Gmsh's geometry."""
 
 
@@ -43,7 +43,7 @@ def is_text_in_gmsh_format_4(data: bytes) -> bool:
     )
 
 
-def read_mesh_in_gmsh_format_4(text: str) -> FileContent:
+def read_mesh_in_gmsh_format_4(text: str) -> MeshFileContent:
     """Read the mesh in the text of an .msh file of format 4.0 or 4.1.
 
     Each physical group can be found by its name, in lower case, and by its number. ValueError is
@@ -57,15 +57,15 @@ def read_mesh_in_gmsh_format_4(text: str) -> FileContent:
     rows: dict[str, list[list[int]]] = defaultdict(list)
     members: dict[str, dict[str, list[int]]] = defaultdict(lambda: defaultdict(list))
     for entity, kind, lines in _read_elements_of_each_entity(blocks["Elements"], old):
-        if kind not in CELL_OF_GMSH:
+        if kind not in CELL_NAME_AND_NODE_COUNT_OF_GMSH_TYPE:
             raise ValueError(f"has elements of Gmsh's type {kind}, which make no plane mesh")
-        cell, count = CELL_OF_GMSH[kind]
+        cell, count = CELL_NAME_AND_NODE_COUNT_OF_GMSH_TYPE[kind]
         start = len(rows[cell])
         rows[cell] += [[number[node] for node in line[1 : count + 1]] for line in lines]
         for tag in groups.get(entity, ()):
             for name in {str(tag), names.get((entity[0], tag), str(tag))}:
                 members[name][cell] += range(start, start + len(lines))
-    return FileContent(
+    return MeshFileContent(
         points=np.array(points, dtype=float).reshape(-1, 3),
         cells={cell: np.array(found, dtype=np.int64) for cell, found in rows.items()},
         cell_groups={
@@ -98,7 +98,7 @@ def _lines_of_each_named_block(text: str) -> dict[str, list[str]]:
     return found
 
 
-def _read_names_of_physical_groups(lines: list[str]) -> dict[Entity, str]:
+def _read_names_of_physical_groups(lines: list[str]) -> dict[DimensionAndTagOfGmshEntity, str]:
     """The names of the physical groups, in lower case, by their dimension and tag.
 
     `lines` are the lines of the block $PhysicalNames.
@@ -110,12 +110,14 @@ def _read_names_of_physical_groups(lines: list[str]) -> dict[Entity, str]:
     return found
 
 
-def _read_physical_groups_of_entities(lines: list[str], old: bool) -> dict[Entity, list[int]]:
+def _read_physical_groups_of_entities(
+    lines: list[str], old: bool
+) -> dict[DimensionAndTagOfGmshEntity, list[int]]:
     """The tags of the physical groups that each entity belongs to.
 
     `lines` are the lines of the block $Entities, and `old` tells whether the file has format 4.0.
     """
-    found: dict[Entity, list[int]] = {}
+    found: dict[DimensionAndTagOfGmshEntity, list[int]] = {}
     if not lines:
         return found
     rest = iter(lines[1:])
@@ -159,7 +161,7 @@ def _read_node_numbers_and_points(
 
 def _read_elements_of_each_entity(
     lines: list[str], old: bool
-) -> Iterator[tuple[Entity, int, list[list[int]]]]:
+) -> Iterator[tuple[DimensionAndTagOfGmshEntity, int, list[list[int]]]]:
     """Yield the elements of each entity: the entity, Gmsh's element type, and rows of numbers.
 
     A row has the tag of an element and the tags of its nodes. `lines` are the lines of the block

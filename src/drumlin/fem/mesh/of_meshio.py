@@ -10,9 +10,9 @@ import meshio
 import numpy as np
 
 from drumlin.base.arrays import Ints
-from drumlin.fem.mesh.content_of_file import FileContent
+from drumlin.fem.mesh.content_of_file import MeshFileContent
 
-MOST_VALUES = 1000
+MOST_GROUP_NUMBERS_IN_ARRAY = 1000
 """Largest number of different values in an array of whole numbers that defines groups of cells.
 
 Each value of such an array, for example of material numbers, makes a group. An array with more
@@ -20,9 +20,9 @@ values, for example of element numbers, makes none.
 """
 
 
-def content_of_meshio_mesh(raw: Any) -> FileContent:
+def content_of_meshio_mesh(raw: Any) -> MeshFileContent:
     """The content of a `meshio.Mesh`; names of groups become lower case."""
-    return FileContent(
+    return MeshFileContent(
         points=np.asarray(raw.points, dtype=float),
         cells={name: cells.astype(np.int64) for name, cells in raw.cells_dict.items()},
         cell_groups=_cell_groups_by_name(raw),
@@ -100,7 +100,8 @@ def _is_array_marking_group_members(values: Any) -> bool:
 def _is_array_of_group_numbers(values: Any) -> bool:
     """Whether an array gives each cell the number of its group.
 
-    Its values are whole numbers, at most MOST_VALUES different ones, and not 0 and 1 alone.
+    Its values are whole numbers, at most MOST_GROUP_NUMBERS_IN_ARRAY different ones, and not 0 and
+    1 alone.
     """
     values = np.asarray(values)
     if (
@@ -110,4 +111,4 @@ def _is_array_of_group_numbers(values: Any) -> bool:
     ):
         return False
     whole = np.isfinite(values).all() and np.array_equal(values, np.round(values))
-    return bool(whole) and len(np.unique(values)) <= MOST_VALUES
+    return bool(whole) and len(np.unique(values)) <= MOST_GROUP_NUMBERS_IN_ARRAY

@@ -13,9 +13,9 @@ import numpy as np
 
 from drumlin.base.arrays import Bools, Floats, Ints
 from drumlin.base.errors import BadInput
-from drumlin.fem.mesh.content_of_file import FileContent
+from drumlin.fem.mesh.content_of_file import MeshFileContent
 
-PLANE_SHAPES = {
+CORNERS_PER_PLANE_CELL = {
     "triangle": 3,
     "triangle6": 3,
     "triangle10": 3,
@@ -25,16 +25,16 @@ PLANE_SHAPES = {
     "quad16": 4,
 }
 """Number of corners of each type of plane cell that a mesh file may have, by meshio's name."""
-LOWER = {"triangle10": "triangle6", "quad16": "quad8"}
+SECOND_ORDER_CELL_OF_THIRD_ORDER_CELL = {"triangle10": "triangle6", "quad16": "quad8"}
 """The type of second-order cell that replaces each type of third-order cell, by meshio's names."""
-BESIDE = frozenset(("vertex", "line", "line3", "line4"))
+CELL_TYPES_BESIDES_PLANE_CELLS = frozenset(("vertex", "line", "line3", "line4"))
 """Types of cells in a mesh file that are no plane elements: points, and edges in named groups."""
-CUBIC_MIDDLE = (-1 / 16, 9 / 16, 9 / 16, -1 / 16)
+CUBIC_EDGE_MIDDLE_WEIGHTS = (-1 / 16, 9 / 16, 9 / 16, -1 / 16)
 """Weights of a cubic edge's four nodes, from end to end: their weighted sum is the edge's middle.
 
 They are the values of the four cubic shape functions in the middle of the edge.
 """
-ALONG_CIRCLE = 0.1
+CIRCULAR_EDGE_RADIUS_TOLERANCE = 0.1
 """Largest change of the distance from the drum's centre along an edge that follows a circle.
 
 The change is relative to the edge's chord. The middle of a third-order edge up to this limit is put
@@ -52,7 +52,7 @@ value is a judgement.
 
 
 @dataclass(frozen=True)
-class PlaneCells:
+class PlaneCellsOfOneKind:
     """The plane cells of a mesh file, converted to cells of one kind.
 
     Parameters
@@ -76,7 +76,7 @@ class PlaneCells:
     @property
     def number_of_corners_per_cell(self) -> int:
         """Number of corners of each cell."""
-        return PLANE_SHAPES[self.cell]
+        return CORNERS_PER_PLANE_CELL[self.cell]
 
     def indices_of_new_cells_made_of_file_cells(self, cell: str, rows: Ints) -> Ints:
         """The numbers of the new cells that were made of some cells of the file.
@@ -89,8 +89,8 @@ class PlaneCells:
 
 
 def convert_plane_cells_to_one_kind(
-    content: FileContent, points: Floats, fault: str, *, on_drum: bool
-) -> PlaneCells:
+    content: MeshFileContent, points: Floats, fault: str, *, on_drum: bool
+) -> PlaneCellsOfOneKind:
     """The plane cells of a mesh file, converted to cells of one kind.
 
     Parameters
@@ -106,13 +106,15 @@ def convert_plane_cells_to_one_kind(
         for cells that are not plane, or that have nodes which the file does not define
     """
     kinds = {
-        name: cells for name, cells in content.cells.items() if name not in BESIDE and len(cells)
+        name: cells
+        for name, cells in content.cells.items()
+        if name not in CELL_TYPES_BESIDES_PLANE_CELLS and len(cells)
     }
-    strange = sorted(set(kinds) - set(PLANE_SHAPES))
+    strange = sorted(set(kinds) - set(CORNERS_PER_PLANE_CELL))
     if strange or not kinds:
         raise BadInput(
             f"{fault}: has cells {strange or sorted(content.cells)}; allowed are triangles and "
-            f"quadrilaterals: {', '.join(PLANE_SHAPES)}"
+            f"quadrilaterals: {', '.join(CORNERS_PER_PLANE_CELL)}"
         )
     for cells in kinds.values():
         if cells.min() < 0 or cells.max() >= len(points):
@@ -121,7 +123,7 @@ def convert_plane_cells_to_one_kind(
     # quadrilaterals, all cells become triangles.
     own = len(points)
     notes: list[str] = []
-    if set(kinds) & set(LOWER):
+    if set(kinds) & set(SECOND_ORDER_CELL_OF_THIRD_ORDER_CELL):
         kinds, points = _convert_third_order_cells_and_points_to_second_order(
             kinds, points, on_drum
         )
@@ -139,12 +141,12 @@ def convert_plane_cells_to_one_kind(
         return replace(found, notes=tuple(notes))
     # All cells are of one type. Eight-node quadrilaterals get a node in their centre.
     ((source, cells),) = kinds.items()
-    cell = LOWER.get(source, source)
+    cell = SECOND_ORDER_CELL_OF_THIRD_ORDER_CELL.get(source, source)
     if cell == "quad8":
         cell, cells, points = _add_centre_nodes_to_cells_and_points_of_quadrilaterals(cells, points)
     whole = np.arange(len(cells)), np.ones(len(cells), dtype=np.int64)
     added = np.arange(len(points)) >= own
-    return PlaneCells(cell, cells, points, {source: whole}, added, tuple(notes))
+    return PlaneCellsOfOneKind(cell, cells, points, {source: whole}, added, tuple(notes))
 
 
 def _add_centre_nodes_to_cells_and_points_of_quadrilaterals(
@@ -171,10 +173,10 @@ def _convert_third_order_cells_and_points_to_second_order(
     new: list[Floats] = []
     found: dict[str, Ints] = {}
     for name, cells in kinds.items():
-        if name not in LOWER:
+        if name not in SECOND_ORDER_CELL_OF_THIRD_ORDER_CELL:
             found[name] = cells
             continue
-        corners = PLANE_SHAPES[name]
+        corners = CORNERS_PER_PLANE_CELL[name]
         rows = np.empty((len(cells), 2 * corners), dtype=np.int64)
         rows[:, :corners] = cells[:, :corners]
         for side in range(corners):
@@ -203,19 +205,19 @@ def _middles_of_third_order_edges(nodes: Floats, on_drum: bool) -> Floats:
     middle of an edge along a circle therefore has the distance from the centre that its four nodes
     have.
     """
-    middles = np.einsum("i,mix->mx", CUBIC_MIDDLE, nodes)
+    middles = np.einsum("i,mix->mx", CUBIC_EDGE_MIDDLE_WEIGHTS, nodes)
     if not on_drum:
         return middles
     distances = np.hypot(nodes[:, :, 0], nodes[:, :, 1])
     chords = np.hypot(*(nodes[:, -1] - nodes[:, 0]).T)
-    along = np.ptp(distances, axis=1) < ALONG_CIRCLE * chords
-    wanted = distances @ np.array(CUBIC_MIDDLE)
+    along = np.ptp(distances, axis=1) < CIRCULAR_EDGE_RADIUS_TOLERANCE * chords
+    wanted = distances @ np.array(CUBIC_EDGE_MIDDLE_WEIGHTS)
     middles[along] *= (wanted[along] / np.hypot(*middles[along].T))[:, None]
     return middles
 
 
 @dataclass(frozen=True)
-class _GrowingNodes:
+class _NodesWithAddedMiddleNodes:
     """The nodes of a mesh file, to which nodes in the middle of edges and cells are added.
 
     Attributes
@@ -252,7 +254,7 @@ class _GrowingNodes:
 
 def _convert_cells_to_quadratic_triangles(
     kinds: dict[str, Ints], points: Floats, flat: Mapping[str, Ints], own: int
-) -> PlaneCells:
+) -> PlaneCellsOfOneKind:
     """All cells of a mesh file as quadratic triangles.
 
     Parameters
@@ -262,19 +264,19 @@ def _convert_cells_to_quadratic_triangles(
     flat : for each type the position (m,) of the corner of 180 degrees in each cell; -1 without one
     own : number of nodes that the file has; later ones were added
     """
-    nodes = _GrowingNodes(points, _middle_nodes_of_quadratic_cells(kinds), [])
+    nodes = _NodesWithAddedMiddleNodes(points, _middle_nodes_of_quadratic_cells(kinds), [])
     # Each triangle of the file makes one triangle, and each quadrilateral makes two.
     made: list[list[int]] = []
     parent = {}
     for source, cells in kinds.items():
-        corners = PLANE_SHAPES[source]
+        corners = CORNERS_PER_PLANE_CELL[source]
         first = np.empty(len(cells), dtype=np.int64)
         for row, cell in enumerate(cells.tolist()):
             first[row] = len(made)
             made += _quadratic_triangles_of_cell(nodes, cell, corners, int(flat[source][row]))
         parent[source] = (first, np.full(len(cells), 1 if corners == 3 else 2, dtype=np.int64))
     every = np.vstack([points, *nodes.added]) if nodes.added else points
-    return PlaneCells(
+    return PlaneCellsOfOneKind(
         "triangle6",
         np.array(made, dtype=np.int64),
         every,
@@ -294,7 +296,7 @@ def _flat_corner_of_each_cell(cells: Ints, points: Floats, name: str) -> Ints:
     points : (n, 2) coordinates of the nodes
     name : meshio's name of the cells' type
     """
-    corners = PLANE_SHAPES[name]
+    corners = CORNERS_PER_PLANE_CELL[name]
     if corners == 3:
         return np.full(len(cells), -1)
     here = points[cells[:, :corners]]
@@ -318,7 +320,7 @@ def _middle_nodes_of_quadratic_cells(kinds: dict[str, Ints]) -> dict[tuple[int, 
     """
     middles: dict[tuple[int, int], int] = {}
     for name, cells in kinds.items():
-        corners = PLANE_SHAPES[name]
+        corners = CORNERS_PER_PLANE_CELL[name]
         for side in range(corners if cells.shape[1] > corners else 0):
             ends = np.sort(cells[:, [side, (side + 1) % corners]], axis=1)
             middles |= zip(
@@ -328,7 +330,7 @@ def _middle_nodes_of_quadratic_cells(kinds: dict[str, Ints]) -> dict[tuple[int, 
 
 
 def _quadratic_triangles_of_cell(
-    nodes: _GrowingNodes, cell: list[int], corners: int, flat: int
+    nodes: _NodesWithAddedMiddleNodes, cell: list[int], corners: int, flat: int
 ) -> list[list[int]]:
     """The nodes of the quadratic triangles, one or two, that replace a cell of a mesh file.
 
@@ -358,7 +360,9 @@ def _quadratic_triangles_of_cell(
     return _cut_quadrilateral_into_triangles(nodes.points, cell[:4], sides, centre)
 
 
-def _centre_of_quadrilateral(nodes: _GrowingNodes, cell: list[int], sides: list[int]) -> Floats:
+def _centre_of_quadrilateral(
+    nodes: _NodesWithAddedMiddleNodes, cell: list[int], sides: list[int]
+) -> Floats:
     """The centre (2,) of a quadrilateral with straight or curved edges.
 
     Parameters

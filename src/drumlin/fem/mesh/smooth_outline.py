@@ -18,13 +18,13 @@ from drumlin.fem.mesh.degree import (
 from drumlin.fem.mesh.edges import nodes_along_element_edges
 from drumlin.response.resultants import gauss_lobatto_points
 
-CONVEX_ANGLE = np.radians(185.0)
+LARGEST_NONSINGULAR_CORNER_ANGLE = np.radians(185.0)
 """Largest inner angle of a corner between two free faces of one layer that is no singular point.
 
 Stresses are singular at angles above 180 degrees. Angles slightly above are left out, since the
 singularity is very weak there.
 """
-LARGEST_SMOOTH_TURN = np.radians(35.0)
+LARGEST_TURN_BETWEEN_CHORDS_OF_CURVE = np.radians(35.0)
 """Largest angle between the directions of two neighbouring sides that may be chords of one curve.
 
 A larger angle is a corner. In a circle of eleven sides the angle is 33 degrees. Real corners below
@@ -32,7 +32,7 @@ the limit count as curves, which makes the stated error larger. The value is a j
 """
 
 
-class _Bends(NamedTuple):
+class _VerticesBetweenChordsOfCurve(NamedTuple):
     """The vertices of a mesh where two sides of a line meet as chords of one curve.
 
     A line is the outline of the shoe or an interface of two layers.
@@ -74,7 +74,7 @@ def node_displacements_onto_smooth_outline(basis: NodalBasis) -> Floats:
     facets, kinds = _sides_on_outline_and_interfaces(basis.mesh)
     moving = ~np.isin(facets, basis.mesh.boundaries["contact"])
     facets, kinds = facets[moving], kinds[moving]
-    bends = _bends_between_neighbouring_outline_sides(basis.mesh, facets, kinds)
+    bends = _vertices_between_chords_of_outline_curves(basis.mesh, facets, kinds)
     # The arc that replaces a side has the mean curvature of the bends at the side's two ends.
     total, count = np.zeros(len(facets)), np.zeros(len(facets))
     for side, forward in ((bends.before, bends.ends_before), (bends.after, bends.starts_after)):
@@ -119,7 +119,9 @@ def _sides_on_outline_and_interfaces(mesh: Any) -> tuple[Ints, Ints]:
     return facets, both[0, facets] * (len(mesh.subdomains) + 1) + both[1, facets]
 
 
-def _bends_between_neighbouring_outline_sides(mesh: Any, facets: Ints, kinds: Ints) -> _Bends:
+def _vertices_between_chords_of_outline_curves(
+    mesh: Any, facets: Ints, kinds: Ints
+) -> _VerticesBetweenChordsOfCurve:
     """The bends of all lines: vertices where just two sides of a line meet, at a small angle.
 
     Parameters
@@ -143,15 +145,17 @@ def _bends_between_neighbouring_outline_sides(mesh: Any, facets: Ints, kinds: In
     u, v = middle - start, end - middle
     cross = u[0] * v[1] - u[1] * v[0]
     curvature = 2 * cross / (np.hypot(*u) * np.hypot(*v) * np.hypot(*(u + v)))
-    control = _control_points_of_sides(mesh, facets)
+    control = _tangent_crossing_points_of_sides(mesh, facets)
     u, v = middle - control[:, before], control[:, after] - middle
     turn = np.arctan2(u[0] * v[1] - u[1] * v[0], (u * v).sum(axis=0))
-    found = _Bends(before, after, ends[1, before] == at, ends[0, after] == at, curvature, at)
-    smooth = np.abs(turn) <= LARGEST_SMOOTH_TURN
-    return _Bends(*(values[smooth] for values in found))
+    found = _VerticesBetweenChordsOfCurve(
+        before, after, ends[1, before] == at, ends[0, after] == at, curvature, at
+    )
+    smooth = np.abs(turn) <= LARGEST_TURN_BETWEEN_CHORDS_OF_CURVE
+    return _VerticesBetweenChordsOfCurve(*(values[smooth] for values in found))
 
 
-def _control_points_of_sides(mesh: Any, facets: Ints) -> Floats:
+def _tangent_crossing_points_of_sides(mesh: Any, facets: Ints) -> Floats:
     """The points (2, m) at which the tangents at both ends of each side meet.
 
     For a straight side it is the side's middle.
@@ -170,7 +174,7 @@ def singular_corners_of_mesh(mesh: Any) -> Ints:
     """
     facets, kinds = _sides_on_outline_and_interfaces(mesh)
     vertices, sides = np.unique(mesh.facets[:, facets], return_counts=True)
-    bends = _bends_between_neighbouring_outline_sides(mesh, facets, kinds)
+    bends = _vertices_between_chords_of_outline_curves(mesh, facets, kinds)
     corners = np.union1d(vertices[sides > 2], np.setdiff1d(vertices, bends.vertices))
     # Corners of one layer are singular only if they are re-entrant.
     layer = np.broadcast_to(_layer_number_of_each_element(mesh)[:-1], mesh.t.shape)
@@ -178,7 +182,9 @@ def singular_corners_of_mesh(mesh: Any) -> Ints:
     highest = np.zeros(mesh.nvertices, dtype=np.int64)
     np.minimum.at(lowest, mesh.t, layer)
     np.maximum.at(highest, mesh.t, layer)
-    is_singular = (lowest < highest) | (_angles_inside_corners(mesh) > CONVEX_ANGLE)
+    is_singular = (lowest < highest) | (
+        _angles_inside_corners(mesh) > LARGEST_NONSINGULAR_CORNER_ANGLE
+    )
     corners = corners[is_singular[corners]]
     for name in ("contact", "hinge"):
         ends, count = np.unique(mesh.facets[:, mesh.boundaries[name]], return_counts=True)

@@ -19,29 +19,29 @@ import skfem
 from drumlin.base.arrays import Bools, Floats, Ints
 from drumlin.base.errors import NoAnswer
 from drumlin.fem.mesh.degree import (
-    SQUARE_CORNERS,
-    TRIANGLE_CORNERS,
+    REFERENCE_SQUARE_CORNER_COORDINATES,
+    REFERENCE_TRIANGLE_CORNER_COORDINATES,
+    LagrangeElement,
     NodalBasis,
-    NodalElement,
     nodal_basis_with_given_node_positions,
 )
 from drumlin.fem.mesh.edges import element_edges_between_vertices_and_missing_count
 
-SIDE_PER_DISTANCE = 1.0
+LARGEST_SIDE_OVER_SINGULAR_POINT_DISTANCE = 1.0
 """Largest side of a triangle relative to its distance from a singular point.
 
-The smallest triangles are at the point itself, see `FinestSides`. A smaller number makes more
-triangles. The value is a judgement: hp elements that grow by a factor of 2 to 3 are near the best
-(Gui & Babuska, Numer. Math. 49, 1986).
+The smallest triangles are at the point itself, see `LargestSidesAtSingularPoints`. A smaller number
+makes more triangles. The value is a judgement: hp elements that grow by a factor of 2 to 3 are near
+the best (Gui & Babuska, Numer. Math. 49, 1986).
 """
-ROUND_OFF_OF_LENGTHS = 1e-9
+EQUAL_MESH_LENGTH_TOLERANCE = 1e-9
 """Relative difference of two lengths in a mesh that counts as zero.
 
 Units and frames of a file change lengths by round-off, and must not change which side is longer.
 """
 
 
-class FinestSides(NamedTuple):
+class LargestSidesAtSingularPoints(NamedTuple):
     """Singular points, and the largest side that a triangle at each point may have.
 
     `xy` (2, k) are the points and `sides` (k,) the lengths of the sides, both in m.
@@ -52,7 +52,7 @@ class FinestSides(NamedTuple):
 
 
 @dataclass(frozen=True)
-class ElementParts:
+class TrianglesOfSplitElements:
     """The triangles into which the elements of a mesh are split.
 
     Attributes
@@ -87,8 +87,8 @@ class SplitElements(NamedTuple):
 
 
 def split_mesh_into_triangles_towards_points(
-    shape: NodalBasis, finest: FinestSides, most: int
-) -> ElementParts | None:
+    shape: NodalBasis, finest: LargestSidesAtSingularPoints, most: int
+) -> TrianglesOfSplitElements | None:
     """The triangles that a mesh is split into, small at singular points; None without a split.
 
     The mesh is not split if no side is too long for its distance from the singular points.
@@ -116,15 +116,17 @@ def split_mesh_into_triangles_towards_points(
     return parts
 
 
-def _triangles_of_unsplit_mesh(mesh: Any) -> ElementParts:
+def _triangles_of_unsplit_mesh(mesh: Any) -> TrianglesOfSplitElements:
     """The elements of a mesh as triangles; quadrilaterals are cut along their shorter diagonal."""
-    t, corners = mesh.t.T, TRIANGLE_CORNERS
+    t, corners = mesh.t.T, REFERENCE_TRIANGLE_CORNER_COORDINATES
     parent = np.arange(len(t))
     rows = np.array([[0, 1, 2]])
     if t.shape[1] == 4:
-        corners = SQUARE_CORNERS
+        corners = REFERENCE_SQUARE_CORNER_COORDINATES
         a, b, c, d = mesh.p[:, mesh.t].transpose(1, 0, 2)
-        first_diagonal = np.hypot(*(a - c)) <= (1 + ROUND_OFF_OF_LENGTHS) * np.hypot(*(b - d))
+        first_diagonal = np.hypot(*(a - c)) <= (1 + EQUAL_MESH_LENGTH_TOLERANCE) * np.hypot(
+            *(b - d)
+        )
         halves = np.array([[[0, 1, 2], [0, 2, 3]], [[0, 1, 3], [1, 2, 3]]])
         rows = halves[np.where(first_diagonal, 0, 1)].reshape(-1, 3)
         parent = np.repeat(parent, 2)
@@ -133,15 +135,17 @@ def _triangles_of_unsplit_mesh(mesh: Any) -> ElementParts:
     # The vertices of each triangle are shifted so that the first two end the longest side.
     length = np.hypot(*(mesh.p[:, np.roll(t, -1, axis=1)] - mesh.p[:, t]))
     longest = length.max(axis=1, keepdims=True)
-    first = np.argmax(length > (1 - ROUND_OFF_OF_LENGTHS) * longest, axis=1)
+    first = np.argmax(length > (1 - EQUAL_MESH_LENGTH_TOLERANCE) * longest, axis=1)
     turned = (first[:, None] + np.arange(3)) % 3
     t = np.take_along_axis(t, turned, axis=1)
     at = corners[np.take_along_axis(rows, turned, axis=1)]
     lines = {name: mesh.facets[:, facets].T for name, facets in mesh.boundaries.items()}
-    return ElementParts(t, parent, at, mesh.p[:, : mesh.nvertices], lines)
+    return TrianglesOfSplitElements(t, parent, at, mesh.p[:, : mesh.nvertices], lines)
 
 
-def _which_triangles_have_too_long_side(parts: ElementParts, finest: FinestSides) -> Bools:
+def _which_triangles_have_too_long_side(
+    parts: TrianglesOfSplitElements, finest: LargestSidesAtSingularPoints
+) -> Bools:
     """A mask (m,): True for a triangle with a side too long for its distance to a singular point.
 
     `finest` has the singular points and the longest side that is allowed at each of them.
@@ -156,18 +160,20 @@ def _which_triangles_have_too_long_side(parts: ElementParts, finest: FinestSides
         # No point of a triangle is farther from its centre than its longest side. Triangles that
         # are small enough for this least distance are not looked at more closely.
         least_distance = np.hypot(*(point[:, None] - centre)) - longest
-        near = np.flatnonzero(longest > np.maximum(side, SIDE_PER_DISTANCE * least_distance))
+        near = np.flatnonzero(
+            longest > np.maximum(side, LARGEST_SIDE_OVER_SINGULAR_POINT_DISTANCE * least_distance)
+        )
         to = point[:, None, None] - start[:, near]
         share = np.clip((to * along[:, near]).sum(axis=0) / length[near] ** 2, 0, 1)
         distance = np.hypot(*(to - share * along[:, near])).min(axis=1)
-        limit = np.maximum(side, SIDE_PER_DISTANCE * distance)
-        found[near] |= longest[near] > (1 + ROUND_OFF_OF_LENGTHS) * limit
+        limit = np.maximum(side, LARGEST_SIDE_OVER_SINGULAR_POINT_DISTANCE * distance)
+        found[near] |= longest[near] > (1 + EQUAL_MESH_LENGTH_TOLERANCE) * limit
     return found
 
 
 def _bisect_marked_and_touched_triangles(
-    shape: NodalBasis, parts: ElementParts, marked: Bools
-) -> ElementParts:
+    shape: NodalBasis, parts: TrianglesOfSplitElements, marked: Bools
+) -> TrianglesOfSplitElements:
     """Bisect the marked triangles and all triangles that a new vertex touches; returns all parts.
 
     `marked` (m,) is True for the triangles that have to be bisected.
@@ -204,7 +210,7 @@ def _bisect_marked_and_touched_triangles(
         is_old = (t[:, :2] < count).all(axis=1)
         split = is_old & np.isin(unique_number_of_each_side(t[:, :2]), halved)
         if not split.any():
-            return ElementParts(t, parent, at, xy, lines)
+            return TrianglesOfSplitElements(t, parent, at, xy, lines)
         (a, b, c), (pa, pb, pc) = t[split].T, at[split].transpose(1, 0, 2)
         middle = count + np.searchsorted(halved, unique_number_of_each_side(t[split, :2]))
         pm = (pa + pb) / 2
@@ -217,7 +223,7 @@ def _bisect_marked_and_touched_triangles(
 
 
 def nodal_basis_on_split_triangles(
-    shape: NodalBasis, parts: ElementParts, degree: int
+    shape: NodalBasis, parts: TrianglesOfSplitElements, degree: int
 ) -> NodalBasis:
     """The basis of the given degree on the triangles into which a mesh's elements are split.
 
@@ -228,7 +234,7 @@ def nodal_basis_on_split_triangles(
     order = np.argsort(parts.t, axis=1)
     t = np.take_along_axis(parts.t, order, axis=1)
     at = np.take_along_axis(parts.at, order[:, :, None], axis=1)
-    elem = NodalElement(degree, 3)
+    elem = LagrangeElement(degree, 3)
     places = _positions_of_nodes_in_triangles(shape, parts.parent, at, elem)
     groups = {
         name: np.flatnonzero(np.isin(parts.parent, members))
@@ -245,7 +251,7 @@ def nodal_basis_on_split_triangles(
 
 
 def _positions_of_nodes_in_triangles(
-    shape: NodalBasis, parent: Ints, at: Floats, elem: NodalElement
+    shape: NodalBasis, parent: Ints, at: Floats, elem: LagrangeElement
 ) -> Floats:
     """The places (2, m, nodes) [m] of the nodes of triangles that are parts of elements.
 
@@ -267,7 +273,7 @@ def _positions_of_nodes_in_triangles(
     return np.asarray((nodes[:, :, None] @ shapes[which.ravel()].transpose(0, 2, 1))[:, :, 0])
 
 
-def _barycentric_coordinates_of_nodes(elem: NodalElement) -> Floats:
+def _barycentric_coordinates_of_nodes(elem: LagrangeElement) -> Floats:
     """The barycentric coordinates (nodes, 3) of the nodes of a triangle."""
     x, y = elem.doflocs.T
     return np.column_stack([1 - x - y, x, y])

@@ -13,24 +13,24 @@ from collections.abc import Callable, Iterator
 from typing import Any
 from xml.etree import ElementTree
 
-MOST_UNPACKED = 400_000_000
+LARGEST_UNPACKED_VTU_SIZE = 400_000_000
 """Largest size [bytes] of all unpacked arrays of a .vtu file; a larger file is refused.
 
 Some 2 million nodes with their cells and groups have this size.
 """
-MOST_ARRAYS = 200
+MOST_VTU_ARRAYS = 200
 """Largest number of arrays in a .vtu file; a file with more arrays is refused.
 
 The check of the file's size then takes no longer than reading the file.
 """
-_HEADER_WIDTHS = {"UInt32": 4, "UInt64": 8}
+_BYTES_OF_VTU_HEADER_INTEGER = {"UInt32": 4, "UInt64": 8}
 """Size [bytes] of an integer in the header of a compressed array, by the file's header type."""
-_RAW_APPENDED = re.compile(rb"<AppendedData[^>]*>")
+_APPENDED_DATA_TAG_PATTERN = re.compile(rb"<AppendedData[^>]*>")
 """Pattern of the XML tag in a .vtu file after which its appended data begin, raw or as text."""
 
 
 def check_decompressed_vtu_size_fits_memory(data: bytes) -> None:
-    """Refuse the content of a .vtu file whose arrays have more than MOST_UNPACKED bytes unpacked.
+    """Refuse the content of a .vtu file whose arrays are larger than LARGEST_UNPACKED_VTU_SIZE.
 
     Other faults of the file are found later, when it is read.
 
@@ -41,25 +41,25 @@ def check_decompressed_vtu_size_fits_memory(data: bytes) -> None:
     """
     if b"<!DOCTYPE" in data or b"<!ENTITY" in data:
         raise ValueError("defines entities of its own")
-    if data.count(b"<DataArray") > MOST_ARRAYS:
-        raise ValueError(f"has more than {MOST_ARRAYS} arrays")
+    if data.count(b"<DataArray") > MOST_VTU_ARRAYS:
+        raise ValueError(f"has more than {MOST_VTU_ARRAYS} arrays")
     head, raw = _split_vtu_into_xml_and_raw_bytes(data)
     root = ElementTree.fromstring(head)
     if root.get("compressor") is None:
         return
-    width = _HEADER_WIDTHS[root.get("header_type", "UInt32")]
+    width = _BYTES_OF_VTU_HEADER_INTEGER[root.get("header_type", "UInt32")]
     order = "big" if root.get("byte_order") == "BigEndian" else "little"
     unpacker = (
         lzma.LZMADecompressor if "LZMA" in str(root.get("compressor")) else zlib.decompressobj
     )
-    room = MOST_UNPACKED
+    room = LARGEST_UNPACKED_VTU_SIZE
     for packed in _compressed_blocks_of_vtu_arrays(root, raw, width, order):
         room -= _size_of_decompressed_block(packed, unpacker, room)
 
 
 def _split_vtu_into_xml_and_raw_bytes(data: bytes) -> tuple[bytes, bytes | None]:
     """Split a .vtu file into its XML and its raw bytes, which are None if it has no raw bytes."""
-    found = _RAW_APPENDED.search(data)
+    found = _APPENDED_DATA_TAG_PATTERN.search(data)
     if found is None or b'encoding="raw"' not in found.group():
         return data, None
     end = data.rindex(b"</AppendedData>")
@@ -152,7 +152,7 @@ def _size_of_decompressed_block(packed: bytes, unpacker: Callable[[], Any], room
         piece = machine.decompress(packed, 1 << 20)
         size += len(piece)
         if size > room:
-            raise ValueError(f"unpacks to more than {MOST_UNPACKED} bytes")
+            raise ValueError(f"unpacks to more than {LARGEST_UNPACKED_VTU_SIZE} bytes")
         packed = getattr(machine, "unconsumed_tail", b"")
         if machine.eof or not (piece or packed):
             return size

@@ -10,46 +10,49 @@ import numpy as np
 from drumlin.base.arrays import Floats
 from drumlin.base.lapack import dtrsm
 from drumlin.brake.brake import Shoe
-from drumlin.brake.components import Actuation, Beam
+from drumlin.brake.components import Actuation, BeamBody
 from drumlin.brake.further_loads import ForceAtPoint
 from drumlin.brake.heat import HeatedLayer, heated_layers_of_shoe
 from drumlin.fem.mesh.beam import relative_depth_in_block_of_beam_shoe
-from drumlin.fem.mesh.from_file import ShoeMesh
+from drumlin.fem.mesh.from_file import ShoeMeshReadFromFile
 from drumlin.fem.preparation.load_places import (
-    has_load_columns_of_forces_and_mass,
-    load_column_factors_of_forces_and_mass,
+    has_unit_loads_of_forces_at_points_or_mass,
+    unit_load_factors_of_forces_at_points_and_mass,
     unit_loads_at_points_and_mass,
 )
-from drumlin.fem.substructure.body import FRAME, CondensedBody
+from drumlin.fem.substructure.body import DEGREES_OF_FREEDOM_OF_BODY_FRAME, CondensedBody
 from drumlin.fem.substructure.elasticity import elastic_layers_of_shoe
-from drumlin.fem.substructure.expansion import Strains, nodal_forces_of_thermal_expansion
+from drumlin.fem.substructure.expansion import (
+    FreeStrainFunctionByLayer,
+    nodal_forces_of_thermal_expansion,
+)
 from drumlin.fem.substructure.interface import (
+    ContactCouplingMatrices,
     ContactLine,
-    Coupling,
     function_that_returns_drum_normals_and_tangents,
     plane_normals_and_tangents,
 )
 from drumlin.fem.substructure.loads import (
-    ACTUATION,
+    ACTUATION_LOAD_NAME,
     CHANGED_SHAPE,
-    FURTHER_FORCES,
-    HEAT,
-    LoadColumns,
+    FURTHER_FORCE_LOAD_NAME,
+    HEAT_LOAD_NAME,
+    ColumnsOfUnitLoads,
 )
 
 
-class ActuatedBody(Protocol):
+class BodyWithActuationLoads(Protocol):
     """The type of a body on which unit loads of an actuation act: force x, force y and couple.
 
     The forces act at a centre (2,) [m] in the shoe's frame, about which the couple acts.
     """
 
     @property
-    def load_centre(self) -> Floats:
+    def application_point_of_actuation_loads(self) -> Floats:
         """The point (2,) [m] in the shoe's frame at which the unit loads of the actuation act."""
 
     @property
-    def load_matrix_columns_by_load_name(self) -> LoadColumns:
+    def load_matrix_columns_by_load_name(self) -> ColumnsOfUnitLoads:
         """Which columns of the body's load matrix belong to each load, by the load's name."""
 
 
@@ -58,10 +61,10 @@ class ShoeSubstructure:
     """One shoe with its lining as a condensed body, coupled with the drum or the plane.
 
     All vectors are in the frame of the shoe. The condensed body is supported at its frame, the face
-    that the hinge holds. The matrices N and T (see `Coupling`) turn displacements u of the n
-    contact nodes into weighted gap closure N u and weighted slip T u. The forces on the contact
-    nodes are -N^T p due to nodal pressures p and T^T t due to friction per area t; l unit loads act
-    as well. The arrays for friction are None in a brake with mu = 0.
+    that the hinge holds. The matrices N and T (see `ContactCouplingMatrices`) turn displacements u
+    of the n contact nodes into weighted gap closure N u and weighted slip T u. The forces on the
+    contact nodes are -N^T p due to nodal pressures p and T^T t due to friction per area t; l unit
+    loads act as well. The arrays for friction are None in a brake with mu = 0.
 
     Attributes
     ----------
@@ -69,42 +72,43 @@ class ShoeSubstructure:
     line : the contact line, with the n contact nodes
     coupling : the matrices that couple the contact line with the drum or the plane
     condensed : the statically condensed body
-    load_centre : (2,) point [m] at which unit force x, unit force y and unit couple of the
-        actuation act
+    application_point_of_actuation_loads : (2,) point [m] at which unit force x, unit force y and
+        unit couple of the actuation act
     rotation_mode : (2n,) displacement of the contact nodes per radian of a rotation about the pin
         [m]
-    closure_by_pressure, closure_by_friction : (n, n) weighted gap closure N u due to unit nodal
-        pressures, and due to unit nodal friction
-    closure_by_load : (n, l) weighted gap closure N u due to the unit loads
-    load_motion_by_friction : (l, n) displacement that does work with each unit load, due to unit
-        nodal friction
-    load_motion_by_load : (l, l) displacement that does work with each unit load, due to the unit
-        loads
+    gap_closure_by_pressure, gap_closure_by_friction : (n, n) weighted gap closure N u due to unit
+        nodal pressures, and due to unit nodal friction
+    gap_closure_by_load : (n, l) weighted gap closure N u due to the unit loads
+    load_point_motion_by_friction : (l, n) displacement that does work with each unit load, due to
+        unit nodal friction
+    load_point_motion_by_load : (l, l) displacement that does work with each unit load, due to the
+        unit loads
     reaction_to_pressure, reaction_to_friction : (3, n) support reaction on the frame (force x,
         force y, moment about the pin) to unit nodal pressures, and to unit nodal friction
     reaction_to_load : (3, l) support reaction on the frame to the unit loads
-    of_file : the mesh that was read from a file, and how it was adapted; None without a file
+    mesh_read_from_file : the mesh that was read from a file, and how it was adapted; None without a
+        file
     """
 
     mesh: Any
     basis: Any
     line: ContactLine
-    coupling: Coupling
+    coupling: ContactCouplingMatrices
     condensed: CondensedBody
-    load_centre: Floats
+    application_point_of_actuation_loads: Floats
     rotation_mode: Floats
-    closure_by_pressure: Floats
-    closure_by_friction: Floats | None
-    closure_by_load: Floats
-    load_motion_by_friction: Floats | None
-    load_motion_by_load: Floats
+    gap_closure_by_pressure: Floats
+    gap_closure_by_friction: Floats | None
+    gap_closure_by_load: Floats
+    load_point_motion_by_friction: Floats | None
+    load_point_motion_by_load: Floats
     reaction_to_pressure: Floats
     reaction_to_friction: Floats | None
     reaction_to_load: Floats
-    of_file: ShoeMesh | None = field(default=None, kw_only=True)
+    mesh_read_from_file: ShoeMeshReadFromFile | None = field(default=None, kw_only=True)
 
     @property
-    def load_matrix_columns_by_load_name(self) -> LoadColumns:
+    def load_matrix_columns_by_load_name(self) -> ColumnsOfUnitLoads:
         """Which columns of the body's load matrix belong to each load, by the load's name."""
         return self.condensed.columns
 
@@ -140,21 +144,21 @@ class ShoeSubstructure:
         return np.array([modes @ self.coupling.N.T, modes @ self.coupling.T.T])
 
 
-class DividedBody(NamedTuple):
+class ShoeBodyElements(NamedTuple):
     """The finite elements of a shoe's body, as a `ShoeSubstructure` keeps them.
 
-    `mesh` has the elements, `basis` the nodes, and `line` is the contact line. `of_file` is the
-    mesh that was read from a file, with notes on how it was adapted; it is None for all other
-    bodies.
+    `mesh` has the elements, `basis` the nodes, and `line` is the contact line.
+    `mesh_read_from_file` is the mesh that was read from a file, with notes on how it was adapted;
+    it is None for all other bodies.
     """
 
     mesh: Any
     basis: Any
     line: ContactLine
-    of_file: ShoeMesh | None = None
+    mesh_read_from_file: ShoeMeshReadFromFile | None = None
 
 
-class BodyNodes(NamedTuple):
+class NodePositionsAndActuationForces(NamedTuple):
     """The nodes of a body and the nodal forces of its actuation, in the shoe's frame.
 
     `xy` (2, nodes) [m] are the coordinates of the nodes. `load` (2, nodes) [1] is the force on each
@@ -166,20 +170,20 @@ class BodyNodes(NamedTuple):
     load: Floats
 
 
-def couple_shoe_with_drum_or_plane(line: ContactLine, shoe: Shoe) -> Coupling:
-    """The `Coupling` matrices between a shoe's contact line and the drum or the plane."""
+def contact_coupling_matrices_of_shoe(line: ContactLine, shoe: Shoe) -> ContactCouplingMatrices:
+    """The coupling matrices between a shoe's contact line and the drum or the plane."""
     directions = (
         plane_normals_and_tangents
-        if shoe.flat
-        else function_that_returns_drum_normals_and_tangents(shoe.sign)
+        if shoe.is_on_plane
+        else function_that_returns_drum_normals_and_tangents(shoe.sign_internal_plus_external_minus)
     )
-    return line.couple_lining_with_drum_or_plane(shoe.lining.width, directions)
+    return line.coupling_matrices_with_drum_or_plane(shoe.lining.width, directions)
 
 
 def make_shoe_substructure(
     kind: type[ShoeSubstructure],
     shoe: Shoe,
-    division: DividedBody,
+    division: ShoeBodyElements,
     condensed: CondensedBody,
     centre: Floats,
     *,
@@ -198,10 +202,10 @@ def make_shoe_substructure(
     """
     line = division.line
     n = len(line.nodes)
-    coupling = couple_shoe_with_drum_or_plane(line, shoe)
+    coupling = contact_coupling_matrices_of_shoe(line, shoe)
     # The columns of Y, and of all matrices that follow from Y, stand for pressures, unit loads and
     # friction, in this order.
-    Y = _inverse_cholesky_factor_times_contact_loads(condensed, coupling, friction=friction)
+    Y = _half_flexibility_under_contact_loads(condensed, coupling, friction=friction)
     first_friction = n + condensed.columns.number_of_load_columns
     pressed, loaded, dragged = slice(n), slice(n, first_friction), slice(first_friction, None)
     closure = -Y[:, :n].T @ Y
@@ -211,8 +215,8 @@ def make_shoe_substructure(
     # The nodal forces of free thermal strains have no resultant, and the frame alone supports the
     # body in a statically determinate way. So heat causes no reaction, and the computed reaction is
     # round-off, which is set to zero.
-    if HEAT in condensed.columns.column_slice_of_each_load:
-        reaction_to_load[:, condensed.columns.column_slice_of_each_load[HEAT]] = 0.0
+    if HEAT_LOAD_NAME in condensed.columns.column_slice_of_each_load:
+        reaction_to_load[:, condensed.columns.column_slice_of_each_load[HEAT_LOAD_NAME]] = 0.0
     x, y = line.xy - shoe.pin_position_in_shoe_frame[:, None]
     return kind(
         mesh=division.mesh,
@@ -220,22 +224,22 @@ def make_shoe_substructure(
         line=line,
         coupling=coupling,
         condensed=condensed,
-        load_centre=centre,
+        application_point_of_actuation_loads=centre,
         rotation_mode=np.array([-y, x]).T.ravel(),
-        closure_by_pressure=closure[:, pressed],
-        closure_by_load=closure[:, loaded],
-        closure_by_friction=closure[:, dragged] if friction else None,
-        load_motion_by_friction=Y[:, loaded].T @ Y[:, dragged] if friction else None,
-        load_motion_by_load=Y[:, loaded].T @ Y[:, loaded] + condensed.load_work,
+        gap_closure_by_pressure=closure[:, pressed],
+        gap_closure_by_load=closure[:, loaded],
+        gap_closure_by_friction=closure[:, dragged] if friction else None,
+        load_point_motion_by_friction=Y[:, loaded].T @ Y[:, dragged] if friction else None,
+        load_point_motion_by_load=Y[:, loaded].T @ Y[:, loaded] + condensed.load_work,
         reaction_to_pressure=reaction[:, pressed],
         reaction_to_load=reaction_to_load,
         reaction_to_friction=reaction[:, dragged] if friction else None,
-        of_file=division.of_file,
+        mesh_read_from_file=division.mesh_read_from_file,
     )
 
 
-def _inverse_cholesky_factor_times_contact_loads(
-    condensed: CondensedBody, coupling: Coupling, *, friction: bool
+def _half_flexibility_under_contact_loads(
+    condensed: CondensedBody, coupling: ContactCouplingMatrices, *, friction: bool
 ) -> Floats:
     """The half flexibility Y = L^-1 G of loads G on the contact nodes, with the Cholesky factor L.
 
@@ -251,7 +255,7 @@ def _inverse_cholesky_factor_times_contact_loads(
     forces = [-coupling.N.T, condensed.load_on_contact]
     if friction:
         forces.append(coupling.T.T)
-    return condensed.inverse_cholesky_factor_times_nodal_forces(np.concatenate(forces, axis=1))
+    return condensed.half_flexibility_under_nodal_forces(np.concatenate(forces, axis=1))
 
 
 def substructure_with_load_of_changed_shape(
@@ -271,24 +275,30 @@ def substructure_with_load_of_changed_shape(
     own = condensed.columns.column_slice_of_each_load[CHANGED_SHAPE]
     before, work = condensed.load_on_contact[:, : own.start], condensed.load_work[:, own]
     # The displacements of the contact nodes under the load, while the frame does not move.
-    half = condensed.inverse_cholesky_factor_times_nodal_forces(condensed.load_on_contact[:, own])
+    half = condensed.half_flexibility_under_nodal_forces(condensed.load_on_contact[:, own])
     u = dtrsm(1.0, condensed.L_cc, half, lower=1, trans_a=1)
     beside = before.T @ u + work[: own.start]
-    motion = np.block([[body.load_motion_by_load, beside], [beside.T, half.T @ half + work[own]]])
-    dragged = body.load_motion_by_friction
+    motion = np.block(
+        [[body.load_point_motion_by_load, beside], [beside.T, half.T @ half + work[own]]]
+    )
+    dragged = body.load_point_motion_by_friction
     return replace(
         body,
         condensed=condensed,
-        closure_by_load=np.hstack([body.closure_by_load, body.coupling.N @ u]),
-        load_motion_by_load=motion,
-        load_motion_by_friction=(
+        gap_closure_by_load=np.hstack([body.gap_closure_by_load, body.coupling.N @ u]),
+        load_point_motion_by_load=motion,
+        load_point_motion_by_friction=(
             None if dragged is None else np.vstack([dragged, (body.coupling.T @ u).T])
         ),
-        reaction_to_load=np.hstack([body.reaction_to_load, np.zeros((FRAME, 1))]),
+        reaction_to_load=np.hstack(
+            [body.reaction_to_load, np.zeros((DEGREES_OF_FREEDOM_OF_BODY_FRAME, 1))]
+        ),
     )
 
 
-def functions_of_free_thermal_strain_by_layer(shoe: Shoe, radius: float) -> Strains:
+def functions_of_free_thermal_strain_by_layer(
+    shoe: Shoe, radius: float
+) -> FreeStrainFunctionByLayer:
     """The free thermal strains of each heated layer of a shoe, as functions of points.
 
     The result has a function from points to strains by the name of each heated layer, in the shoe's
@@ -308,7 +318,7 @@ def _free_thermal_strains_at_points(
     shoe: Shoe, radius: float, heated: HeatedLayer, points: Floats
 ) -> Floats:
     """The free thermal strains (2, ...) of a heated layer of a shoe at points (2, ...) [m]."""
-    if heated.key == "backing" and isinstance(shoe.body, Beam) and not shoe.mesh:
+    if heated.key == "backing" and isinstance(shoe.body, BeamBody) and not shoe.mesh:
         # The block between lining and beam is not as thick everywhere as its key `thickness`.
         near, far = heated.depths
         share = relative_depth_in_block_of_beam_shoe(shoe, radius, points)
@@ -336,13 +346,15 @@ def nodal_forces_of_unit_loads_besides_actuation(
     loads = unit_loads_at_points_and_mass(basis, shoe, radius)
     strains = functions_of_free_thermal_strain_by_layer(shoe, radius)
     if strains:
-        loads[HEAT] = nodal_forces_of_thermal_expansion(
+        loads[HEAT_LOAD_NAME] = nodal_forces_of_thermal_expansion(
             basis, elastic_layers_of_shoe(shoe), strains
         )[:, None]
     return loads
 
 
-def load_column_factors_under_all_loads(body: ActuatedBody, shoe: Shoe, force: float) -> Floats:
+def unit_load_factors_under_all_loads(
+    body: BodyWithActuationLoads, shoe: Shoe, force: float
+) -> Floats:
     """The factors (l,) of a body's load columns under an actuation force [N] and all other loads.
 
     A load column is the load vector of a unit load. The load on the body is the sum of all columns
@@ -350,34 +362,36 @@ def load_column_factors_under_all_loads(body: ActuatedBody, shoe: Shoe, force: f
     this function. The loads of heat and of a changed shape do not depend on the force, and their
     factors are one.
     """
-    factors, _ = load_column_factors_and_pin_moment_per_newton(body, shoe)
+    factors, _ = actuation_factors_and_pin_moment_per_newton(body, shoe)
     acting = abs(force) * factors
     if shoe.has_loads_besides_actuation:
-        acting = acting + load_column_factors_of_loads_besides_actuation(body, shoe)
+        acting = acting + unit_load_factors_of_loads_besides_actuation(body, shoe)
     columns = body.load_matrix_columns_by_load_name
-    for name in (HEAT, CHANGED_SHAPE):
+    for name in (HEAT_LOAD_NAME, CHANGED_SHAPE):
         if name in columns.column_slice_of_each_load:
             acting = acting + columns.column_factors_of_all_loads({name: np.ones(1)})
     return acting
 
 
-def load_column_factors_of_loads_besides_actuation(body: ActuatedBody, shoe: Shoe) -> Floats:
-    """The factors (l,) of a body's load columns under further forces and forces on the shoe's mass.
+def unit_load_factors_of_loads_besides_actuation(
+    body: BodyWithActuationLoads, shoe: Shoe
+) -> Floats:
+    """The factors (l,) of a body's unit loads that make up all loads besides the actuation.
 
-    If the body has load columns for these loads, the loads act at their own places. Otherwise the
-    body is rigid, or its model has no such columns, and the resultant of the loads acts where the
-    actuation acts.
+    These loads are further forces at points of the shoe, its weight and its inertia. If the body
+    has unit loads for them, each load acts at its own place. A rigid body and some models have no
+    such unit loads. The resultant of the loads then acts where the actuation acts.
     """
     columns = body.load_matrix_columns_by_load_name
-    if not has_load_columns_of_forces_and_mass(columns):
-        return load_column_factors_of_load_at_actuation(
+    if not has_unit_loads_of_forces_at_points_or_mass(columns):
+        return unit_load_factors_of_load_at_actuation_point(
             body, shoe, shoe.resultant_of_loads_besides_actuation
         )
-    return columns.column_factors_of_all_loads(load_column_factors_of_forces_and_mass(shoe))
+    return columns.column_factors_of_all_loads(unit_load_factors_of_forces_at_points_and_mass(shoe))
 
 
-def load_column_factors_of_force_at_point(
-    body: ActuatedBody, shoe: Shoe, index: int, force: ForceAtPoint
+def unit_load_factors_of_force_at_point(
+    body: BodyWithActuationLoads, shoe: Shoe, index: int, force: ForceAtPoint
 ) -> Floats:
     """The factors (l,) by which a body's load columns make up a further force on a shoe.
 
@@ -386,40 +400,44 @@ def load_column_factors_of_force_at_point(
     0.
     """
     columns = body.load_matrix_columns_by_load_name
-    at_place = columns.column_slice_of_each_load.get(FURTHER_FORCES)
+    at_place = columns.column_slice_of_each_load.get(FURTHER_FORCE_LOAD_NAME)
     if at_place is None:
-        return load_column_factors_of_load_at_actuation(body, shoe, force.resultant)
+        return unit_load_factors_of_load_at_actuation_point(body, shoe, force.resultant)
     factors = np.zeros(columns.number_of_load_columns)
     first = at_place.start + 2 * index
     factors[first : first + 2] = shoe.frame.convert_vectors_to_shoe_frame(np.array(force.force))
     return factors
 
 
-def sum_of_forces_with_load_column_factors(body: ActuatedBody, shoe: Shoe, load: Floats) -> Floats:
+def force_resultant_of_unit_load_factors(
+    body: BodyWithActuationLoads, shoe: Shoe, load: Floats
+) -> Floats:
     """The sum (2,) [N] of the forces on a shoe under load factors (l,), in the shoe's frame."""
     columns = body.load_matrix_columns_by_load_name
-    force = columns.column_factors_of_one_named_load(ACTUATION, load)[:2]
-    if has_load_columns_of_forces_and_mass(columns):
+    force = columns.column_factors_of_one_named_load(ACTUATION_LOAD_NAME, load)[:2]
+    if has_unit_loads_of_forces_at_points_or_mass(columns):
         force = force + shoe.frame.convert_vectors_to_shoe_frame(
             shoe.resultant_of_loads_besides_actuation[:2]
         )
     return np.asarray(force)
 
 
-def load_column_factors_of_load_at_actuation(
-    body: ActuatedBody, shoe: Shoe, resultant: Floats
+def unit_load_factors_of_load_at_actuation_point(
+    body: BodyWithActuationLoads, shoe: Shoe, resultant: Floats
 ) -> Floats:
     """The factors (l,) of a body's load columns under a load that acts where the actuation acts.
 
     `resultant` (3,) has the force x, force y [N] and the moment about the brake's origin [N m].
     """
-    centre_x, centre_y = shoe.convert_points_to_brake_frame(body.load_centre[:, None])[
-        :, 0
-    ].tolist()
+    centre_x, centre_y = shoe.convert_points_to_brake_frame(
+        body.application_point_of_actuation_loads[:, None]
+    )[:, 0].tolist()
     fx, fy, moment = resultant.tolist()
     couple = shoe.frame.sense * (moment - (centre_x * fy - centre_y * fx))
     own = np.array([*shoe.frame.convert_vectors_to_shoe_frame(np.array([fx, fy])), couple])
-    return body.load_matrix_columns_by_load_name.column_factors_of_all_loads({ACTUATION: own})
+    return body.load_matrix_columns_by_load_name.column_factors_of_all_loads(
+        {ACTUATION_LOAD_NAME: own}
+    )
 
 
 def moment_of_loads_besides_actuation_about_pin(shoe: Shoe) -> float:
@@ -427,8 +445,8 @@ def moment_of_loads_besides_actuation_about_pin(shoe: Shoe) -> float:
     return shoe.frame.sense * shoe.moment_of_loads_besides_actuation_about_point(shoe.pin)
 
 
-def load_column_factors_and_pin_moment_per_newton(
-    body: ActuatedBody, shoe: Shoe
+def actuation_factors_and_pin_moment_per_newton(
+    body: BodyWithActuationLoads, shoe: Shoe
 ) -> tuple[Floats, float]:
     """The factors (l,) of a body's load columns under its actuation, and the moment about the pin.
 
@@ -436,14 +454,16 @@ def load_column_factors_and_pin_moment_per_newton(
     arm. If the actuation force of the shoe is negative, the 1 N acts in the opposite direction.
     Columns of other loads have the factor zero.
     """
-    own, moment = actuation_force_and_moments_per_newton(body.load_centre, shoe)
+    own, moment = actuation_force_and_moments_per_newton(
+        body.application_point_of_actuation_loads, shoe
+    )
     return body.load_matrix_columns_by_load_name.column_factors_of_all_loads(
-        {ACTUATION: own}
+        {ACTUATION_LOAD_NAME: own}
     ), moment
 
 
-def load_column_factors_of_one_sided_support_push(
-    body: ActuatedBody, shoe: Shoe, push: Actuation, size: float
+def unit_load_factors_of_one_sided_support_push(
+    body: BodyWithActuationLoads, shoe: Shoe, push: Actuation, size: float
 ) -> Floats:
     """The factors (l,) of a body's load columns under the push of a one-sided support.
 
@@ -458,7 +478,7 @@ def load_column_factors_of_one_sided_support_push(
     push : force of the support [N] with its line of action
     size : size of the brake [m], on a drum its radius
     """
-    factors, _ = load_column_factors_and_pin_moment_per_newton(
+    factors, _ = actuation_factors_and_pin_moment_per_newton(
         body, shoe.model_copy(update={"actuation": push})
     )
     on_loaded_end = shoe.is_point_nearer_to_loaded_end_than_to_pin(push.point, size)
@@ -492,7 +512,7 @@ def support_reaction_of_shoe(
     body : the substructure of the shoe
     p : (n,) pressure at the contact nodes [Pa]
     dragging : (n,) pressures [Pa] whose product with `drag` is the friction per area, see
-        `GroupState.friction_stress_over_friction_coefficient_of_shoe`
+        `ShoeGroupData.friction_stress_over_friction_coefficient_of_shoe`
     drag : friction coefficient mu times the sense s = +-1 of sliding
     load : (l,) factors of the load columns
     """

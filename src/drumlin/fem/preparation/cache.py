@@ -7,16 +7,16 @@ from typing import Any
 import numpy as np
 
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.brake.components import Beam
+from drumlin.brake.components import BeamBody
 from drumlin.brake.fields import Point
-from drumlin.brake.further_loads import NO_LOADS, LoadsOfBrake
+from drumlin.brake.further_loads import NO_SPRING_LEVER_AND_MASS_LOADS, SpringLeverAndMassLoads
 from drumlin.fem.mesh.content import digest_of_mesh_file
 from drumlin.fem.preparation.bodies import ShoeSubstructure
 from drumlin.fem.preparation.load_places import points_where_shoe_body_is_loaded
-from drumlin.fem.substructure.body import InnerSystem
+from drumlin.fem.substructure.body import UncondensedBodySystem
 from drumlin.fem.substructure.ring import RingSubstructure
 
-CACHE_BYTES = 400_000_000
+MOST_BYTES_OF_CACHED_BODIES = 400_000_000
 """Largest memory [bytes] of the condensed bodies that a cache keeps for later solves.
 
 If the bodies need more, the cache drops the body that was used longest ago. The limit is a
@@ -34,7 +34,7 @@ def cache_key_of_shoe_shape(brake: Brake, shoe: Shoe) -> tuple[object, ...]:
     arcs = list(shoe.arcs)
     lining, body = shoe.lining, shoe.body
     behind: tuple[object, ...] | None = None
-    if isinstance(body, Beam):
+    if isinstance(body, BeamBody):
         # A beam ends at the point of the actuation force, so that its shape depends on this point.
         loaded = np.round(
             shoe.frame.convert_vectors_to_shoe_frame(shoe.actuation.point.xy) / brake.size, 12
@@ -76,7 +76,7 @@ def indices_of_first_shoes_of_equal_shape(brake: Brake) -> tuple[int, ...]:
     return tuple(map(shapes.index, shapes))
 
 
-class Cache:
+class CacheOfCondensedBodies:
     """A store of the condensed bodies that were used last, for later prepared models.
 
     A body depends on its key alone. `room` [bytes] limits the memory of all bodies together. If
@@ -85,7 +85,7 @@ class Cache:
     bytes.
     """
 
-    def __init__(self, room: int = CACHE_BYTES) -> None:
+    def __init__(self, room: int = MOST_BYTES_OF_CACHED_BODIES) -> None:
         self._room = room
         self._taken = 0
         self._values = OrderedDict[Hashable, tuple[int, Any]]()
@@ -109,13 +109,13 @@ class Cache:
         return kept[1]
 
 
-def memory_of_condensed_body(body: ShoeSubstructure | RingSubstructure) -> int:
+def memory_bytes_of_condensed_body(body: ShoeSubstructure | RingSubstructure) -> int:
     """The approximate memory [bytes] of the matrices of a condensed body."""
     # A body has six dense (n, n) matrices of doubles. Its sparse matrices take some 400 bytes for
     # each displacement.
     n = len(body.line.nodes)
     inner = body.condensed.inner
-    factors = inner.factors if isinstance(inner, InnerSystem) else None
+    factors = inner.factors if isinstance(inner, UncondensedBodySystem) else None
     kept = 0 if factors is None else factors.memory
     return 8 * (4 + 2) * n**2 + 400 * 2 * int(body.basis.N) + kept
 
@@ -149,7 +149,7 @@ def shoe_without_loads_and_clearances(shoe: Shoe) -> Shoe:
     actuation: dict[str, Any] = {"force": 1.0, "direction": 0.0}
     # The body depends on the point of the actuation force if it is a beam, which ends at this
     # point, or if the shoe has a guide, whose pin lies at this point.
-    point_matters = isinstance(shoe.body, Beam) or shoe.guide is not None
+    point_matters = isinstance(shoe.body, BeamBody) or shoe.guide is not None
     if not point_matters:
         actuation["point"] = Point(x=0.0, y=0.0)
     lining: dict[str, Any] = {
@@ -166,11 +166,13 @@ def shoe_without_loads_and_clearances(shoe: Shoe) -> Shoe:
     # The load columns of an elastic body depend on the points of its forces and on its centre of
     # mass, and not on the forces themselves.
     if not len(points_where_shoe_body_is_loaded(shoe)):
-        return shoe.model_copy(update=changes).shoe_with_spring_lever_and_mass_loads(NO_LOADS)
+        return shoe.model_copy(update=changes).shoe_with_spring_lever_and_mass_loads(
+            NO_SPRING_LEVER_AND_MASS_LOADS
+        )
     changes["mass"] = shoe.mass and shoe.mass.model_copy(update={"mass": 1.0})
     at_places = [
         force._replace(force=(0.0, 0.0)) for force in shoe.forces_at_points_besides_actuation
     ]
     return shoe.model_copy(update=changes).shoe_with_spring_lever_and_mass_loads(
-        LoadsOfBrake(tuple(at_places))
+        SpringLeverAndMassLoads(tuple(at_places))
     )

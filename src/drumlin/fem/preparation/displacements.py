@@ -6,8 +6,8 @@ from drumlin.base.arrays import Floats
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.fem.preparation.bodies import (
     ShoeSubstructure,
-    load_column_factors_of_one_sided_support_push,
-    load_column_factors_under_all_loads,
+    unit_load_factors_of_one_sided_support_push,
+    unit_load_factors_under_all_loads,
 )
 from drumlin.response.response import Response, ShoeResponse
 
@@ -41,9 +41,9 @@ def load_column_factors_and_frame_motion_in_response(
 
     The parameters are those of `nodal_displacements_of_shoe`.
     """
-    load = load_column_factors_under_all_loads(body, shoe, shoe.actuation.force)
+    load = unit_load_factors_under_all_loads(body, shoe, shoe.actuation.force)
     for support in answer.supports:
-        load = load + load_column_factors_of_one_sided_support_push(
+        load = load + unit_load_factors_of_one_sided_support_push(
             body, shoe, support.push, brake.size
         )
     motion = np.array(answer.motion or (0.0, 0.0, shoe.frame.sense * (answer.turn or 0.0)))

@@ -1,10 +1,11 @@
 """Forces at points of an elastic shoe, and forces on its mass, as load columns of its body.
 
 A force at a point acts on the cross-section of the body there. It is spread uniformly over the
-body's thickness, and along the body by the normal distribution with a standard deviation of SPREAD
-times the thickness. A traction that grows linearly from the centre of this area adds a couple, so
-that the resultant acts at the point of the force, as on the end face on which the actuation acts.
-If the point lies beyond an end of the body, the cross-section at this end is loaded.
+body's thickness, and along the body by the normal distribution with a standard deviation of
+FORCE_SPREAD_RELATIVE_TO_BODY_THICKNESS times the thickness. A traction that grows linearly from the
+centre of this area adds a couple, so that the resultant acts at the point of the force, as on the
+end face on which the actuation acts. If the point lies beyond an end of the body, the cross-section
+at this end is loaded.
 
 Lining, backing and body of a shoe have one common density. Weight and centrifugal force act on this
 mass everywhere. The centre of mass in the brake file may differ from the centre of this mass. The
@@ -21,9 +22,13 @@ from drumlin.brake.brake import Shoe
 from drumlin.brake.elasticity import ElasticLayer
 from drumlin.fem.substructure.body import quadrature_of_elements
 from drumlin.fem.substructure.elasticity import elastic_layers_of_shoe
-from drumlin.fem.substructure.loads import FORCES_ON_MASS, FURTHER_FORCES, LoadColumns
+from drumlin.fem.substructure.loads import (
+    FURTHER_FORCE_LOAD_NAME,
+    MASS_LOAD_NAME,
+    ColumnsOfUnitLoads,
+)
 
-SPREAD = 0.5
+FORCE_SPREAD_RELATIVE_TO_BODY_THICKNESS = 0.5
 """Standard deviation of the distribution of a force along the body, relative to its thickness.
 
 Two thirds of the force then act within one thickness of the body. A body bends by the resultant of
@@ -32,11 +37,11 @@ spread (Saint-Venant's principle). A smaller value needs smaller elements and ra
 pressure opposite the force; with a larger value the force is smeared over more of the body. The
 value is a judgement.
 """
-BODY_PARTS = ("table", "shoe")
+NAMES_OF_BODY_LAYERS = ("table", "shoe")
 """Names of the layers of a shoe's body, on which forces at points of the shoe act."""
 
 
-LOADS_AT_PLACES = (FURTHER_FORCES, FORCES_ON_MASS)
+NAMES_OF_LOADS_AT_POINTS_AND_MASS = (FURTHER_FORCE_LOAD_NAME, MASS_LOAD_NAME)
 """Names of the load columns of `unit_loads_at_points_and_mass`."""
 
 
@@ -54,7 +59,7 @@ def points_where_shoe_body_is_loaded(shoe: Shoe) -> Floats:
     return shoe.convert_points_to_shoe_frame(np.reshape(points, (-1, 2)))
 
 
-class _LoadedArea(NamedTuple):
+class _LoadedBodyQuadrature(NamedTuple):
     """The quadrature points of the elements of a body on which forces act.
 
     Attributes
@@ -88,7 +93,7 @@ class _LoadedArea(NamedTuple):
         return np.array([*forces.sum(axis=1), float(x @ forces[1] - y @ forces[0])])
 
 
-class _UnitLoadsAtPlace(NamedTuple):
+class _UnitLoadsOnCrossSection(NamedTuple):
     """Unit loads on a cross-section of a body, as forces on all nodes.
 
     `forces` (3, 2, N) are the nodal forces of unit force x, unit force y and unit couple, and
@@ -118,9 +123,9 @@ def unit_loads_at_points_and_mass(basis: Any, shoe: Shoe, radius: float) -> dict
 
     Returns
     -------
-    FURTHER_FORCES has the unit force x and the unit force y at the point of each further force.
-    FORCES_ON_MASS has the forces on a mass of 1 kg by unit acceleration x, unit acceleration y and
-    unit square of the angular speed, in the axes of the shoe's frame. The result is empty
+    FURTHER_FORCE_LOAD_NAME has the unit force x and the unit force y at the point of each further
+    force. MASS_LOAD_NAME has the forces on a mass of 1 kg by unit acceleration x, unit acceleration
+    y and unit square of the angular speed, in the axes of the shoe's frame. The result is empty
     for a shoe without such loads, for a shoe without a body, and for a mesh file without elements
     of a body.
     """
@@ -128,12 +133,12 @@ def unit_loads_at_points_and_mass(basis: Any, shoe: Shoe, radius: float) -> dict
     if not len(places):
         return {}
     elements = quadrature_of_elements(basis)
-    members = [elements.parts[name] for name in BODY_PARTS if name in elements.parts]
+    members = [elements.parts[name] for name in NAMES_OF_BODY_LAYERS if name in elements.parts]
     if not members:
         return {}
     on_body = np.concatenate(members)
     layers = elastic_layers_of_shoe(shoe)
-    body = _LoadedArea(
+    body = _LoadedBodyQuadrature(
         elements.xy[:, on_body],
         elements.shapes,
         elements.areas[on_body],
@@ -149,14 +154,14 @@ def unit_loads_at_points_and_mass(basis: Any, shoe: Shoe, radius: float) -> dict
         columns = []
         for at_place, place in zip(at_places[:forces], places, strict=False):
             columns += [at_place.nodal_forces_of_load_at_point(unit, place) for unit in np.eye(2)]
-        found[FURTHER_FORCES] = _stack_nodal_forces_as_columns(columns)
+        found[FURTHER_FORCE_LOAD_NAME] = _stack_nodal_forces_as_columns(columns)
     if shoe.mass is not None:
         volume = np.zeros_like(elements.areas)
         for name, own in elements.parts.items():
             volume[own] = layers[name].width
-        whole = _LoadedArea(*elements[:4], basis.doflocs)
+        whole = _LoadedBodyQuadrature(*elements[:4], basis.doflocs)
         centre = shoe.convert_points_to_shoe_frame(np.zeros(2))
-        found[FORCES_ON_MASS] = _stack_nodal_forces_as_columns(
+        found[MASS_LOAD_NAME] = _stack_nodal_forces_as_columns(
             _unit_loads_on_mass(whole, volume, at_places[-1], places[-1], centre)
         )
     return found
@@ -168,15 +173,15 @@ def _stack_nodal_forces_as_columns(loads: list[Floats]) -> Floats:
 
 
 def _unit_loads_on_cross_section_at_point(
-    body: _LoadedArea,
+    body: _LoadedBodyQuadrature,
     shoe: Shoe,
     layers: Mapping[str, ElasticLayer],
     radius: float,
     place: Floats,
-) -> _UnitLoadsAtPlace:
+) -> _UnitLoadsOnCrossSection:
     """The unit loads on a body's cross-section at a point `place` (2,) [m] in the shoe's frame.
 
-    The loads are spread along the body as described for SPREAD.
+    The loads are spread along the body as described for FORCE_SPREAD_RELATIVE_TO_BODY_THICKNESS.
     """
     along = layers["shoe"].along
 
@@ -193,7 +198,11 @@ def _unit_loads_on_cross_section_at_point(
     first, last = float(ends.min()), float(ends.max())
     thickness = area / (unit * (last - first))
     at = np.clip(float(positions_along_body(place)), first, last)
-    distance = (positions_along_body(body.xy) - at) * unit / (SPREAD * thickness)
+    distance = (
+        (positions_along_body(body.xy) - at)
+        * unit
+        / (FORCE_SPREAD_RELATIVE_TO_BODY_THICKNESS * thickness)
+    )
     density = np.exp(-0.5 * distance**2)
     total = float((density * body.areas).sum())
     even = body.integrals_with_shape_functions(density / total)
@@ -202,13 +211,13 @@ def _unit_loads_on_cross_section_at_point(
     couple = np.array([centre[1] * even - y, x - centre[0] * even])
     couple /= body.resultant(couple)[2]
     zero = np.zeros_like(even)
-    return _UnitLoadsAtPlace(np.array([[even, zero], [zero, even], couple]), centre)
+    return _UnitLoadsOnCrossSection(np.array([[even, zero], [zero, even], couple]), centre)
 
 
 def _unit_loads_on_mass(
-    whole: _LoadedArea,
+    whole: _LoadedBodyQuadrature,
     volume: Floats,
-    at_place: _UnitLoadsAtPlace,
+    at_place: _UnitLoadsOnCrossSection,
     place: Floats,
     centre: Floats,
 ) -> list[Floats]:
@@ -244,20 +253,22 @@ def _unit_loads_on_mass(
     return corrected
 
 
-def load_column_factors_of_forces_and_mass(shoe: Shoe) -> dict[str, Floats]:
+def unit_load_factors_of_forces_at_points_and_mass(shoe: Shoe) -> dict[str, Floats]:
     """The factors by which `unit_loads_at_points_and_mass` make up a shoe's loads, by load name."""
     found = {}
     forces = shoe.forces_at_points_besides_actuation
     if forces:
         in_brake = np.array([each.force for each in forces])
-        found[FURTHER_FORCES] = shoe.frame.convert_vectors_to_shoe_frame(in_brake).ravel()
+        found[FURTHER_FORCE_LOAD_NAME] = shoe.frame.convert_vectors_to_shoe_frame(in_brake).ravel()
     if shoe.mass is not None:
-        loads = shoe.loads_of_brake
+        loads = shoe.spring_lever_and_mass_loads
         gravity = shoe.frame.convert_vectors_to_shoe_frame(np.array(loads.gravity))
-        found[FORCES_ON_MASS] = shoe.mass.mass * np.append(gravity, loads.square_of_speed)
+        found[MASS_LOAD_NAME] = shoe.mass.mass * np.append(gravity, loads.squared_angular_velocity)
     return found
 
 
-def has_load_columns_of_forces_and_mass(columns: LoadColumns) -> bool:
+def has_unit_loads_of_forces_at_points_or_mass(columns: ColumnsOfUnitLoads) -> bool:
     """Whether a body has load columns for forces at points of the shoe, or on its mass."""
-    return any(name in columns.column_slice_of_each_load for name in LOADS_AT_PLACES)
+    return any(
+        name in columns.column_slice_of_each_load for name in NAMES_OF_LOADS_AT_POINTS_AND_MASS
+    )

@@ -11,10 +11,10 @@ import numpy as np
 from drumlin.base.arrays import Floats, Ints
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.brake.fields import AnyMaterial
+from drumlin.brake.fields import IsotropicOrOrthotropicMaterial
 from drumlin.fem.hp.division import (
-    SMALLEST_COLUMN,
-    Level,
+    SMALLEST_ELEMENT_SIZE_OVER_LINING_THICKNESS,
+    RefinementLevel,
     SingularPoint,
     grading_point_at_singular_point,
 )
@@ -24,27 +24,31 @@ from drumlin.fem.mesh.degree import (
     nodal_basis_of_shoe_mesh,
     number_of_nodes_at_degree,
 )
-from drumlin.fem.mesh.from_file import ShoeMesh
+from drumlin.fem.mesh.from_file import ShoeMeshReadFromFile
 from drumlin.fem.preparation.bodies import (
-    BodyNodes,
-    DividedBody,
+    NodePositionsAndActuationForces,
+    ShoeBodyElements,
     ShoeSubstructure,
     actuation_force_and_moments_per_newton,
     make_shoe_substructure,
     nodal_forces_of_unit_loads_besides_actuation,
 )
 from drumlin.fem.preparation.cache import (
-    Cache,
+    CacheOfCondensedBodies,
     brake_without_loads_and_clearances,
     cache_key_of_shoe_shape,
     digest_of_mesh_file_of_shoe,
-    memory_of_condensed_body,
+    memory_bytes_of_condensed_body,
     shoe_without_loads_and_clearances,
 )
-from drumlin.fem.preparation.scene import DividedBodies, Seconds, add_elapsed_time_of_block_to_phase
+from drumlin.fem.preparation.scene import (
+    CondensedBodiesOfBrake,
+    SecondsOfEachPhase,
+    add_elapsed_time_of_block_to_phase,
+)
 from drumlin.fem.substructure.body import (
-    FRAME,
-    Constraints,
+    DEGREES_OF_FREEDOM_OF_BODY_FRAME,
+    MultiPointConstraints,
     condense_body_to_contact_and_hinge_face,
     multi_point_constraints_of_body,
     sparse_stiffness_of_body,
@@ -55,11 +59,11 @@ from drumlin.fem.substructure.interface import (
     make_contact_line_of_lining,
     nodal_forces_of_unit_end_loads_and_end_centre,
 )
-from drumlin.fem.substructure.loads import ACTUATION, LoadColumns
+from drumlin.fem.substructure.loads import ACTUATION_LOAD_NAME, ColumnsOfUnitLoads
 from drumlin.fem.substructure.ring import condense_meshed_drum_ring_to_contact_nodes
 from drumlin.response.response import angle_of_edge_zone_left_out_of_peak_search
 
-ELEMENTS = 80
+DEFAULT_ELEMENTS_ALONG_LINING = 80
 """Default number of elements of a mesh along a lining.
 
 With this number the error of the pressure p in L2 is about 0.2 % on most brakes, and the error of
@@ -67,7 +71,7 @@ the torque 0.001 %. On 22 random brakes, half the number made the median error o
 and the median error of the torque three times as large. Twice the number multiplied these errors by
 0.7 and by 0.5 and took four times the work.
 """
-MOST_LINING_ELEMENTS = 4000
+MOST_ELEMENTS_ALONG_LINING = 4000
 """Largest number of elements of a mesh along a lining; larger numbers are refused.
 
 The dense matrices of a contact with this number of elements fill 2 GB.
@@ -80,14 +84,14 @@ The arguments of the function are the shoe and the drum's radius [m].
 """
 
 
-MOST_RAISED_NODES = 150_000
+MOST_NODES_AT_RAISED_DEGREE = 150_000
 """Largest number of nodes of a shoe whose mesh gets elements of a higher degree than in the file.
 
 A solve with this number of nodes takes a minute. A degree that needs more nodes is refused.
 """
 
 
-SHAPE_DEGREE = 5
+DEGREE_OF_SPLIT_ELEMENT_GEOMETRY = 5
 """Degree of the polynomials that map elements when they are split, and so place the new nodes.
 
 Element sides on the drum that are a third of the drum's radius long then follow the drum to 1e-7 of
@@ -96,7 +100,7 @@ changes nothing.
 """
 
 
-class RaisedDegree(NamedTuple):
+class DegreeAndSplittingOfMesh(NamedTuple):
     """The degree of the displacements on a mesh from a file, and how the mesh's elements are split.
 
     Attributes
@@ -113,12 +117,12 @@ class RaisedDegree(NamedTuple):
 
     degree: int | None = None
     fitting: bool = False
-    level: Level | None = None
+    level: RefinementLevel | None = None
     points: tuple[tuple[SingularPoint, ...], ...] = ()
     keep_factors: bool = False
 
 
-OWN_DEGREE = RaisedDegree()
+UNSPLIT_MESH_AT_FILE_DEGREE = DegreeAndSplittingOfMesh()
 """The degree that the mesh has in its file, without splitting of elements."""
 
 
@@ -127,9 +131,9 @@ def make_condensed_shoes_from_meshes(
     elements: int,
     kind: str,
     mesher: Mesher | None,
-    cache: Cache,
-    seconds: Seconds,
-) -> DividedBodies:
+    cache: CacheOfCondensedBodies,
+    seconds: SecondsOfEachPhase,
+) -> CondensedBodiesOfBrake:
     """Make the condensed bodies of a brake on meshes; shoes of one shape share one body.
 
     The mesh of a file keeps its degree and its elements.
@@ -150,9 +154,9 @@ def make_condensed_shoes_from_meshes(
     BadInput
         if the number of elements is out of range, or if a mesh file cannot be used
     """
-    if not 1 <= elements <= MOST_LINING_ELEMENTS:
-        raise BadInput(f"--elements = {elements}: must be from 1 to {MOST_LINING_ELEMENTS}")
-    cache = cache if mesher is None else Cache()
+    if not 1 <= elements <= MOST_ELEMENTS_ALONG_LINING:
+        raise BadInput(f"--elements = {elements}: must be from 1 to {MOST_ELEMENTS_ALONG_LINING}")
+    cache = cache if mesher is None else CacheOfCondensedBodies()
     mesher = mesher or partial(parametric_mesh_of_shoe, elements=elements, kind=kind)
     # Shoes of one shape share a body within the brake. The cache shares equal bodies between
     # brakes.
@@ -162,9 +166,15 @@ def make_condensed_shoes_from_meshes(
         if shape not in made:
             key = (*_cache_key_of_meshed_body(brake, shoe), elements, kind)
             make = partial(
-                _mesh_condense_and_couple_shoe, brake, shoe, mesher, seconds, OWN_DEGREE, cache
+                _mesh_condense_and_couple_shoe,
+                brake,
+                shoe,
+                mesher,
+                seconds,
+                UNSPLIT_MESH_AT_FILE_DEGREE,
+                cache,
             )
-            made[shape] = cache.get(key, make, memory_of_condensed_body)
+            made[shape] = cache.get(key, make, memory_bytes_of_condensed_body)
     bodies = tuple(made[cache_key_of_shoe_shape(brake, shoe)] for shoe in brake.shoes)
     ring = None
     ring_under = partial(condense_meshed_drum_ring_to_contact_nodes, brake, elements)
@@ -173,13 +183,17 @@ def make_condensed_shoes_from_meshes(
         ring_key = (brake_without_loads_and_clearances(brake), elements, kind, *digests)
         lines = tuple(body.line for body in bodies)
         with add_elapsed_time_of_block_to_phase(seconds, "ring"):
-            ring = cache.get(ring_key, partial(ring_under, lines), memory_of_condensed_body)
+            ring = cache.get(ring_key, partial(ring_under, lines), memory_bytes_of_condensed_body)
     nodes_of = partial(_mesh_nodes_of_changed_shoe, mesher, brake.size, bodies)
-    return DividedBodies(bodies, ring, nodes_of, ring_under)
+    return CondensedBodiesOfBrake(bodies, ring, nodes_of, ring_under)
 
 
 def condensed_bodies_of_mesh_files(
-    brake: Brake, raised: RaisedDegree, alike: Sequence[int], cache: Cache, seconds: Seconds
+    brake: Brake,
+    raised: DegreeAndSplittingOfMesh,
+    alike: Sequence[int],
+    cache: CacheOfCondensedBodies,
+    seconds: SecondsOfEachPhase,
 ) -> dict[int, ShoeSubstructure]:
     """The condensed bodies of all shoes that have mesh files.
 
@@ -206,7 +220,7 @@ def condensed_bodies_of_mesh_files(
         own = raised._replace(points=raised.points[i : i + 1])
         make = partial(_mesh_condense_and_couple_shoe, brake, shoe, None, seconds, own, cache)
         key = (*_cache_key_of_meshed_body(brake, shoe), own)
-        made[i] = cache.get(key, make, memory_of_condensed_body)
+        made[i] = cache.get(key, make, memory_bytes_of_condensed_body)
     return made
 
 
@@ -222,7 +236,7 @@ def _cache_key_of_meshed_body(brake: Brake, shoe: Shoe) -> tuple[object, ...]:
 
 def _mesh_nodes_of_changed_shoe(
     mesher: Mesher, radius: float, bodies: tuple[ShoeSubstructure, ...], i: int, shoe: Shoe
-) -> BodyNodes:
+) -> NodePositionsAndActuationForces:
     """The nodes that the meshed body of shoe `i` would have if the shoe were changed to `shoe`.
 
     The changed shoe is meshed with the same number and kind of elements. A mesh from a file stays
@@ -234,7 +248,9 @@ def _mesh_nodes_of_changed_shoe(
     return _nodes_and_actuation_forces_of_mesh(mesh, nodal_basis_of_mesh(mesh), shoe)
 
 
-def nodes_of_changed_shoe_with_mesh_file(body: ShoeSubstructure, shoe: Shoe) -> BodyNodes:
+def nodes_of_changed_shoe_with_mesh_file(
+    body: ShoeSubstructure, shoe: Shoe
+) -> NodePositionsAndActuationForces:
     """The nodes of a mesh file's body if its shoe were changed to `shoe`.
 
     In the frame of the shoe the mesh stays the same.
@@ -242,20 +258,22 @@ def nodes_of_changed_shoe_with_mesh_file(body: ShoeSubstructure, shoe: Shoe) -> 
     return _nodes_and_actuation_forces_of_mesh(body.mesh, body.basis, shoe)
 
 
-def _nodes_and_actuation_forces_of_mesh(mesh: Any, basis: Any, shoe: Shoe) -> BodyNodes:
+def _nodes_and_actuation_forces_of_mesh(
+    mesh: Any, basis: Any, shoe: Shoe
+) -> NodePositionsAndActuationForces:
     """The nodes of a mesh with its basis, and the nodal forces of the shoe's actuation."""
     if "actuation" not in mesh.boundaries or shoe.has_support_on_back_of_body:
-        return BodyNodes(basis.doflocs, np.zeros(basis.doflocs.shape))
+        return NodePositionsAndActuationForces(basis.doflocs, np.zeros(basis.doflocs.shape))
     unit_loads, centre = nodal_forces_of_unit_end_loads_and_end_centre(
         basis, mesh.boundaries["actuation"]
     )
     factors, _ = actuation_force_and_moments_per_newton(centre, shoe)
     load = unit_loads @ factors
-    return BodyNodes(basis.doflocs, load.reshape(-1, 2).T)
+    return NodePositionsAndActuationForces(basis.doflocs, load.reshape(-1, 2).T)
 
 
 @dataclass(frozen=True)
-class AssembledShoe:
+class AssembledUncondensedShoe:
     """One shoe with its lining, meshed and assembled, before static condensation.
 
     All arrays are in the frame of the shoe.
@@ -267,25 +285,25 @@ class AssembledShoe:
     K : (2 nodes, 2 nodes) sparse stiffness without boundary conditions [N/m]
     constraints : the multi-point constraints, which tie the nodes of the hinge's face to the frame
     loads : unit loads (unknowns, k) by their name, on the unknowns that the constraints leave
-    load_centre : (2,) point [m] at which unit force x, unit force y and unit couple of the
-        actuation act
-    of_file : the mesh that was read from a file, with notes on how it was adapted; None without a
-        file
+    application_point_of_actuation_loads : (2,) point [m] at which unit force x, unit force y and
+        unit couple of the actuation act
+    mesh_read_from_file : the mesh that was read from a file, with notes on how it was adapted; None
+        without a file
     """
 
     mesh: Any
     basis: Any
     line: ContactLine
     K: Any
-    constraints: Constraints
+    constraints: MultiPointConstraints
     loads: dict[str, Floats]
-    load_centre: Floats
-    of_file: ShoeMesh | None = None
+    application_point_of_actuation_loads: Floats
+    mesh_read_from_file: ShoeMeshReadFromFile | None = None
 
     @cached_property
-    def load_matrix_columns_by_load_name(self) -> LoadColumns:
+    def load_matrix_columns_by_load_name(self) -> ColumnsOfUnitLoads:
         """Which columns of the shoe's load matrix belong to each load, by the load's name."""
-        return LoadColumns.load_columns_of_named_loads(self.loads)
+        return ColumnsOfUnitLoads.columns_of_named_unit_loads(self.loads)
 
 
 def contact_line_of_meshed_shoe(basis: Any, facets: Ints, shoe: Shoe, radius: float) -> ContactLine:
@@ -295,7 +313,7 @@ def contact_line_of_meshed_shoe(basis: Any, facets: Ints, shoe: Shoe, radius: fl
     friction surface, and `radius` is the radius of the drum [m].
     """
     middle = sum(shoe.arc) / 2
-    unit = radius if shoe.flat else None
+    unit = radius if shoe.is_on_plane else None
     line = make_contact_line_of_lining(
         basis, facets, middle, unit, angle_of_edge_zone_left_out_of_peak_search(shoe, radius)
     )
@@ -308,10 +326,10 @@ def mesh_and_assemble_shoe(
     brake: Brake,
     shoe: Shoe,
     mesher: Mesher | None,
-    seconds: Seconds,
-    raised: RaisedDegree = OWN_DEGREE,
-    cache: Cache | None = None,
-) -> AssembledShoe:
+    seconds: SecondsOfEachPhase,
+    raised: DegreeAndSplittingOfMesh = UNSPLIT_MESH_AT_FILE_DEGREE,
+    cache: CacheOfCondensedBodies | None = None,
+) -> AssembledUncondensedShoe:
     """Mesh a shoe, and assemble its stiffness, its constraints and its unit loads.
 
     Parameters
@@ -329,16 +347,16 @@ def mesh_and_assemble_shoe(
         if a mesh file cannot be used
     """
     with add_elapsed_time_of_block_to_phase(seconds, "mesh"):
-        of_file = read_mesh_file_of_shoe(brake, shoe, cache or Cache())
-        if of_file is not None:
-            mesh = of_file.mesh
+        mesh_read_from_file = read_mesh_file_of_shoe(brake, shoe, cache or CacheOfCondensedBodies())
+        if mesh_read_from_file is not None:
+            mesh = mesh_read_from_file.mesh
             if raised.fitting:
                 # The module loads scipy's interpolation, which takes long.
                 from drumlin.fem.mesh.contact_surface import (  # noqa: PLC0415
                     mesh_without_gaps_below_rounding,
                 )
 
-                slack = of_file.contact.rounded_by
+                slack = mesh_read_from_file.contact.largest_rounding_offset
                 mesh = mesh_without_gaps_below_rounding(mesh, slack, shoe, brake.size)
         else:
             assert mesher is not None
@@ -353,24 +371,35 @@ def mesh_and_assemble_shoe(
         rigid = basis.get_dofs(mesh.boundaries["hinge"]).flatten()
         constraints = multi_point_constraints_of_body(basis, line.nodes, rigid, pin)
         if "actuation" in mesh.boundaries and not shoe.has_support_on_back_of_body:
-            unit_loads, load_centre = nodal_forces_of_unit_end_loads_and_end_centre(
-                basis, mesh.boundaries["actuation"]
+            unit_loads, application_point_of_actuation_loads = (
+                nodal_forces_of_unit_end_loads_and_end_centre(basis, mesh.boundaries["actuation"])
             )
             actuated = constraints.matrix.T @ unit_loads
         else:
             # The actuation force acts on the rigid frame: on the rigid shoe itself, or on the grip
             # that holds the back of the body.
-            load_centre = pin
-            actuated = np.zeros((constraints.matrix.shape[1], FRAME))
-            actuated[-FRAME:] = np.eye(FRAME)
+            application_point_of_actuation_loads = pin
+            actuated = np.zeros((constraints.matrix.shape[1], DEGREES_OF_FREEDOM_OF_BODY_FRAME))
+            actuated[-DEGREES_OF_FREEDOM_OF_BODY_FRAME:] = np.eye(DEGREES_OF_FREEDOM_OF_BODY_FRAME)
         others = nodal_forces_of_unit_loads_besides_actuation(basis, shoe, brake.size)
-    loads = {ACTUATION: actuated} | {
+    loads = {ACTUATION_LOAD_NAME: actuated} | {
         name: constraints.matrix.T @ forces for name, forces in others.items()
     }
-    return AssembledShoe(mesh, basis, line, K, constraints, loads, load_centre, of_file)
+    return AssembledUncondensedShoe(
+        mesh,
+        basis,
+        line,
+        K,
+        constraints,
+        loads,
+        application_point_of_actuation_loads,
+        mesh_read_from_file,
+    )
 
 
-def _basis_of_raised_degree(mesh: Any, raised: RaisedDegree, shoe: Shoe, radius: float) -> Any:
+def _basis_of_raised_degree(
+    mesh: Any, raised: DegreeAndSplittingOfMesh, shoe: Shoe, radius: float
+) -> Any:
     """The basis of nodes and shape functions on the mesh of a shoe, with `raised` applied to it.
 
     The degree of the displacements may be raised and elements may be split. `radius` is the radius
@@ -383,17 +412,18 @@ def _basis_of_raised_degree(mesh: Any, raised: RaisedDegree, shoe: Shoe, radius:
     from drumlin.fem.mesh import splitting  # noqa: PLC0415
 
     nodes = number_of_nodes_at_degree(mesh, raised.degree)
-    if nodes > MOST_RAISED_NODES:
+    if nodes > MOST_NODES_AT_RAISED_DEGREE:
         raise NoAnswer(
-            f"its mesh has {nodes} nodes at degree {raised.degree}; at most {MOST_RAISED_NODES}"
+            f"its mesh has {nodes} nodes at degree {raised.degree}; "
+            f"at most {MOST_NODES_AT_RAISED_DEGREE}"
         )
 
     if raised.level is None:
         return nodal_basis_of_shoe_mesh(mesh, raised.degree, shoe, radius)
-    shape = nodal_basis_of_shoe_mesh(mesh, SHAPE_DEGREE, shoe, radius)
+    shape = nodal_basis_of_shoe_mesh(mesh, DEGREE_OF_SPLIT_ELEMENT_GEOMETRY, shoe, radius)
     finest = _largest_allowed_sides_at_singular_points(mesh, raised, shoe, radius)
     # A mesh of triangles of degree p has about p^2 / 2 nodes for each triangle.
-    most = 2 * MOST_RAISED_NODES // raised.degree**2
+    most = 2 * MOST_NODES_AT_RAISED_DEGREE // raised.degree**2
     parts = splitting.split_mesh_into_triangles_towards_points(shape, finest, most)
     if parts is None:
         return nodal_basis_of_shoe_mesh(mesh, raised.degree, shoe, radius)
@@ -401,12 +431,12 @@ def _basis_of_raised_degree(mesh: Any, raised: RaisedDegree, shoe: Shoe, radius:
 
 
 def _largest_allowed_sides_at_singular_points(
-    mesh: Any, raised: RaisedDegree, shoe: Shoe, radius: float
+    mesh: Any, raised: DegreeAndSplittingOfMesh, shoe: Shoe, radius: float
 ) -> Any:
     """The singular points of a shoe's mesh, and the longest side that an element may have there.
 
     Singular points are the corners of the mesh and the singular points of the pressure. The result
-    is a `splitting.FinestSides`.
+    is a `splitting.LargestSidesAtSingularPoints`.
 
     Parameters
     ----------
@@ -417,25 +447,32 @@ def _largest_allowed_sides_at_singular_points(
     """
     # The imported modules load scikit-fem, which takes long. So they are imported only here.
     from drumlin.fem.mesh.smooth_outline import singular_corners_of_mesh  # noqa: PLC0415
-    from drumlin.fem.mesh.splitting import FinestSides  # noqa: PLC0415
+    from drumlin.fem.mesh.splitting import LargestSidesAtSingularPoints  # noqa: PLC0415
 
     level, (start, end) = raised.level, shoe.arc
     assert level is not None
     thickness = shoe.lining.thickness / radius
     corners = singular_corners_of_mesh(mesh)
-    angles, sides = [], [level.edge * shoe.lining.thickness] * len(corners)
+    angles, sides = [], [level.lining_end_column_size * shoe.lining.thickness] * len(corners)
     for point in itertools.chain.from_iterable(raised.points):
-        distance = min(point.at - start, end - point.at)
+        distance = min(point.position - start, end - point.position)
         graded = grading_point_at_singular_point(point, level, thickness, distance)
-        angles.append(graded.at)
-        sides.append(max(graded.size, SMALLEST_COLUMN * thickness) * radius)
+        angles.append(graded.position)
+        sides.append(
+            max(graded.column_size, SMALLEST_ELEMENT_SIZE_OVER_LINING_THICKNESS * thickness)
+            * radius
+        )
     phi = np.array(angles)
-    circle = [phi, 0 * phi] if shoe.flat else [np.cos(phi), np.sin(phi)]
+    circle = [phi, 0 * phi] if shoe.is_on_plane else [np.cos(phi), np.sin(phi)]
     on_surface = radius * np.array(circle)
-    return FinestSides(np.hstack([mesh.p[:, corners], on_surface]), np.array(sides))
+    return LargestSidesAtSingularPoints(
+        np.hstack([mesh.p[:, corners], on_surface]), np.array(sides)
+    )
 
 
-def read_mesh_file_of_shoe(brake: Brake, shoe: Shoe, cache: Cache) -> ShoeMesh | None:
+def read_mesh_file_of_shoe(
+    brake: Brake, shoe: Shoe, cache: CacheOfCondensedBodies
+) -> ShoeMeshReadFromFile | None:
     """Read the mesh of a shoe from its file; None for a shoe without a file.
 
     The mesh is in the frame of the shoe. The cache keeps it until the file changes.
@@ -449,10 +486,10 @@ def read_mesh_file_of_shoe(brake: Brake, shoe: Shoe, cache: Cache) -> ShoeMesh |
     read = partial(
         read_shoe_mesh_with_notes, shoe.mesh, shoe, brake.size, f"shoe {shoe.name!r}: mesh"
     )
-    return cast("ShoeMesh", cache.get(key, read, _memory_of_mesh_read_from_file))
+    return cast("ShoeMeshReadFromFile", cache.get(key, read, _memory_bytes_of_mesh_read_from_file))
 
 
-def _memory_of_mesh_read_from_file(read: ShoeMesh) -> int:
+def _memory_bytes_of_mesh_read_from_file(read: ShoeMeshReadFromFile) -> int:
     """The approximate memory [bytes] of a mesh that was read from a file."""
     # Coordinates, elements and sides are some 60 numbers of 8 bytes for each node.
     return 500 * int(read.mesh.doflocs.shape[1])
@@ -462,9 +499,9 @@ def _mesh_condense_and_couple_shoe(
     brake: Brake,
     shoe: Shoe,
     mesher: Mesher | None,
-    seconds: Seconds,
-    raised: RaisedDegree,
-    cache: Cache,
+    seconds: SecondsOfEachPhase,
+    raised: DegreeAndSplittingOfMesh,
+    cache: CacheOfCondensedBodies,
 ) -> ShoeSubstructure:
     """Mesh and condense a shoe, and couple it with the drum or the plane.
 
@@ -487,17 +524,24 @@ def _mesh_condense_and_couple_shoe(
             contact_unknowns,
             keep_factors=raised.keep_factors,
         )
-    divided = DividedBody(parts.mesh, parts.basis, parts.line, parts.of_file)
+    divided = ShoeBodyElements(parts.mesh, parts.basis, parts.line, parts.mesh_read_from_file)
     friction = brake.friction > 0
     with add_elapsed_time_of_block_to_phase(seconds, "coupling"):
         return make_shoe_substructure(
-            ShoeSubstructure, shoe, divided, condensed, parts.load_centre, friction=friction
+            ShoeSubstructure,
+            shoe,
+            divided,
+            condensed,
+            parts.application_point_of_actuation_loads,
+            friction=friction,
         )
 
 
-def materials_and_widths_of_shoe_parts(shoe: Shoe) -> dict[str, tuple[AnyMaterial, float]]:
+def materials_and_widths_of_shoe_parts(
+    shoe: Shoe,
+) -> dict[str, tuple[IsotropicOrOrthotropicMaterial, float]]:
     """Material and width [m] of a shoe's lining, backing and body plates, by the part's name."""
-    parts: dict[str, tuple[AnyMaterial, float]] = {
+    parts: dict[str, tuple[IsotropicOrOrthotropicMaterial, float]] = {
         "lining": (shoe.lining.material, shoe.lining.width)
     }
     if shoe.backing is not None:

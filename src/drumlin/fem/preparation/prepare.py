@@ -4,40 +4,40 @@ from collections.abc import Sequence
 
 from drumlin.base.errors import BadInput
 from drumlin.brake.brake import Brake
-from drumlin.fem.hp.division import Level
-from drumlin.fem.mesh.arc import DEFAULT_KIND
-from drumlin.fem.preparation.cache import Cache
+from drumlin.fem.hp.division import RefinementLevel
+from drumlin.fem.mesh.arc import DEFAULT_MESH_KIND
+from drumlin.fem.preparation.cache import CacheOfCondensedBodies
 from drumlin.fem.preparation.cache import indices_of_first_shoes_of_equal_shape as equal_shapes
 from drumlin.fem.preparation.columns import make_condensed_shoes_of_hp_elements
 from drumlin.fem.preparation.meshes import (
-    ELEMENTS,
-    OWN_DEGREE,
+    DEFAULT_ELEMENTS_ALONG_LINING,
+    UNSPLIT_MESH_AT_FILE_DEGREE,
+    DegreeAndSplittingOfMesh,
     Mesher,
-    RaisedDegree,
     condensed_bodies_of_mesh_files,
     make_condensed_shoes_from_meshes,
 )
 from drumlin.fem.preparation.scene import (
-    PointsByShape,
     PreparedModel,
-    Seconds,
+    SecondsOfEachPhase,
+    SingularPointsByShoeShape,
     messages_on_rigid_parts,
     messages_on_shoes_of_equal_shape,
-    reason_why_brake_is_not_modelled,
+    reason_against_finite_element_model,
 )
 
 
 def make_prepared_model(
     brake: Brake,
-    level: Level | None = None,
-    places: PointsByShape | None = None,
+    level: RefinementLevel | None = None,
+    places: SingularPointsByShoeShape | None = None,
     *,
     alike: Sequence[int] = (),
-    elements: int = ELEMENTS,
-    kind: str = DEFAULT_KIND,
+    elements: int = DEFAULT_ELEMENTS_ALONG_LINING,
+    kind: str = DEFAULT_MESH_KIND,
     mesher: Mesher | None = None,
-    raised: RaisedDegree = OWN_DEGREE,
-    cache: Cache | None = None,
+    raised: DegreeAndSplittingOfMesh = UNSPLIT_MESH_AT_FILE_DEGREE,
+    cache: CacheOfCondensedBodies | None = None,
 ) -> PreparedModel:
     """Make the prepared model of a brake, in hp elements or on meshes.
 
@@ -69,11 +69,11 @@ def make_prepared_model(
     NoAnswer
         if a contact problem has more nodes than are allowed, or if a stiffness is singular
     """
-    reason = reason_why_brake_is_not_modelled(brake)
+    reason = reason_against_finite_element_model(brake)
     if reason is not None:
         raise BadInput(f"fem does not apply to this brake: {reason}")
-    seconds: Seconds = {}
-    cache = cache or Cache()
+    seconds: SecondsOfEachPhase = {}
+    cache = cache or CacheOfCondensedBodies()
     alike = alike or equal_shapes(brake)
     if level is None:
         made = make_condensed_shoes_from_meshes(brake, elements, kind, mesher, cache, seconds)
@@ -92,7 +92,7 @@ def make_prepared_model(
         seconds,
         tuple(left_out),
         nodes_of_changed_shoe=made.nodes_of_changed_shoe,
-        ring_under_lines=made.ring_under_lines,
+        ring_under_contact_lines=made.ring_under_contact_lines,
         divisions=made.divisions,
         level=level,
         points=places or {},

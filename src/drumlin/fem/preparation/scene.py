@@ -9,17 +9,17 @@ from typing import NamedTuple
 
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.heat import is_any_shoe_heated
-from drumlin.fem.hp.division import Level, ShoeDivision, SingularPoint
+from drumlin.fem.hp.division import RefinementLevel, ShoeElementDivision, SingularPoint
 from drumlin.fem.mesh import beam as beam_mesh
-from drumlin.fem.preparation.bodies import BodyNodes, ShoeSubstructure
+from drumlin.fem.preparation.bodies import NodePositionsAndActuationForces, ShoeSubstructure
 from drumlin.fem.preparation.cache import cache_key_of_shoe_shape
 from drumlin.fem.substructure.interface import ContactLine
 from drumlin.fem.substructure.ring import RingSubstructure
 from drumlin.laws import rigid
 
-Seconds = dict[str, float]
+SecondsOfEachPhase = dict[str, float]
 """The type of a dictionary with the time [s] of each phase of a solve, by the phase's name."""
-PointsByShape = Mapping[int, Sequence[SingularPoint]]
+SingularPointsByShoeShape = Mapping[int, Sequence[SingularPoint]]
 """The singular points of the pressure for each shape of shoe.
 
 The key is the index of the first shoe of the shape.
@@ -27,28 +27,28 @@ The key is the index of the first shoe of the shape.
 
 
 @contextmanager
-def add_elapsed_time_of_block_to_phase(seconds: Seconds, phase: str) -> Iterator[None]:
+def add_elapsed_time_of_block_to_phase(seconds: SecondsOfEachPhase, phase: str) -> Iterator[None]:
     """Measure the time [s] of the block of a `with` statement, and add it to seconds[phase]."""
     start = time.perf_counter()
     yield
     seconds[phase] = seconds.get(phase, 0.0) + time.perf_counter() - start
 
 
-class DividedBodies(NamedTuple):
+class CondensedBodiesOfBrake(NamedTuple):
     """The condensed bodies of a brake: one for each shoe, and one for the drum's ring.
 
     The function `nodes_of_changed_shoe` divides a changed shoe into elements by the rule by which
-    these bodies were divided. The function `ring_under_lines` divides the ring, in the same way,
-    for other contact lines of the shoes. Both are explained in `PreparedModel`. `divisions` are the
-    divisions into hp elements, by the index of the first shoe of each shape; it is empty for
-    meshes.
+    these bodies were divided. The function `ring_under_contact_lines` divides the ring, in the same
+    way, for other contact lines of the shoes. Both are explained in `PreparedModel`. `divisions`
+    are the divisions into hp elements, by the index of the first shoe of each shape; it is empty
+    for meshes.
     """
 
     bodies: tuple[ShoeSubstructure, ...]
     ring: RingSubstructure | None
-    nodes_of_changed_shoe: Callable[[int, Shoe], BodyNodes]
-    ring_under_lines: Callable[[tuple[ContactLine, ...]], RingSubstructure]
-    divisions: Mapping[int, ShoeDivision] = {}
+    nodes_of_changed_shoe: Callable[[int, Shoe], NodePositionsAndActuationForces]
+    ring_under_contact_lines: Callable[[tuple[ContactLine, ...]], RingSubstructure]
+    divisions: Mapping[int, ShoeElementDivision] = {}
 
 
 @dataclass(frozen=True)
@@ -67,8 +67,8 @@ class PreparedModel:
     nodes_of_changed_shoe : function of an index i and a changed shoe that returns the nodes of the
         body that shoe i would have after the change, divided by the same rule; None if the bodies
         cannot be divided anew
-    ring_under_lines : function of other contact lines of the shoes that returns the substructure of
-        the ring under these lines; None if the bodies cannot be divided anew
+    ring_under_contact_lines : function of other contact lines of the shoes that returns the
+        substructure of the ring under these lines; None if the bodies cannot be divided anew
     divisions : division into hp elements by the index of the first shoe of each shape; empty for
         meshes
     level : degree of hp elements, and sizes at singular points; None if every shoe without a mesh
@@ -80,15 +80,15 @@ class PreparedModel:
     brake: Brake
     bodies: tuple[ShoeSubstructure, ...]
     ring: RingSubstructure | None
-    seconds: Seconds
+    seconds: SecondsOfEachPhase
     left_out: tuple[str, ...]
     apart: bool = False
     model: str = "fem"
-    nodes_of_changed_shoe: Callable[[int, Shoe], BodyNodes] | None = None
-    ring_under_lines: Callable[[tuple[ContactLine, ...]], RingSubstructure] | None = None
-    divisions: Mapping[int, ShoeDivision] = field(default_factory=dict)
-    level: Level | None = None
-    points: PointsByShape = field(default_factory=dict)
+    nodes_of_changed_shoe: Callable[[int, Shoe], NodePositionsAndActuationForces] | None = None
+    ring_under_contact_lines: Callable[[tuple[ContactLine, ...]], RingSubstructure] | None = None
+    divisions: Mapping[int, ShoeElementDivision] = field(default_factory=dict)
+    level: RefinementLevel | None = None
+    points: SingularPointsByShoeShape = field(default_factory=dict)
 
     @cached_property
     def cache_keys_of_shoe_shapes(self) -> list[tuple[object, ...]]:
@@ -103,7 +103,7 @@ class PreparedModel:
         ]
 
 
-def reason_why_brake_is_not_modelled(brake: Brake) -> str | None:
+def reason_against_finite_element_model(brake: Brake) -> str | None:
     """The reason why finite elements do not apply to a brake; None if they apply."""
     if brake.reason_why_shoes_cannot_be_meshed() is not None:
         return brake.reason_why_shoes_cannot_be_meshed()

@@ -25,20 +25,20 @@ from drumlin.fem.substructure.elasticity import (
     unit_vectors_through_thickness_of_layers,
 )
 from drumlin.fem.substructure.elimination import (
-    SINGULAR_BODY,
+    SINGULAR_BODY_MESSAGE,
     CondensedSystem,
     KeptFactors,
     eliminate_inner_unknowns,
     elimination_order_by_nested_dissection,
     solve_by_multifrontal_elimination,
 )
-from drumlin.fem.substructure.loads import LoadColumns, stack_nodal_loads_as_matrix_columns
+from drumlin.fem.substructure.loads import ColumnsOfUnitLoads, stack_nodal_loads_as_matrix_columns
 
-FRAME = 3
+DEGREES_OF_FREEDOM_OF_BODY_FRAME = 3
 """Number of degrees of freedom of a body's frame, its supported rigid line: dx, dy and rotation."""
 
 
-class Constraints(NamedTuple):
+class MultiPointConstraints(NamedTuple):
     """The multi-point constraints of a body, which leave fewer unknowns than displacements.
 
     The constraints tie the nodes of the rigid line to the frame. The order of the reduced unknowns
@@ -55,7 +55,7 @@ class Constraints(NamedTuple):
     region: Ints
 
 
-class InnerSystem(NamedTuple):
+class UncondensedBodySystem(NamedTuple):
     """The equations of a body before condensation, on its reduced unknowns.
 
     Attributes
@@ -68,20 +68,20 @@ class InnerSystem(NamedTuple):
     """
 
     A: Any
-    constraints: Constraints
+    constraints: MultiPointConstraints
     loads: Floats
     factors: KeptFactors | None = None
 
     @classmethod
     def body_system_from_stiffness_of_all_nodes(
-        cls, K: Any, constraints: Constraints, loads: Floats
-    ) -> "InnerSystem":
+        cls, K: Any, constraints: MultiPointConstraints, loads: Floats
+    ) -> "UncondensedBodySystem":
         """The equations of a body from the stiffness K (2 nodes, 2 nodes) of all its nodes."""
         A = constraints.matrix.T @ K @ constraints.matrix
         return cls(A.tocsc(), constraints, loads)
 
-    def equations_of_body_before_condensation(self) -> "InnerSystem":
-        """Return the system itself; the interface `InnerEquations` requires this method."""
+    def equations_of_body_before_condensation(self) -> "UncondensedBodySystem":
+        """Return the system itself, as the protocol of all bodies requires."""
         return self
 
     def condense_loads_and_stiffness(self) -> CondensedSystem:
@@ -90,7 +90,7 @@ class InnerSystem(NamedTuple):
             return self.factors.condense_loads(self.loads)
         return eliminate_inner_unknowns(self.A, self.constraints.region, self.loads)
 
-    def body_system_with_further_loads(self, forces: Floats) -> "InnerSystem":
+    def copy_with_further_unit_loads(self, forces: Floats) -> "UncondensedBodySystem":
         """A copy of the system with k more unit loads, in the last columns of `loads`.
 
         `forces` (2 nodes, k) are the nodal forces of these unit loads on all nodes.
@@ -108,19 +108,28 @@ class InnerSystem(NamedTuple):
         """
         if self.factors is not None:
             right = self.loads @ loads
-            right[len(right) - FRAME - len(nodal) : -FRAME] += nodal
+            right[
+                len(right)
+                - DEGREES_OF_FREEDOM_OF_BODY_FRAME
+                - len(nodal) : -DEGREES_OF_FREEDOM_OF_BODY_FRAME
+            ] += nodal
             free = self.factors.solve_with_given_last_unknowns(right, frame)
             return np.asarray(self.constraints.matrix @ free)
-        right = self.loads[:-FRAME] @ loads - self.A[:-FRAME, -FRAME:] @ frame
+        right = (
+            self.loads[:-DEGREES_OF_FREEDOM_OF_BODY_FRAME] @ loads
+            - self.A[:-DEGREES_OF_FREEDOM_OF_BODY_FRAME, -DEGREES_OF_FREEDOM_OF_BODY_FRAME:] @ frame
+        )
         # The nodal forces act on the contact nodes, the last unknowns before the frame.
         right[len(right) - len(nodal) :] += nodal
         free = solve_by_multifrontal_elimination(
-            self.A[:-FRAME, :-FRAME], self.constraints.region, right
+            self.A[:-DEGREES_OF_FREEDOM_OF_BODY_FRAME, :-DEGREES_OF_FREEDOM_OF_BODY_FRAME],
+            self.constraints.region,
+            right,
         )
         return np.asarray(self.constraints.matrix @ np.vstack([free, frame]))
 
 
-class InnerUnknowns(Protocol):
+class EliminatedUnknownsOfAnyBody(Protocol):
     """The interface to the eliminated unknowns of a body, which bodies of all kinds have."""
 
     def nodal_displacements_in_load_cases(
@@ -134,20 +143,22 @@ class InnerUnknowns(Protocol):
 
 
 @runtime_checkable
-class InnerEquations(InnerUnknowns, Protocol):
+class EliminatedUnknownsAndEquationsOfAnyBody(EliminatedUnknownsOfAnyBody, Protocol):
     """The interface to the eliminated unknowns, equations and loads of a body in plane stress.
 
-    An `InnerSystem` holds the whole stiffness. A body of hp elements assembles its stiffness only
-    when a method needs it, see `hp.grid.GridUnknowns`.
+    An `UncondensedBodySystem` holds the whole stiffness. A body of hp elements assembles its
+    stiffness only when a method needs it, see `hp.grid.EliminatedUnknownsOfHpElementBody`.
     """
 
-    def equations_of_body_before_condensation(self) -> InnerSystem:
+    def equations_of_body_before_condensation(self) -> UncondensedBodySystem:
         """The equations of the body before its inner unknowns are eliminated."""
 
     def condense_loads_and_stiffness(self) -> CondensedSystem:
         """The stiffness and the unit loads of the body, condensed to contact nodes and frame."""
 
-    def body_system_with_further_loads(self, forces: Floats) -> "InnerEquations":
+    def copy_with_further_unit_loads(
+        self, forces: Floats
+    ) -> "EliminatedUnknownsAndEquationsOfAnyBody":
         """A copy of the body with k more unit loads, in the columns after its present unit loads.
 
         `forces` (2 nodes, k) are the nodal forces of these unit loads on all nodes.
@@ -184,25 +195,25 @@ class CondensedBody:
     load_on_contact: Floats
     load_on_frame: Floats
     load_work: Floats
-    inner: InnerUnknowns
-    columns: LoadColumns
+    inner: EliminatedUnknownsOfAnyBody
+    columns: ColumnsOfUnitLoads
     force_imbalance: float = 0.0
     rigid_mode_error: Floats | None = None
 
     @property
-    def inner_equations(self) -> InnerEquations:
+    def eliminated_unknowns_with_equations(self) -> EliminatedUnknownsAndEquationsOfAnyBody:
         """The eliminated unknowns with their equations."""
         # The unknowns of shoes with widths recover displacements only and have no equations. The
         # callers of this property refuse such shoes.
-        assert isinstance(self.inner, InnerEquations)
+        assert isinstance(self.inner, EliminatedUnknownsAndEquationsOfAnyBody)
         return self.inner
 
-    def assemble_equations_of_whole_body(self) -> InnerSystem:
+    def assemble_equations_of_whole_body(self) -> UncondensedBodySystem:
         """Assemble and return the equations of the body on all its nodes, before condensation."""
-        return self.inner_equations.equations_of_body_before_condensation()
+        return self.eliminated_unknowns_with_equations.equations_of_body_before_condensation()
 
     @property
-    def multi_point_constraints(self) -> Constraints:
+    def multi_point_constraints(self) -> MultiPointConstraints:
         """The multi-point constraints of the body.
 
         Each access assembles the whole system.
@@ -217,7 +228,7 @@ class CondensedBody:
         """
         return self.assemble_equations_of_whole_body().loads
 
-    def inverse_cholesky_factor_times_nodal_forces(self, forces: Floats) -> Floats:
+    def half_flexibility_under_nodal_forces(self, forces: Floats) -> Floats:
         """The half flexibility Y = L_cc^-1 G of nodal forces G (2n, m) on the contact nodes.
 
         L_cc is the Cholesky factor of the condensed stiffness. Y^T Y (m, m) is a flexibility: the
@@ -267,7 +278,7 @@ class CondensedBody:
         """
         if taken := self.columns.column_slice_of_each_load.keys() & loads.keys():
             raise ValueError(f"the body has loads of these names already: {sorted(taken)}")
-        inner = self.inner_equations.body_system_with_further_loads(
+        inner = self.eliminated_unknowns_with_equations.copy_with_further_unit_loads(
             np.concatenate(list(loads.values()), axis=1)
         )
         eliminated = inner.condense_loads_and_stiffness()
@@ -282,8 +293,8 @@ class CondensedBody:
             load_on_frame=np.hstack([self.load_on_frame, further[contact:]]),
             load_work=work,
             inner=inner,
-            columns=LoadColumns(
-                self.columns.sizes + LoadColumns.load_columns_of_named_loads(loads).sizes
+            columns=ColumnsOfUnitLoads(
+                self.columns.sizes + ColumnsOfUnitLoads.columns_of_named_unit_loads(loads).sizes
             ),
         )
 
@@ -337,7 +348,7 @@ def _isotropic_stiffness_of_elements(
     """
     lame = np.zeros((2, basis.mesh.nelements))
     for name, members in basis.mesh.subdomains.items():
-        matrix = layers[name].stiffness
+        matrix = layers[name].elasticity_times_width
         lame[:, members] = np.array([matrix[0, 1], matrix[-1, -1]])[:, None]
     straight = np.zeros(0, dtype=np.int64)
     if hasattr(basis, "numbers_of_straight_triangles") and not precise:
@@ -492,7 +503,7 @@ def _orthotropic_part_of_element_stiffness(
     points : (2, e, q) quadrature points [m]
     """
     a, d, elements, _ = gradients.shape
-    along = layer.directions(points)
+    along = layer.unit_vectors_along_layer(points)
 
     def integrals_of_products_of_strains_in_direction(direction: Any) -> Any:
         """The integrals (e, d a, d a) over e elements of products of two normal strains.
@@ -504,7 +515,9 @@ def _orthotropic_part_of_element_stiffness(
         stretch = np.einsum("ceq,aeq->eacq", direction, grown).reshape(elements, d * a, -1)
         return (stretch * dx[:, None]) @ stretch.transpose(0, 2, 1)
 
-    _, _, by_along, by_through = isotropic_and_orthotropic_elastic_constants(layer.stiffness)
+    _, _, by_along, by_through = isotropic_and_orthotropic_elastic_constants(
+        layer.elasticity_times_width
+    )
     added = by_along * integrals_of_products_of_strains_in_direction(
         along
     ) + by_through * integrals_of_products_of_strains_in_direction(
@@ -544,15 +557,15 @@ def rigid_body_displacements_of_nodes(xy: Floats, pin: Floats) -> Floats:
 
     The columns belong to unit motions dx and dy, and to a unit rotation about the point `pin` (2,).
     """
-    modes = np.zeros((xy.shape[1], 2, FRAME))
+    modes = np.zeros((xy.shape[1], 2, DEGREES_OF_FREEDOM_OF_BODY_FRAME))
     modes[:, 0, 0] = modes[:, 1, 1] = 1.0
     modes[:, 0, 2], modes[:, 1, 2] = pin[1] - xy[1], xy[0] - pin[0]
-    return modes.reshape(-1, FRAME)
+    return modes.reshape(-1, DEGREES_OF_FREEDOM_OF_BODY_FRAME)
 
 
 def multi_point_constraints_of_body(
     basis: Any, contact: Ints, rigid: Ints, pin: Floats, alone: Ints | None = None
-) -> Constraints:
+) -> MultiPointConstraints:
     """The multi-point constraints of a body, which tie its rigid line to the frame.
 
     The inner nodes are in the order of a nested dissection.
@@ -580,9 +593,11 @@ def multi_point_constraints_of_body(
         others = ~np.isin(dofs, alone)
         free = np.concatenate([dofs[others], alone])
         region = region[others[: len(region)]]
-        return Constraints(matrix_from_unknowns_to_displacements(free, 2 * basis.N), region)
+        return MultiPointConstraints(
+            matrix_from_unknowns_to_displacements(free, 2 * basis.N), region
+        )
     arm = basis.doflocs[:, rigid] - pin[:, None]
-    return Constraints(
+    return MultiPointConstraints(
         matrix_from_unknowns_to_displacements(dofs, 2 * basis.N, 2 * rigid, arm), region
     )
 
@@ -613,14 +628,14 @@ def matrix_from_unknowns_to_displacements(
         rows += [rigid, rigid, rigid + 1, rigid + 1]
         columns += list(np.repeat([[free], [free + 2], [free + 1], [free + 2]], len(rigid), axis=1))
         values += [ones, -arm[1], ones, arm[0]]
-    unknowns = free + (0 if rigid is None else FRAME)
+    unknowns = free + (0 if rigid is None else DEGREES_OF_FREEDOM_OF_BODY_FRAME)
     entries = np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))
     return sp.csc_matrix(entries, shape=(count, unknowns))
 
 
 def condense_body_to_contact_and_hinge_face(
     K: Any,
-    constraints: Constraints,
+    constraints: MultiPointConstraints,
     loads: Mapping[str, Floats],
     contact: int,
     *,
@@ -641,7 +656,7 @@ def condense_body_to_contact_and_hinge_face(
     NoAnswer
         for a singular stiffness
     """
-    system = InnerSystem.body_system_from_stiffness_of_all_nodes(
+    system = UncondensedBodySystem.body_system_from_stiffness_of_all_nodes(
         K, constraints, stack_nodal_loads_as_matrix_columns(loads, constraints.matrix.shape[1])
     )
     if keep_factors:
@@ -650,7 +665,7 @@ def condense_body_to_contact_and_hinge_face(
     S, condensed_loads, work = system.condense_loads_and_stiffness()
     L_cc, info = dpotrf(S[:contact, :contact], lower=1)
     if info:
-        raise NoAnswer(SINGULAR_BODY)
+        raise NoAnswer(SINGULAR_BODY_MESSAGE)
     L_fc = solve_lower_triangular_system(L_cc, S[:contact, contact:]).T
     return CondensedBody(
         L_cc,
@@ -659,5 +674,5 @@ def condense_body_to_contact_and_hinge_face(
         condensed_loads[contact:],
         work,
         inner=system,
-        columns=LoadColumns.load_columns_of_named_loads(loads),
+        columns=ColumnsOfUnitLoads.columns_of_named_unit_loads(loads),
     )

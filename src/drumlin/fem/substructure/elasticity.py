@@ -17,7 +17,7 @@ import numpy as np
 from drumlin.base.arrays import Floats
 from drumlin.brake.beam_axis import make_beam_axis
 from drumlin.brake.brake import Shoe
-from drumlin.brake.components import Beam, Section
+from drumlin.brake.components import BeamBody, RectangularCrossSection
 from drumlin.brake.elasticity import ElasticLayer, normal_stiffness_in_excess_of_isotropic
 
 
@@ -31,9 +31,9 @@ def elastic_layers_of_shoe(shoe: Shoe) -> dict[str, ElasticLayer]:
     lining, backing, body = shoe.lining, shoe.backing, shoe.body
     around: Floats | None = None
     behind: Floats | None = None
-    if shoe.flat:
+    if shoe.is_on_plane:
         around = behind = np.array([1.0, 0.0])
-    elif isinstance(body, Beam):
+    elif isinstance(body, BeamBody):
         behind = shoe.frame.convert_vectors_to_shoe_frame(
             make_beam_axis(shoe.pin.xy, shoe.actuation.point.xy).along
         )
@@ -52,7 +52,7 @@ def elastic_layers_of_shoe(shoe: Shoe) -> dict[str, ElasticLayer]:
     return layers
 
 
-def elastic_layers_of_ring(section: Section) -> dict[str, ElasticLayer]:
+def elastic_layers_of_ring(section: RectangularCrossSection) -> dict[str, ElasticLayer]:
     """The elastic layer of a drum ring, under the name "drum" of the ring's only subdomain."""
     return {"drum": ElasticLayer.make_layer_in_plane_stress(section.material, section.width)}
 
@@ -71,7 +71,7 @@ def elasticity_times_width_of_layers(
     layers: Mapping[str, ElasticLayer], part: Sequence[str]
 ) -> Floats:
     """Elasticity matrices times width (l, 3, 3) [N/m] of the l layers whose names are `part`."""
-    return np.array([layers[name].stiffness for name in part])
+    return np.array([layers[name].elasticity_times_width for name in part])
 
 
 def unit_vectors_through_thickness_of_layers(along: Any) -> Any:

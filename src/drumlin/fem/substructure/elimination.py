@@ -19,7 +19,7 @@ from drumlin.base.arrays import Floats, Ints
 from drumlin.base.errors import NoAnswer
 from drumlin.base.lapack import dpotrf, dtrsm
 
-LEAF_NODES = 128
+NODES_OF_SMALLEST_DISSECTION_REGION = 128
 """Number of nodes of the smallest regions of the dissection, in about.
 
 Smaller regions need more calls of dense routines, and larger regions more multiplications with
@@ -27,13 +27,13 @@ zeros. With 64 or 256 nodes condensations of eight meshes by Gmsh, of degree 1 t
 times as long. The result is the same apart from round-off.
 """
 
-_Complements = list[list[tuple[Ints, Floats]]]
+_PendingSchurComplementsOfEachRegion = list[list[tuple[Ints, Floats]]]
 """For each region the Schur complements of earlier fronts that are still to be added to its front.
 
 Each complement has the numbers of its unknowns (m,) and its lower triangle (m, m).
 """
 
-SINGULAR_BODY = "singular stiffness: a part hangs on nothing, or moduli are too far apart"
+SINGULAR_BODY_MESSAGE = "singular stiffness: a part hangs on nothing, or moduli are too far apart"
 """Message of the error that is raised if the stiffness of a body is not positive definite."""
 
 
@@ -87,12 +87,8 @@ def elimination_order_by_nested_dissection(xy: Floats, elements: Ints) -> Elimin
     # second half of them gets the bit 1.
     for level in range(depth):
         size = np.bincount(path, minlength=1 << level)
-        position = np.round(
-            _positions_along_principal_axis(
-                path, centre - _mean_of_values_in_each_group(path, centre)
-            )
-            / resolution
-        )
+        from_mean = centre - _mean_of_values_in_each_group(path, centre)
+        position = np.round(_positions_along_principal_axis(path, from_mean) / resolution)
         order = np.lexsort((position, path))
         rank = np.empty(count, dtype=np.int64)
         rank[order] = np.arange(count) - (np.cumsum(size) - size)[path[order]]
@@ -106,8 +102,9 @@ def elimination_order_by_nested_dissection(xy: Floats, elements: Ints) -> Elimin
         np.minimum.at(first, nodes, path)
         np.maximum.at(last, nodes, path)
     differing_bits = np.ceil(np.log2((first ^ last) + 1.0)).astype(np.int64)
-    # The last halvings are omitted, so that the smallest regions have about LEAF_NODES nodes.
-    omitted = round(np.log2(LEAF_NODES * count / xy.shape[1]))
+    # The last halvings are omitted, so that the smallest regions have about
+    # NODES_OF_SMALLEST_DISSECTION_REGION nodes.
+    omitted = round(np.log2(NODES_OF_SMALLEST_DISSECTION_REGION * count / xy.shape[1]))
     height = np.maximum(differing_bits, np.clip(omitted, 0, depth))
 
     # The paths that begin like a region are a range of whole numbers. Regions are eliminated in the
@@ -180,7 +177,7 @@ class KeptFactors(NamedTuple):
     S : (k, k) Schur complement on the kept unknowns, the last k unknowns of the matrix
     """
 
-    fronts: "tuple[_FrontFactor, ...]"
+    fronts: "tuple[_CholeskyFactorOfFront, ...]"
     S: Floats
 
     @classmethod
@@ -198,7 +195,9 @@ class KeptFactors(NamedTuple):
     @property
     def memory(self) -> int:
         """The memory [bytes] of the factors."""
-        return self.S.nbytes + sum(front.L.nbytes + front.below.nbytes for front in self.fronts)
+        return self.S.nbytes + sum(
+            front.L.nbytes + front.rows_of_later_unknowns.nbytes for front in self.fronts
+        )
 
     def condense_loads(self, loads: Floats) -> CondensedSystem:
         """The Schur complement on the kept unknowns, and loads (n, l) condensed to them."""
@@ -225,7 +224,7 @@ class KeptFactors(NamedTuple):
         free = last - first
         L, info = dpotrf(self.S[:free, :free], lower=1)
         if info:
-            raise NoAnswer(SINGULAR_BODY)
+            raise NoAnswer(SINGULAR_BODY_MESSAGE)
         rest = x[first:last] - self.S[:free, free:] @ given
         x[first:last] = dtrsm(1.0, L, dtrsm(1.0, L, rest, lower=1), lower=1, trans_a=1)
         x[last:] = given
@@ -235,7 +234,7 @@ class KeptFactors(NamedTuple):
 
 
 def _condense_loads_by_fronts(
-    fronts: "Iterable[_FrontFactor]", loads: Floats
+    fronts: "Iterable[_CholeskyFactorOfFront]", loads: Floats
 ) -> tuple[Floats, Floats]:
     """Condense loads (n, l) by forward substitution with each front's factor.
 
@@ -249,18 +248,18 @@ def _condense_loads_by_fronts(
         if f.shape[1]:
             y = dtrsm(1.0, front.L, f[front.own], lower=1)
             f[front.own] = y
-            f[front.later] -= front.below @ y
+            f[front.later] -= front.rows_of_later_unknowns @ y
             work += y.T @ y
     return f, work
 
 
-def _substitute_back_in_front(front: "_FrontFactor", x: Floats) -> None:
+def _substitute_back_in_front(front: "_CholeskyFactorOfFront", x: Floats) -> None:
     """Replace the rows of a front's own unknowns in x (n, m) by the solution.
 
     The rows of the own unknowns contain the result of the forward substitution, and the rows of
     later unknowns the solution.
     """
-    rest = x[front.own] - front.below.T @ x[front.later]
+    rest = x[front.own] - front.rows_of_later_unknowns.T @ x[front.later]
     x[front.own] = dtrsm(1.0, front.L, rest, lower=1, trans_a=1)
 
 
@@ -293,12 +292,12 @@ def solve_by_multifrontal_elimination(A: Any, region: Ints, right: Floats) -> Fl
     fronts = []
     for front in _factorise_front_of_each_region(lower, region, complements):
         x[front.own] = dtrsm(1.0, front.L, x[front.own], lower=1)
-        x[front.later] -= front.below @ x[front.own]
+        x[front.later] -= front.rows_of_later_unknowns @ x[front.own]
         fronts.append(front)
 
     L, info = dpotrf(_schur_complement_on_kept_unknowns(lower, inner, complements), lower=1)
     if info:
-        raise NoAnswer(SINGULAR_BODY)
+        raise NoAnswer(SINGULAR_BODY_MESSAGE)
     x[inner:] = dtrsm(1.0, L, dtrsm(1.0, L, x[inner:], lower=1), lower=1, trans_a=1)
 
     # The back substitution takes the fronts in reverse order, and frees the memory of each.
@@ -307,7 +306,7 @@ def solve_by_multifrontal_elimination(A: Any, region: Ints, right: Floats) -> Fl
     return x
 
 
-class _FrontFactor(NamedTuple):
+class _CholeskyFactorOfFront(NamedTuple):
     """The Cholesky factor of a front, the dense matrix of one region of the dissection.
 
     Attributes
@@ -315,16 +314,16 @@ class _FrontFactor(NamedTuple):
     own : the k unknowns that the front eliminates
     later : (m,) unknowns of later regions that are coupled with the own unknowns
     L : (k, k) Cholesky factor of the block of the own unknowns
-    below : (m, k) rows of the factor for the later unknowns
+    rows_of_later_unknowns : (m, k) rows of the factor for the later unknowns
     """
 
     own: slice
     later: Ints
     L: Floats
-    below: Floats
+    rows_of_later_unknowns: Floats
 
 
-def _empty_lists_of_schur_complements(region: Ints) -> _Complements:
+def _empty_lists_of_schur_complements(region: Ints) -> _PendingSchurComplementsOfEachRegion:
     """Empty lists in which Schur complements are collected.
 
     There is one list for each region, and one for the kept unknowns. `region` (n,) is the number of
@@ -345,8 +344,8 @@ def _lower_triangle_of_sparse_matrix(A: Any) -> Any:
 
 
 def _factorise_front_of_each_region(
-    lower: Any, region: Ints, complements: _Complements
-) -> Iterator[_FrontFactor]:
+    lower: Any, region: Ints, complements: _PendingSchurComplementsOfEachRegion
+) -> Iterator[_CholeskyFactorOfFront]:
     """Yield the factorised front of each region, in the order of elimination.
 
     The Schur complement of each front is appended to `complements`.
@@ -384,18 +383,21 @@ def _factorise_front_of_each_region(
         later = touched[own:]
         L, info = dpotrf(F[:own, :own], lower=1)
         if info:
-            raise NoAnswer(SINGULAR_BODY)
-        below = dtrsm(1.0, L, F[own:, :own], side=1, lower=1, trans_a=1)
+            raise NoAnswer(SINGULAR_BODY_MESSAGE)
+        rows_of_later_unknowns = dtrsm(1.0, L, F[own:, :own], side=1, lower=1, trans_a=1)
         if len(later):
-            # The complement is added to the front of the earliest region that its unknowns belong
-            # to.
+            # The complement is added to the front of the earliest region of its unknowns.
             next_region = regions if later[0] >= inner else int(region[later[0]])
-            complement = np.subtract(F[own:, own:], below @ below.T, order="F")
+            complement = np.subtract(
+                F[own:, own:], rows_of_later_unknowns @ rows_of_later_unknowns.T, order="F"
+            )
             complements[next_region].append((later, complement))
-        yield _FrontFactor(slice(start, end), later, L, below)
+        yield _CholeskyFactorOfFront(slice(start, end), later, L, rows_of_later_unknowns)
 
 
-def _schur_complement_on_kept_unknowns(lower: Any, inner: int, complements: _Complements) -> Floats:
+def _schur_complement_on_kept_unknowns(
+    lower: Any, inner: int, complements: _PendingSchurComplementsOfEachRegion
+) -> Floats:
     """The lower triangle (k, k) of the Schur complement on the k unknowns that are kept.
 
     The kept unknowns follow the first `inner` unknowns in the matrix `lower`.
@@ -407,7 +409,7 @@ def _schur_complement_on_kept_unknowns(lower: Any, inner: int, complements: _Com
 
 
 def _add_schur_complements_to_front(
-    F: Floats, position: Ints, complements: _Complements, region: int
+    F: Floats, position: Ints, complements: _PendingSchurComplementsOfEachRegion, region: int
 ) -> None:
     """Add the Schur complements of earlier fronts to the lower triangle of a region's front.
 

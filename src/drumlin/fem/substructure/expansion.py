@@ -23,7 +23,7 @@ from drumlin.fem.substructure.elasticity import (
     unit_vectors_through_thickness_of_layers,
 )
 
-Strains = Mapping[str, Callable[[Floats], Floats]]
+FreeStrainFunctionByLayer = Mapping[str, Callable[[Floats], Floats]]
 """For each layer that expands, by its name, a function that returns its free strains.
 
 The function takes points (2, ...) [m] and returns the free strains (2, ...) along and through the
@@ -40,14 +40,14 @@ def stress_times_width_of_free_strain(
     The result is (2, 2, ...) at points (2, ...) [m]. `strain` (2, ...) are the free strains along
     and through the layer at these points.
     """
-    along = layer.directions(points)
+    along = layer.unit_vectors_along_layer(points)
     through = unit_vectors_through_thickness_of_layers(along)
     free_strain = strain[0] * along[:, None] * along + strain[1] * through[:, None] * through
-    return stresses_from_displacement_gradients(free_strain, layer.stiffness, along)
+    return stresses_from_displacement_gradients(free_strain, layer.elasticity_times_width, along)
 
 
 def nodal_forces_of_thermal_expansion(
-    basis: Any, layers: Mapping[str, ElasticLayer], strains: Strains
+    basis: Any, layers: Mapping[str, ElasticLayer], strains: FreeStrainFunctionByLayer
 ) -> Floats:
     """Nodal forces (2 nodes,) [N] that deform a body as the free strains of its layers do.
 

@@ -22,7 +22,7 @@ import numpy as np
 
 from drumlin.base.arrays import Bools, Floats, Ints, polar_angles_within_half_turn_of_angle
 from drumlin.fem.mesh.edges import nodes_along_element_edges
-from drumlin.response.response import PressureOverWidth
+from drumlin.response.response import PressureOverArcAndWidth
 from drumlin.response.resultants import (
     GAUSS,
     WEIGHTS,
@@ -31,10 +31,10 @@ from drumlin.response.resultants import (
     lagrange_shape_function_values,
     polynomial_nodes_on_linings_and_slots,
     shape_functions_and_derivatives_at_gauss_points,
-    slots_between_nodes,
+    slots_from_nodes_and_lining_mask,
 )
 
-Directions = Callable[[Floats], tuple[Floats, Floats]]
+NormalsAndTangentsFunction = Callable[[Floats], tuple[Floats, Floats]]
 """Function that takes points (2, ...) [m] and returns unit normals and unit tangents (2, ...).
 
 They are normal and tangential to the drum or the plane on which the lining slides.
@@ -68,12 +68,14 @@ class ContactLine:
         """Polynomial degree of the interpolation along an edge of the contact line."""
         return len(self.pieces) - 1
 
-    def couple_lining_with_drum_or_plane(self, width: float, directions: Directions) -> "Coupling":
+    def coupling_matrices_with_drum_or_plane(
+        self, width: float, directions: NormalsAndTangentsFunction
+    ) -> "ContactCouplingMatrices":
         """The matrices that couple this contact line with the drum or the plane.
 
         `width` is the width of the lining [m], and `directions` gives the surface's unit vectors.
         """
-        return weak_coupling_of_contact_line(self, width, directions)
+        return coupling_matrices_of_contact_line(self, width, directions)
 
     @cached_property
     def lining_part_where_pressure_peak_is_sought(self) -> LiningWithoutEndZones:
@@ -83,7 +85,7 @@ class ContactLine:
             phi,
             self.interpolation_degree_along_contact_line,
             self.edge,
-            slots_between_nodes(phi, on_lining),
+            slots_from_nodes_and_lining_mask(phi, on_lining),
         )
 
     def split_nodal_values_by_lining(self, values: Floats) -> list[Floats]:
@@ -94,11 +96,11 @@ class ContactLine:
     def node_angles_with_mask_of_linings(self) -> tuple[Floats, Bools]:
         """Angles (m,) [rad] of nodes on linings and in slots, and a mask (m,): True on linings.
 
-        The nodes on linings are the nodes of `angles_and_mean_pressures`. Nodes are added in the
-        slots between linings, so that a piecewise polynomial spans them, see
+        The nodes on linings are the nodes of `angles_and_pressures_averaged_over_width`. Nodes are
+        added in the slots between linings, so that a piecewise polynomial spans them, see
         `resultants.polynomial_nodes_on_linings_and_slots`.
         """
-        phi, _ = self.angles_and_mean_pressures(np.zeros(len(self.phi)))
+        phi, _ = self.angles_and_pressures_averaged_over_width(np.zeros(len(self.phi)))
         parts = self.split_nodal_values_by_lining(phi)
         return polynomial_nodes_on_linings_and_slots(
             parts, self.interpolation_degree_along_contact_line
@@ -120,20 +122,20 @@ class ContactLine:
         """
         return np.ones(1)
 
-    def angles_and_mean_pressures(self, p: Floats) -> tuple[Floats, Floats]:
+    def angles_and_pressures_averaged_over_width(self, p: Floats) -> tuple[Floats, Floats]:
         """Angles (n,) [rad] of the contact nodes, and the pressure (n,) [Pa] there.
 
         On the contact face of a solid the pressure is the mean over the width.
         """
         return self.phi, p
 
-    def pressure_distribution_over_arc_and_width(self, p: Floats) -> PressureOverWidth | None:
+    def pressure_distribution_over_arc_and_width(self, p: Floats) -> PressureOverArcAndWidth | None:
         """The pressure over arc and width of a solid's contact face; None for a contact line."""
         return None
 
 
 @dataclass(frozen=True)
-class Coupling:
+class ContactCouplingMatrices:
     """The matrices that couple a lining's nodal pressures with its displacements (mortar method).
 
     b is the width of the lining, and psi_i are the shape functions of the contact nodes.
@@ -160,7 +162,7 @@ class Coupling:
         return self.M.sum(axis=1)
 
 
-class EdgePoints(NamedTuple):
+class EdgeQuadraturePoints(NamedTuple):
     """The q quadrature points on each of m element edges of a mesh.
 
     Attributes
@@ -175,7 +177,9 @@ class EdgePoints(NamedTuple):
     ds: Floats
 
 
-def edge_quadrature_points(xy: Floats, at: Floats = GAUSS, weights: Floats = WEIGHTS) -> EdgePoints:
+def edge_quadrature_points(
+    xy: Floats, at: Floats = GAUSS, weights: Floats = WEIGHTS
+) -> EdgeQuadraturePoints:
     """The quadrature points on element edges, with the shape functions and lengths there.
 
     scikit-fem's boundary bases are not used: they invert the map of the element with an absolute
@@ -196,7 +200,7 @@ def edge_quadrature_points(xy: Floats, at: Floats = GAUSS, weights: Floats = WEI
         )
     )
     xy = xy.transpose(0, 2, 1)
-    return EdgePoints(psi, xy @ psi, np.hypot(*(xy @ slope)) * weights)
+    return EdgeQuadraturePoints(psi, xy @ psi, np.hypot(*(xy @ slope)) * weights)
 
 
 def nodal_forces_of_unit_end_loads_and_end_centre(
@@ -253,10 +257,11 @@ def make_contact_line_of_lining(
     return ContactLine(nodes, basis.doflocs[:, nodes], phi, pieces, edge=edge)
 
 
-def function_that_returns_drum_normals_and_tangents(sign: int) -> Directions:
-    """The function that returns unit normals sign e_r and unit tangents e_phi of a drum about O.
+def function_that_returns_drum_normals_and_tangents(sign: int) -> NormalsAndTangentsFunction:
+    """The function that returns the unit normals and the unit tangents e_phi of a drum.
 
-    `sign` is 1 for shoes inside the drum, and -1 for shoes outside.
+    The centre of the drum is the origin. The normal is e_r for shoes inside the drum (`sign` 1),
+    and -e_r for shoes outside (`sign` -1).
     """
 
     def drum_normals_and_tangents(x: Floats) -> tuple[Floats, Floats]:
@@ -273,10 +278,10 @@ def plane_normals_and_tangents(x: Floats) -> tuple[Floats, Floats]:
     return np.array([zeros, -ones]), np.array([ones, zeros])
 
 
-def weak_coupling_of_contact_line(
-    line: ContactLine, width: float, directions: Directions
-) -> Coupling:
-    """The matrices that couple a lining with the drum or the plane, see `Coupling`.
+def coupling_matrices_of_contact_line(
+    line: ContactLine, width: float, directions: NormalsAndTangentsFunction
+) -> ContactCouplingMatrices:
+    """The matrices that couple a lining with the drum or the plane, see `ContactCouplingMatrices`.
 
     Parameters
     ----------
@@ -302,7 +307,7 @@ def weak_coupling_of_contact_line(
     N = np.array(parts[:2]).transpose(1, 2, 0).reshape(n, 2 * n)
     T = np.array(parts[2:]).transpose(1, 2, 0).reshape(n, 2 * n)
     lever = _sum_values_with_equal_position(line.pieces.T.ravel(), (weight * r) @ psi.T, n)
-    return Coupling(M, N, T, lever)
+    return ContactCouplingMatrices(M, N, T, lever)
 
 
 def _sum_values_with_equal_position(at: Ints, values: Floats, count: int) -> Floats:

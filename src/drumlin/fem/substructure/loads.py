@@ -13,24 +13,24 @@ from functools import cached_property
 
 import numpy as np
 
-from drumlin.base.arrays import Floats, slices_of_consecutive_parts
+from drumlin.base.arrays import Floats, slices_from_lengths_of_consecutive_parts
 
-ACTUATION = "actuation"
+ACTUATION_LOAD_NAME = "actuation"
 """Name of the unit loads of a shoe's actuation force on its body: force x, force y and couple."""
-HEAT = "heat"
+HEAT_LOAD_NAME = "heat"
 """Name of the load of a heated shoe: the nodal forces of its free strains, in one column."""
 CHANGED_SHAPE = "changed shape"
 """Name of the load that stands for a small change of a body's shape, in one column."""
-FURTHER_FORCES = "further forces"
+FURTHER_FORCE_LOAD_NAME = "further forces"
 """Name of the unit loads at the points of springs and other forces: force x, y at each point."""
-FORCES_ON_MASS = "forces on mass"
+MASS_LOAD_NAME = "forces on mass"
 """Name of the unit loads on a shoe's mass of 1 kg: unit acceleration x, y, and centrifugal force at
 the angular speed 1 rad/s.
 """
 
 
 @dataclass(frozen=True)
-class LoadColumns:
+class ColumnsOfUnitLoads:
     """The load columns of a body: which columns belong to which unit load.
 
     `sizes` are the name of each load and the number of its columns, in the order of the columns.
@@ -39,7 +39,7 @@ class LoadColumns:
     sizes: tuple[tuple[str, int], ...] = ()
 
     @classmethod
-    def load_columns_of_named_loads(cls, loads: Mapping[str, Floats]) -> "LoadColumns":
+    def columns_of_named_unit_loads(cls, loads: Mapping[str, Floats]) -> "ColumnsOfUnitLoads":
         """Make the load columns of unit loads, given by name as arrays (unknowns, k)."""
         return cls(tuple((name, forces.shape[1]) for name, forces in loads.items()))
 
@@ -48,7 +48,11 @@ class LoadColumns:
         """For each load, by its name, the slice of its columns among all load columns."""
         names = [name for name, _ in self.sizes]
         return dict(
-            zip(names, slices_of_consecutive_parts(size for _, size in self.sizes), strict=True)
+            zip(
+                names,
+                slices_from_lengths_of_consecutive_parts(size for _, size in self.sizes),
+                strict=True,
+            )
         )
 
     @property

@@ -24,18 +24,18 @@ import numpy as np
 from drumlin.base.arrays import Floats, Ints
 from drumlin.base.lapack import solve_lower_triangular_system
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.brake.components import Ring, Section
+from drumlin.brake.components import DrumRing, RectangularCrossSection
 from drumlin.fem.mesh.degree import nodal_basis_of_mesh
 from drumlin.fem.mesh.edges import nodes_along_element_edges
 from drumlin.fem.mesh.grading import (
-    EDGE_SIZE,
+    RELATIVE_SIZE_OF_LINING_END_ELEMENT,
     element_ends_along_lining,
     number_of_element_layers_in_lining,
     number_of_elements_on_each_lining,
     points_graded_to_both_ends,
 )
 from drumlin.fem.substructure.body import (
-    FRAME,
+    DEGREES_OF_FREEDOM_OF_BODY_FRAME,
     CondensedBody,
     condense_body_to_contact_and_hinge_face,
     multi_point_constraints_of_body,
@@ -55,17 +55,17 @@ from drumlin.response.resultants import (
     lagrange_shape_function_values,
 )
 
-MOST_RAY_CROSSING_STEPS = 8
+MOST_NEWTON_STEPS_TO_RAY_CROSSING = 8
 """Largest number of steps of Newton's iteration for a point on a curved edge.
 
 Each step about squares the error, so that three or four steps reach round-off.
 """
-LAST_RAY_CROSSING_STEP = float(np.sqrt(np.finfo(float).eps))
+RAY_CROSSING_STEP_TOLERANCE = float(np.sqrt(np.finfo(float).eps))
 """Step of Newton's iteration, in local coordinates from -1 to 1, after which it ends.
 
 The error after a step is about the square of the step, and this square is the round-off.
 """
-RIM = "rim"
+RIM_LOAD_NAME = "rim"
 """Name of the unit loads on a free ring's far edge, which balance the forces of the linings."""
 
 
@@ -96,7 +96,7 @@ class RingSubstructure:
     friction_half_flexibilities: tuple[Floats, ...]
     coupling_matrices: tuple[tuple[Floats, Floats], ...]
     held: Ints
-    rim_balance: "RimBalance | None"
+    rim_balance: "FreeRingForceBalance | None"
 
     def displacements_of_ring_nodes(
         self, pressures: list[Floats], dragging: list[Floats], drags: list[float]
@@ -113,18 +113,18 @@ class RingSubstructure:
         nodal = np.zeros(2 * len(self.line.nodes))
         for i, (N, T) in enumerate(self.coupling_matrices):
             nodal += N.T @ pressures[i] - drags[i] * (T.T @ dragging[i])
-        frame = np.zeros(FRAME)
+        frame = np.zeros(DEGREES_OF_FREEDOM_OF_BODY_FRAME)
         if self.rim_balance is None:
             return self.condensed.nodal_displacements_in_one_case(
                 nodal, frame, self.condensed.columns.column_factors_of_all_loads({})
             )
         on_rim = self.condensed.columns.column_factors_of_all_loads(
-            {RIM: -self.rim_balance.factors @ nodal}
+            {RIM_LOAD_NAME: -self.rim_balance.factors @ nodal}
         )
         u = self.condensed.nodal_displacements_in_one_case(nodal, frame, on_rim)
         # A rigid-body motion is subtracted, so that the mean motion of the ring's far edge is zero.
         modes_by_node = rigid_body_displacements_of_nodes(self.basis.doflocs, np.zeros(2)).reshape(
-            -1, 2, FRAME
+            -1, 2, DEGREES_OF_FREEDOM_OF_BODY_FRAME
         )
         modes = np.ascontiguousarray(modes_by_node.transpose(2, 1, 0))
         mean_of_modes = np.einsum("kci,cil->kl", modes, self.rim_balance.forces)
@@ -133,7 +133,9 @@ class RingSubstructure:
         return np.asarray(u - np.einsum("k,kci->ci", rigid_motion, modes))
 
 
-def mesh_of_drum_ring(ring: Section, radius: float, shoes: tuple[Shoe, ...], elements: int) -> Any:
+def mesh_of_drum_ring(
+    ring: RectangularCrossSection, radius: float, shoes: tuple[Shoe, ...], elements: int
+) -> Any:
     """Mesh of quadratic quadrilaterals of the whole ring, finer at the ends of the linings.
 
     The boundary "contact" is the friction surface of the ring, and "support" the far edge opposite
@@ -152,9 +154,11 @@ def mesh_of_drum_ring(ring: Section, radius: float, shoes: tuple[Shoe, ...], ele
         ring.thickness,
         number_of_element_layers_in_lining(elements),
         ring.thickness / 2,
-        EDGE_SIZE,
+        RELATIVE_SIZE_OF_LINING_END_ELEMENT,
     )
-    return quadratic_mesh_of_closed_ring(angles, depths, radius, shoes[0].sign, "drum")
+    return quadratic_mesh_of_closed_ring(
+        angles, depths, radius, shoes[0].sign_internal_plus_external_minus, "drum"
+    )
 
 
 def _angles_where_ring_elements_meet(
@@ -248,7 +252,7 @@ def condense_meshed_drum_ring_to_contact_nodes(
     elements : number of elements along each lining
     linings : contact line of each lining, in its shoe's frame
     """
-    # `scene.reason_why_brake_is_not_modelled` refuses a ring without a section.
+    # `scene.reason_against_finite_element_model` refuses a ring without a section.
     ring = brake.ring
     assert ring is not None and ring.section is not None
     mesh = mesh_of_drum_ring(ring.section, brake.size, brake.shoes, elements)
@@ -256,7 +260,7 @@ def condense_meshed_drum_ring_to_contact_nodes(
     K = stiffness_of_drum_ring_without_supports(basis, ring)
     arcs = []
     for shoe, lining in zip(brake.shoes, linings, strict=True):
-        angles = shoe.frame.theta(lining.phi)
+        angles = shoe.frame.surface_coordinates_of_phi(lining.phi)
         arcs.append((float(angles.min()), float(angles.max())))
     # Only nodes under the linings are contact nodes; all other nodes of the surface are eliminated.
     under = _ring_facets_under_arcs(mesh, arcs)
@@ -275,14 +279,16 @@ def condense_meshed_drum_ring_to_contact_nodes(
         )
         rim = rim_forces_distributed_like_rigid_modes(basis, mesh.boundaries["support"])
         condensed = condense_body_to_contact_and_hinge_face(
-            K, constraints, {RIM: constraints.matrix.T @ rim}, n
+            K, constraints, {RIM_LOAD_NAME: constraints.matrix.T @ rim}, n
         )
-        rim_balance = RimBalance.force_balance_of_free_ring(basis, rim, condensed, line)
-    return couple_ring_with_linings(brake, linings, mesh, basis, line, condensed, held, rim_balance)
+        rim_balance = FreeRingForceBalance.force_balance_of_free_ring(basis, rim, condensed, line)
+    return condensed_ring_coupled_with_linings(
+        brake, linings, mesh, basis, line, condensed, held, rim_balance
+    )
 
 
 def stiffness_of_drum_ring_without_supports(
-    basis: Any, ring: Ring, *, precise: bool = False
+    basis: Any, ring: DrumRing, *, precise: bool = False
 ) -> Any:
     """Sparse stiffness (2 nodes, 2 nodes) [N/m] of a ring without any fixed node.
 
@@ -299,12 +305,12 @@ def stiffness_of_drum_ring_without_supports(
     return sparse_stiffness_of_body(basis, elastic_layers_of_ring(ring.section), precise=precise)
 
 
-def fixed_nodes_of_ring(ring: Ring, far_edge: Ints) -> Ints:
+def fixed_nodes_of_ring(ring: DrumRing, far_edge: Ints) -> Ints:
     """The fixed nodes of a ring: all nodes of its far edge if the edge is fixed, or none."""
     return far_edge if ring.support == "fixed" else far_edge[:0]
 
 
-def couple_ring_with_linings(
+def condensed_ring_coupled_with_linings(
     brake: Brake,
     linings: tuple[ContactLine, ...],
     mesh: Any,
@@ -312,7 +318,7 @@ def couple_ring_with_linings(
     line: ContactLine,
     condensed: CondensedBody,
     held: Ints,
-    rim_balance: "RimBalance | None",
+    rim_balance: "FreeRingForceBalance | None",
 ) -> RingSubstructure:
     """A condensed ring with its half flexibilities under the pressure and friction of all linings.
 
@@ -329,11 +335,11 @@ def couple_ring_with_linings(
         line,
         condensed,
         normal_half_flexibilities=tuple(
-            _inverse_cholesky_factor_times_ring_forces(condensed, N.T, rim_balance)
+            _half_flexibility_of_ring_under_nodal_forces(condensed, N.T, rim_balance)
             for N, _ in matrices
         ),
         friction_half_flexibilities=tuple(
-            _inverse_cholesky_factor_times_ring_forces(condensed, -T.T, rim_balance)
+            _half_flexibility_of_ring_under_nodal_forces(condensed, -T.T, rim_balance)
             for _, T in matrices
         ),
         coupling_matrices=tuple(matrices),
@@ -387,7 +393,10 @@ def _coupling_matrices_of_all_linings_and_ring(
         )
         edges = [linings[i].pieces.shape[1] for i in members]
         N, T = coupling_matrices_of_lining_and_ring(
-            joined, ring, np.repeat([shoes[i].lining.width for i in members], edges), shoes[0].sign
+            joined,
+            ring,
+            np.repeat([shoes[i].lining.width for i in members], edges),
+            shoes[0].sign_internal_plus_external_minus,
         )
         ends = np.cumsum([len(linings[i].nodes) for i in members])[:-1]
         parts = zip(np.split(N, ends), np.split(T, ends), strict=True)
@@ -476,7 +485,11 @@ class _OverlapQuadrature(NamedTuple):
 
 
 def _quadrature_of_overlaps(
-    lining: ContactLine, ring: ContactLine, own_xy: Floats, ring_xy: Floats, overlaps: "_Overlaps"
+    lining: ContactLine,
+    ring: ContactLine,
+    own_xy: Floats,
+    ring_xy: Floats,
+    overlaps: "_OverlapsOfLiningAndRingEdges",
 ) -> _OverlapQuadrature:
     """The quadrature points of the overlaps, where rays from the drum's centre cross both edges.
 
@@ -508,7 +521,7 @@ def _quadrature_of_overlaps(
     )
 
 
-class _Overlaps(NamedTuple):
+class _OverlapsOfLiningAndRingEdges(NamedTuple):
     """The k overlaps of a lining's edges with edges of the ring.
 
     `lining` (k,) and `ring` (k,) are the numbers of the two edges that overlap. The overlap goes
@@ -521,7 +534,9 @@ class _Overlaps(NamedTuple):
     end: Floats
 
 
-def _overlaps_of_lining_and_ring_edges(lining: "_EdgeArcs", ring: "_EdgeArcs") -> _Overlaps:
+def _overlaps_of_lining_and_ring_edges(
+    lining: "_EdgesWithAnglesOfTheirEnds", ring: "_EdgesWithAnglesOfTheirEnds"
+) -> _OverlapsOfLiningAndRingEdges:
     """The overlaps of a lining's edges with the ring's edges; angles may differ by whole turns."""
     turns = np.subtract.outer(lining.start + lining.end, ring.start + ring.end)
     whole_turns = 2 * math.pi * np.round(0.5 * turns / (2 * math.pi))
@@ -529,10 +544,10 @@ def _overlaps_of_lining_and_ring_edges(lining: "_EdgeArcs", ring: "_EdgeArcs") -
     last = np.minimum(lining.end[:, None], ring.end + whole_turns)
     # Overlaps of 1e-13 rad and less are round-off.
     i, j = np.nonzero(first < last - 1e-13)
-    return _Overlaps(i, j, first[i, j], last[i, j])
+    return _OverlapsOfLiningAndRingEdges(i, j, first[i, j], last[i, j])
 
 
-class _EdgeArcs(NamedTuple):
+class _EdgesWithAnglesOfTheirEnds(NamedTuple):
     """The m element edges of a contact line: their nodes, and the angles of their ends.
 
     `pieces` (order + 1, m) are the nodes of each edge. Each edge goes from the angle `start` (m,)
@@ -544,14 +559,14 @@ class _EdgeArcs(NamedTuple):
     end: Floats
 
 
-def _edges_with_angles_of_their_ends(line: ContactLine) -> _EdgeArcs:
+def _edges_with_angles_of_their_ends(line: ContactLine) -> _EdgesWithAnglesOfTheirEnds:
     """The nodes of each edge of a contact line by growing angle, and the angles of its two ends."""
     z = line.xy[0] + 1j * line.xy[1]
     first, last = z[line.pieces[0]], z[line.pieces[-1]]
     turn = np.angle(last / first)
     pieces = np.where(turn > 0, line.pieces, line.pieces[::-1])
     start = np.angle(np.where(turn > 0, first, last))
-    return _EdgeArcs(pieces, start, start + np.abs(turn))
+    return _EdgesWithAnglesOfTheirEnds(pieces, start, start + np.abs(turn))
 
 
 def _edge_coordinates_where_rays_cross(xy: Floats, angle: Floats) -> Floats:
@@ -566,13 +581,13 @@ def _edge_coordinates_where_rays_cross(xy: Floats, angle: Floats) -> Floats:
     xi = (side[0] + side[-1]) / (side[0] - side[-1])
     # Newton's iteration starts where the chord crosses the ray, which is exact on straight edges.
     # Its error is squared in each step, so that a step below the root of the round-off is the last.
-    for _ in range(MOST_RAY_CROSSING_STEPS if order > 1 else 0):
+    for _ in range(MOST_NEWTON_STEPS_TO_RAY_CROSSING if order > 1 else 0):
         functions = lagrange_shape_function_values(order, xi)
         value = np.einsum("kiq,kiq->iq", functions, side)
         slope = np.einsum("kiq,kiq->iq", lagrange_shape_function_derivatives(order, xi), side)
         step = value / slope
         xi = xi - step
-        if np.abs(step).max(initial=0.0) < LAST_RAY_CROSSING_STEP:
+        if np.abs(step).max(initial=0.0) < RAY_CROSSING_STEP_TOLERANCE:
             break
     return np.clip(xi, -1.0, 1.0)
 
@@ -588,9 +603,9 @@ def rim_forces_distributed_like_rigid_modes(basis: Any, facets: Ints) -> Floats:
     psi, x, ds = edge_quadrature_points(basis.doflocs[:, nodes])
     weight = ds / ds.sum()
     modes = np.array([[np.ones_like(ds), 0 * ds], [0 * ds, np.ones_like(ds)], [-x[1], x[0]]])
-    loads = np.zeros((basis.N, 2, FRAME))
+    loads = np.zeros((basis.N, 2, DEGREES_OF_FREEDOM_OF_BODY_FRAME))
     np.add.at(loads, nodes, np.einsum("aq,lciq,iq->aicl", psi, modes, weight))
-    return loads.reshape(-1, FRAME)
+    return loads.reshape(-1, DEGREES_OF_FREEDOM_OF_BODY_FRAME)
 
 
 def indices_of_displacements_that_hold_free_ring(basis: Any, support: Ints) -> Ints:
@@ -606,7 +621,7 @@ def indices_of_displacements_that_hold_free_ring(basis: Any, support: Ints) -> I
 
 
 @dataclass(frozen=True)
-class RimBalance:
+class FreeRingForceBalance:
     """The balance of a free ring: forces on its far edge that balance the forces of the linings.
 
     The far edge, or rim, is the edge opposite to the friction surface. The rim forces -B lambda
@@ -621,18 +636,18 @@ class RimBalance:
     forces : (2, nodes, 3) rim forces B
     factors : (3, 2n) lambda per nodal force on the contact
     half_flexibility : (2n, 3) Y_B, the half flexibility under B
-    root_of_work : (3, 3) square root of beta
+    root_of_rim_force_work : (3, 3) square root of beta
     """
 
     forces: Floats
     factors: Floats
     half_flexibility: Floats
-    root_of_work: Floats
+    root_of_rim_force_work: Floats
 
     @classmethod
     def force_balance_of_free_ring(
         cls, basis: Any, rim: Floats, condensed: CondensedBody, line: ContactLine
-    ) -> "RimBalance":
+    ) -> "FreeRingForceBalance":
         """The rim balance of a ring that is condensed with the rim forces B as its loads.
 
         Parameters
@@ -643,23 +658,27 @@ class RimBalance:
         line : contact line of the ring
         """
         modes = rigid_body_displacements_of_nodes(basis.doflocs, np.zeros(2))
-        on_contact = modes.reshape(-1, 2, FRAME)[line.nodes].reshape(-1, FRAME).T
+        on_contact = (
+            modes.reshape(-1, 2, DEGREES_OF_FREEDOM_OF_BODY_FRAME)[line.nodes]
+            .reshape(-1, DEGREES_OF_FREEDOM_OF_BODY_FRAME)
+            .T
+        )
         factors = np.linalg.solve(modes.T @ rim, on_contact)
         # The import of scipy.linalg takes time, and brakes with a rigid drum do without it.
         from scipy.linalg import sqrtm  # noqa: PLC0415
 
         return cls(
-            forces=rim.reshape(-1, 2, FRAME).transpose(1, 0, 2),
+            forces=rim.reshape(-1, 2, DEGREES_OF_FREEDOM_OF_BODY_FRAME).transpose(1, 0, 2),
             factors=np.asarray(factors),
-            half_flexibility=condensed.inverse_cholesky_factor_times_nodal_forces(
+            half_flexibility=condensed.half_flexibility_under_nodal_forces(
                 condensed.load_on_contact
             ),
-            root_of_work=sqrtm(condensed.load_work).real,
+            root_of_rim_force_work=sqrtm(condensed.load_work).real,
         )
 
 
-def _inverse_cholesky_factor_times_ring_forces(
-    condensed: CondensedBody, forces: Floats, rim_balance: RimBalance | None
+def _half_flexibility_of_ring_under_nodal_forces(
+    condensed: CondensedBody, forces: Floats, rim_balance: FreeRingForceBalance | None
 ) -> Floats:
     """The half flexibility W (m, k) of a drum ring under nodal forces on its contact nodes.
 
@@ -679,4 +698,4 @@ def _inverse_cholesky_factor_times_ring_forces(
         return Y
     rim_factors = rim_balance.factors @ forces
     on_contact = Y - rim_balance.half_flexibility @ rim_factors
-    return np.vstack([on_contact, rim_balance.root_of_work @ rim_factors])
+    return np.vstack([on_contact, rim_balance.root_of_rim_force_work @ rim_factors])

@@ -22,15 +22,15 @@ from drumlin.base.arrays import Floats, Ints
 from drumlin.fem.hp.arc import nodal_functions_along_element_column
 from drumlin.fem.hp.columns import ColumnSubstructure
 from drumlin.fem.hp.element import replace_matrices_by_schur_complements
-from drumlin.fem.width.functions import WidthFunctions, WidthIntegrals
+from drumlin.fem.width.functions import FunctionsAcrossWidth, IntegralsOverWidth
 from drumlin.fem.width.integrals import (
-    SYMMETRIES,
-    SectionIntegrals,
-    symmetry_matrix_of_forces_along_z,
+    SYMMETRY_NUMBERS_OF_COLUMN_DISPLACEMENTS,
+    ElementIntegralsOverShoeSection,
+    matrix_from_node_to_unknown_forces_along_z,
 )
 
 
-class BackEdge(IntEnum):
+class ConditionAtEdgeFarthestFromContact(IntEnum):
     """How the column's edge farthest from the contact moves.
 
     It moves freely, along z only (in a grip), or not at all (bonded to a rigid part).
@@ -41,7 +41,7 @@ class BackEdge(IntEnum):
     BONDED = 2
 
 
-class WidthUnknown(NamedTuple):
+class ColumnDisplacementUnknown(NamedTuple):
     """A displacement that is an unknown of a column of elements.
 
     Attributes
@@ -59,7 +59,7 @@ class WidthUnknown(NamedTuple):
     function: int
 
 
-class AlongRow(NamedTuple):
+class NumbersOfUnknownsAlongNodeRow(NamedTuple):
     """The numbers of the unknowns along one row of nodes of a column, for one function of z.
 
     The row consists of the node on the left side, the nodes inside and the node on the right side.
@@ -80,13 +80,15 @@ class AlongRow(NamedTuple):
         return tuple(sorted((*self.left[0], *self.inside[0], *self.right[0])))
 
 
-def indices_of_unknowns_along_node_row(p: int) -> AlongRow:
+def indices_of_unknowns_along_node_row(p: int) -> NumbersOfUnknownsAlongNodeRow:
     """The numbers of the unknowns along a row of p + 1 nodes; x and y of a node are neighbours."""
     inside = tuple(range(2, 2 * p)), tuple(range(1, p))
-    return AlongRow(((0, 1), (0,)), inside, ((2 * p, 2 * p + 1), (p,)))
+    return NumbersOfUnknownsAlongNodeRow(((0, 1), (0,)), inside, ((2 * p, 2 * p + 1), (p,)))
 
 
-def indices_of_unknowns_along_symmetric_half_row(p: int, symmetry: int) -> AlongRow:
+def indices_of_unknowns_along_symmetric_half_row(
+    p: int, symmetry: int
+) -> NumbersOfUnknownsAlongNodeRow:
     """The numbers of the symmetric or of the antisymmetric unknowns along a row of p + 1 nodes.
 
     `symmetry` is 0 for displacements that are symmetric about the column's middle, and 1 for
@@ -94,12 +96,12 @@ def indices_of_unknowns_along_symmetric_half_row(p: int, symmetry: int) -> Along
     """
     inside = (
         tuple(range(2, p + 1)),
-        tuple(range(1, len(symmetry_matrix_of_forces_along_z(p, symmetry)))),
+        tuple(range(1, len(matrix_from_node_to_unknown_forces_along_z(p, symmetry)))),
     )
-    return AlongRow(((0, 1), (0,)), inside)
+    return NumbersOfUnknownsAlongNodeRow(((0, 1), (0,)), inside)
 
 
-class ColumnLayers(NamedTuple):
+class LayersOfElementColumn(NamedTuple):
     """The layers of a column of elements, which determine the column's unknowns.
 
     Attributes
@@ -118,13 +120,15 @@ class ColumnLayers(NamedTuple):
     even: tuple[int, ...]
     odd: tuple[int, ...]
     contact: bool
-    back: BackEdge
+    back: ConditionAtEdgeFarthestFromContact
 
     def counts_of_even_and_odd_functions_at_node_row(self, row: int) -> tuple[int, int]:
         """Numbers of even and of odd functions of z that have unknowns at a row of nodes."""
         layers = len(self.counts)
-        if row == layers * self.p and self.back != BackEdge.FREE:
-            return 0, (self.counts[-1][1] if self.back == BackEdge.GRIPPED else 0)
+        if row == layers * self.p and self.back != ConditionAtEdgeFarthestFromContact.FREE:
+            return 0, (
+                self.counts[-1][1] if self.back == ConditionAtEdgeFarthestFromContact.GRIPPED else 0
+            )
         # A row between two layers has the functions of the layer that has more functions.
         near = {(row - 1) // self.p, row // self.p} if row else {0}
         return max(self.counts[layer] for layer in near if layer < layers)
@@ -144,23 +148,24 @@ class ColumnLayers(NamedTuple):
 
     def unknowns_of_node_row_besides_contact(
         self, row: int, along: tuple[tuple[int, ...], tuple[int, ...]]
-    ) -> list[WidthUnknown]:
+    ) -> list[ColumnDisplacementUnknown]:
         """The unknowns at a row of nodes that do not belong to the contact.
 
-        `along` is the part `left`, `inside` or `right` of an `AlongRow`.
+        `along` is the part `left`, `inside` or `right` of an `NumbersOfUnknownsAlongNodeRow`.
         """
         found = []
         for z, function in self.kind_and_width_function_of_row_unknowns(row):
             if not (self.contact and row == 0 and z == 0):
-                found += [WidthUnknown(z, a, row, function) for a in along[z]]
+                found += [ColumnDisplacementUnknown(z, a, row, function) for a in along[z]]
         return found
 
     def unknowns_on_left_or_right_side_of_column(
         self, along: tuple[tuple[int, ...], tuple[int, ...]]
-    ) -> list[WidthUnknown]:
+    ) -> list[ColumnDisplacementUnknown]:
         """The unknowns on the left or the right side of a column, row by row from the contact on.
 
-        `along` is the part `left` or `right` of an `AlongRow`, which is the same for all rows.
+        `along` is the part `left` or `right` of an `NumbersOfUnknownsAlongNodeRow`, which is the
+        same for all rows.
         """
         rows = range(len(self.counts) * self.p + 1)
         return [
@@ -169,7 +174,9 @@ class ColumnLayers(NamedTuple):
             for unknown in self.unknowns_of_node_row_besides_contact(row, along)
         ]
 
-    def unknowns_of_contact_nodes(self, along: AlongRow) -> list[WidthUnknown]:
+    def unknowns_of_contact_nodes(
+        self, along: NumbersOfUnknownsAlongNodeRow
+    ) -> list[ColumnDisplacementUnknown]:
         """The unknowns of the contact nodes; the list is empty without contact.
 
         For each displacement in the section, from left to right along the contact, the list has one
@@ -180,15 +187,20 @@ class ColumnLayers(NamedTuple):
             return []
         functions = range(self.counts[0][0])
         return [
-            WidthUnknown(0, a, 0, f)
+            ColumnDisplacementUnknown(0, a, 0, f)
             for a in along.indices_of_unknowns_along_row_from_left_to_right
             for f in functions
         ]
 
 
-def column_layers_of_shoe(
-    functions: WidthFunctions, halves: Sequence[float], p: int, *, contact: bool, back: BackEdge
-) -> ColumnLayers:
+def layers_of_element_column_from_half_widths(
+    functions: FunctionsAcrossWidth,
+    halves: Sequence[float],
+    p: int,
+    *,
+    contact: bool,
+    back: ConditionAtEdgeFarthestFromContact,
+) -> LayersOfElementColumn:
     """The layers of a column of elements, from the half widths of its layers.
 
     Parameters
@@ -196,9 +208,9 @@ def column_layers_of_shoe(
     functions : functions across the width of the shoe
     halves : (l,) half width of each layer [m], from the contact on
     p : degree of the hp elements
-    contact, back : as in `ColumnLayers`
+    contact, back : as in `LayersOfElementColumn`
     """
-    return ColumnLayers(
+    return LayersOfElementColumn(
         p,
         tuple(functions.counts_of_even_and_odd_functions_on_part(half) for half in halves),
         tuple(function.piece for function in functions.even_functions_across_width),
@@ -208,47 +220,49 @@ def column_layers_of_shoe(
     )
 
 
-UnknownRun = tuple[slice, slice]
+RunSlicesInElementAndColumnStiffness = tuple[slice, slice]
 """Where a run of unknowns stands: a slice in an element's stiffness, and one in its column's.
 
 The unknowns inside the element are already eliminated from its stiffness.
 """
 
 
-class LayerPlan(NamedTuple):
+class LayerCondensationPlan(NamedTuple):
     """How the elements of a layer are condensed and added to the stiffness of their columns.
 
     Attributes
     ----------
-    outer, mixed, inner : positions of three blocks of an element's stiffness in the result of
-        `_flat_stiffness_entries_of_each_element`: boundary by boundary unknowns, inner by boundary
-        unknowns, and inner by inner unknowns
+    outer, inner_by_boundary, inner : positions of three blocks of an element's stiffness in the
+        result of `_flat_stiffness_entries_of_each_element`: boundary by boundary unknowns, inner by
+        boundary unknowns, and inner by inner unknowns
     kept, rest : runs of the boundary unknowns that the column keeps, and of the boundary unknowns
-        that it eliminates; each run is a pair of slices, see `UnknownRun`
+        that it eliminates; each run is a pair of slices, see `RunSlicesInElementAndColumnStiffness`
     """
 
     outer: Ints
-    mixed: Ints
+    inner_by_boundary: Ints
     inner: Ints
-    kept: tuple[UnknownRun, ...]
-    rest: tuple[UnknownRun, ...]
+    kept: tuple[RunSlicesInElementAndColumnStiffness, ...]
+    rest: tuple[RunSlicesInElementAndColumnStiffness, ...]
 
 
-class ColumnPlan(NamedTuple):
+class ColumnCondensationPlan(NamedTuple):
     """How a column is condensed: the plan of each layer, and three counts of unknowns.
 
     `kept` and `rest` are the counts of the unknowns that the column keeps and eliminates, and
     `line` is the count of the unknowns on its left side.
     """
 
-    layers: tuple[LayerPlan, ...]
+    layers: tuple[LayerCondensationPlan, ...]
     kept: int
     rest: int
     line: int
 
 
 @cache
-def condensation_plan_of_column(stack: ColumnLayers, along: AlongRow) -> ColumnPlan:
+def condensation_plan_of_column(
+    stack: LayersOfElementColumn, along: NumbersOfUnknownsAlongNodeRow
+) -> ColumnCondensationPlan:
     """The plan by which columns with the layers `stack` are condensed.
 
     `along` has the numbers of the unknowns along a row of nodes; they are the same for all rows.
@@ -266,19 +280,19 @@ def condensation_plan_of_column(stack: ColumnLayers, along: AlongRow) -> ColumnP
             first=k * stack.p,
         )
         layers.append(
-            LayerPlan(
+            LayerCondensationPlan(
                 outer=place(mine, mine),
-                mixed=place(within, mine),
+                inner_by_boundary=place(within, mine),
                 inner=place(within, within),
                 kept=_runs_of_consecutive_unknowns(mine, kept),
                 rest=_runs_of_consecutive_unknowns(mine, rest),
             )
         )
     line = len(stack.unknowns_on_left_or_right_side_of_column(along.left))
-    return ColumnPlan(tuple(layers), len(kept), len(rest), line)
+    return ColumnCondensationPlan(tuple(layers), len(kept), len(rest), line)
 
 
-class ColumnUnknownNames(NamedTuple):
+class ColumnUnknownsByRoleInCondensation(NamedTuple):
     """The unknowns of a column, sorted by their role in its condensation.
 
     Attributes
@@ -289,15 +303,15 @@ class ColumnUnknownNames(NamedTuple):
     within : unknowns inside each layer's element, which are eliminated first
     """
 
-    kept: list[WidthUnknown]
-    rest: list[WidthUnknown]
-    boundary: list[list[WidthUnknown]]
-    within: list[list[WidthUnknown]]
+    kept: list[ColumnDisplacementUnknown]
+    rest: list[ColumnDisplacementUnknown]
+    boundary: list[list[ColumnDisplacementUnknown]]
+    within: list[list[ColumnDisplacementUnknown]]
 
 
 def unknowns_of_element_column_by_role_in_condensation(
-    stack: ColumnLayers, along: AlongRow
-) -> ColumnUnknownNames:
+    stack: LayersOfElementColumn, along: NumbersOfUnknownsAlongNodeRow
+) -> ColumnUnknownsByRoleInCondensation:
     """The unknowns of a column, sorted by their role in its condensation.
 
     `stack` are the layers of the column. `along` has the numbers of the unknowns along a row of
@@ -326,10 +340,14 @@ def unknowns_of_element_column_by_role_in_condensation(
             own = stack.unknowns_of_node_row_besides_contact(row, along.inside)
             inside += [u for u in own if _is_unknown_of_layer(u, rows, counts)]
         within.append(inside)
-    return ColumnUnknownNames(kept, [u for edge in edges for u in edge], boundary, within)
+    return ColumnUnknownsByRoleInCondensation(
+        kept, [u for edge in edges for u in edge], boundary, within
+    )
 
 
-def _is_unknown_of_layer(unknown: WidthUnknown, rows: range, counts: tuple[int, int]) -> bool:
+def _is_unknown_of_layer(
+    unknown: ColumnDisplacementUnknown, rows: range, counts: tuple[int, int]
+) -> bool:
     """Whether an unknown belongs to the elements of a layer.
 
     The layer has the rows of nodes `rows`, and `counts` of even and of odd functions of z.
@@ -338,8 +356,8 @@ def _is_unknown_of_layer(unknown: WidthUnknown, rows: range, counts: tuple[int, 
 
 
 def _runs_of_consecutive_unknowns(
-    mine: list[WidthUnknown], numbers: dict[WidthUnknown, int]
-) -> tuple[UnknownRun, ...]:
+    mine: list[ColumnDisplacementUnknown], numbers: dict[ColumnDisplacementUnknown, int]
+) -> tuple[RunSlicesInElementAndColumnStiffness, ...]:
     """The runs of unknowns that are consecutive both in the list `mine` and by their `numbers`.
 
     A run is a slice of `mine`, and the slice of the numbers that these unknowns have. Unknowns
@@ -358,9 +376,9 @@ def _runs_of_consecutive_unknowns(
 
 
 def _flat_positions_of_element_stiffness_block(
-    rows: list[WidthUnknown],
-    columns: list[WidthUnknown],
-    along: AlongRow,
+    rows: list[ColumnDisplacementUnknown],
+    columns: list[ColumnDisplacementUnknown],
+    along: NumbersOfUnknownsAlongNodeRow,
     counts: tuple[int, int],
     p: int,
     first: int,
@@ -400,7 +418,7 @@ def _flat_positions_of_element_stiffness_block(
 
 
 def _flat_stiffness_entries_of_each_element(
-    section: SectionIntegrals, width: WidthIntegrals
+    section: ElementIntegralsOverShoeSection, width: IntegralsOverWidth
 ) -> Floats:
     """The entries of the stiffness of c elements, as a flat row for each element (c, entries).
 
@@ -420,10 +438,11 @@ def _flat_stiffness_entries_of_each_element(
             [section.plane, section.shear], [width.even, width.even_slopes]
         ),
         _sum_of_section_times_width_integrals(
-            [section.coupled, section.sheared], [width.even_odd_slopes, width.even_slopes_odd]
+            [section.integrals_of_trace_times_z_value, section.integrals_of_value_times_z_slope],
+            [width.even_times_odd_slopes, width.even_slopes_times_odd],
         ),
         _sum_of_section_times_width_integrals(
-            [section.across, section.tilted], [width.odd_slopes, width.odd]
+            [section.across, section.integrals_of_z_slope_products], [width.odd_slopes, width.odd]
         ),
     ]
     return np.concatenate([part.reshape(count, -1) for part in parts], axis=1)
@@ -445,7 +464,7 @@ def _sum_of_section_times_width_integrals(section: list[Floats], width: list[Flo
     return found
 
 
-class AssembledColumns(NamedTuple):
+class AssembledStiffnessOfColumns(NamedTuple):
     """The stiffness of c columns, before unknowns on edges of their elements are eliminated.
 
     The unknowns inside the elements are already eliminated.
@@ -462,9 +481,11 @@ class AssembledColumns(NamedTuple):
     rest: Floats
 
 
-def assembled_stiffness_of_columns(
-    parts: Sequence[SectionIntegrals], widths: Sequence[WidthIntegrals], plan: ColumnPlan
-) -> AssembledColumns:
+def column_stiffnesses_without_inner_element_unknowns(
+    parts: Sequence[ElementIntegralsOverShoeSection],
+    widths: Sequence[IntegralsOverWidth],
+    plan: ColumnCondensationPlan,
+) -> AssembledStiffnessOfColumns:
     """The stiffness of columns of elements for the unknowns on the boundaries of the elements.
 
     The unknowns inside the elements are eliminated.
@@ -485,16 +506,19 @@ def assembled_stiffness_of_columns(
         own = values.take(layer.outer, axis=1)
         if layer.inner.size:
             replace_matrices_by_schur_complements(
-                own, values.take(layer.mixed, axis=1), values.take(layer.inner, axis=1)
+                own, values.take(layer.inner_by_boundary, axis=1), values.take(layer.inner, axis=1)
             )
         _add_element_blocks_to_columns(own, layer.kept, layer.kept, K)
         _add_element_blocks_to_columns(own, layer.rest, layer.kept, C)
         _add_element_blocks_to_columns(own, layer.rest, layer.rest, inner)
-    return AssembledColumns(K, C, inner)
+    return AssembledStiffnessOfColumns(K, C, inner)
 
 
 def displacements_inside_elements(
-    part: SectionIntegrals, width: WidthIntegrals, layer: LayerPlan, boundary: Floats
+    part: ElementIntegralsOverShoeSection,
+    width: IntegralsOverWidth,
+    layer: LayerCondensationPlan,
+    boundary: Floats,
 ) -> Floats:
     """The displacements (c, i, m) of the i unknowns inside c elements, in m load cases.
 
@@ -508,23 +532,28 @@ def displacements_inside_elements(
     boundary : (c, b, m) displacements of the b unknowns on the boundaries of the elements
     """
     values = _flat_stiffness_entries_of_each_element(part, width)
-    forces = values.take(layer.mixed, axis=1) @ boundary
+    forces = values.take(layer.inner_by_boundary, axis=1) @ boundary
     return -np.asarray(np.linalg.solve(values.take(layer.inner, axis=1), forces), dtype=float)
 
 
-def _condensed_stiffness_of_columns(
-    parts: Sequence[SectionIntegrals], widths: Sequence[WidthIntegrals], plan: ColumnPlan
+def _stiffness_of_columns_on_kept_unknowns(
+    parts: Sequence[ElementIntegralsOverShoeSection],
+    widths: Sequence[IntegralsOverWidth],
+    plan: ColumnCondensationPlan,
 ) -> Floats:
     """The stiffness (c, kept, kept) of columns on the unknowns that their plan keeps.
 
-    The parameters are those of `assembled_stiffness_of_columns`.
+    The parameters are those of `column_stiffnesses_without_inner_element_unknowns`.
     """
-    K, C, inner = assembled_stiffness_of_columns(parts, widths, plan)
+    K, C, inner = column_stiffnesses_without_inner_element_unknowns(parts, widths, plan)
     return replace_matrices_by_schur_complements(K, C, inner) if plan.rest else K
 
 
 def _add_element_blocks_to_columns(
-    part: Floats, rows: Sequence[UnknownRun], columns: Sequence[UnknownRun], target: Floats
+    part: Floats,
+    rows: Sequence[RunSlicesInElementAndColumnStiffness],
+    columns: Sequence[RunSlicesInElementAndColumnStiffness],
+    target: Floats,
 ) -> None:
     """Add blocks of element stiffness `part` (c, m, m) to column stiffness `target` (c, n, n)."""
     for own, at in rows:
@@ -533,8 +562,10 @@ def _add_element_blocks_to_columns(
             view += part[:, own, other]
 
 
-def condense_columns_of_any_shape(
-    parts: Sequence[SectionIntegrals], widths: Sequence[WidthIntegrals], stack: ColumnLayers
+def condense_element_columns_of_any_shape(
+    parts: Sequence[ElementIntegralsOverShoeSection],
+    widths: Sequence[IntegralsOverWidth],
+    stack: LayersOfElementColumn,
 ) -> list[ColumnSubstructure]:
     """Condense columns of elements of any shape to the nodes on their two sides and their contact.
 
@@ -546,14 +577,14 @@ def condense_columns_of_any_shape(
     """
     plan = condensation_plan_of_column(stack, indices_of_unknowns_along_node_row(stack.p))
     order = _order_of_column_unknowns_by_contact_nodes(stack, plan, 2)
-    columns = _condensed_stiffness_of_columns(parts, widths, plan)
+    columns = _stiffness_of_columns_on_kept_unknowns(parts, widths, plan)
     if len(order):
         columns = columns[:, order[:, None], order]
     return [ColumnSubstructure(K, plan.line, plan.line) for K in columns]
 
 
 def _order_of_column_unknowns_by_contact_nodes(
-    stack: ColumnLayers, plan: ColumnPlan, sides: int
+    stack: LayersOfElementColumn, plan: ColumnCondensationPlan, sides: int
 ) -> Ints:
     """A column's unknowns (n,), in an order in which x and y of a contact node are neighbours.
 
@@ -571,9 +602,9 @@ def _order_of_column_unknowns_by_contact_nodes(
 
 
 def condense_mirror_symmetric_columns(
-    parts: Sequence[Sequence[SectionIntegrals]],
-    widths: Sequence[WidthIntegrals],
-    stack: ColumnLayers,
+    parts: Sequence[Sequence[ElementIntegralsOverShoeSection]],
+    widths: Sequence[IntegralsOverWidth],
+    stack: LayersOfElementColumn,
 ) -> list[ColumnSubstructure]:
     """Condense columns that are their own mirror images to their two sides and their contact.
 
@@ -591,19 +622,17 @@ def condense_mirror_symmetric_columns(
         condensation_plan_of_column(
             stack, indices_of_unknowns_along_symmetric_half_row(stack.p, symmetry)
         )
-        for symmetry in SYMMETRIES
+        for symmetry in SYMMETRY_NUMBERS_OF_COLUMN_DISPLACEMENTS
     ]
-    halves = [_condensed_stiffness_of_columns(parts[i], widths, plans[i]) for i in SYMMETRIES]
+    halves = [
+        _stiffness_of_columns_on_kept_unknowns(parts[i], widths, plans[i])
+        for i in SYMMETRY_NUMBERS_OF_COLUMN_DISPLACEMENTS
+    ]
     line = plans[0].line
     own = [half[:, :line] for half in halves]
-    mirror = np.array(
-        [
-            _sign_of_displacement_on_mirrored_side(unknown)
-            for unknown in stack.unknowns_on_left_or_right_side_of_column(
-                indices_of_unknowns_along_symmetric_half_row(stack.p, 0).left
-            )
-        ]
-    )
+    left_indices = indices_of_unknowns_along_symmetric_half_row(stack.p, 0).left
+    on_left = stack.unknowns_on_left_or_right_side_of_column(left_indices)
+    mirror = np.array([_sign_of_displacement_on_mirrored_side(unknown) for unknown in on_left])
     n = 2 * (stack.p + 1) * stack.counts[0][0] if stack.contact else 0
     left, right = slice(line), slice(line + n, None)
     # A displacement of the left side alone is the sum of a symmetric and an antisymmetric
@@ -624,7 +653,7 @@ def condense_mirror_symmetric_columns(
     return [ColumnSubstructure(K, line, line) for K in whole]
 
 
-def _sign_of_displacement_on_mirrored_side(unknown: WidthUnknown) -> float:
+def _sign_of_displacement_on_mirrored_side(unknown: ColumnDisplacementUnknown) -> float:
     """The sign of a displacement on a column's right side relative to its left side.
 
     Both sides belong to a displacement that is symmetric about the column's middle. Displacements
@@ -634,7 +663,7 @@ def _sign_of_displacement_on_mirrored_side(unknown: WidthUnknown) -> float:
 
 
 def _write_contact_stiffness_of_mirrored_columns(
-    halves: list[Floats], stack: ColumnLayers, mirror: Floats, whole: Floats
+    halves: list[Floats], stack: LayersOfElementColumn, mirror: Floats, whole: Floats
 ) -> None:
     """Write the contact's rows and columns into the stiffness of c whole columns.
 
@@ -655,9 +684,14 @@ def _write_contact_stiffness_of_mirrored_columns(
     # `place` has the number of the symmetric (or antisymmetric) unknown to which each displacement
     # of the contact nodes belongs. At each node and function of z the displacements x and y follow
     # one another.
-    place = functions.place.reshape(-1, 1, 2) * count + np.arange(count)[:, None]
+    place = (
+        functions.symmetric_unknown_numbers.reshape(-1, 1, 2) * count + np.arange(count)[:, None]
+    )
     place = line + place.ravel()
-    signs = [np.repeat(sign.reshape(-1, 1, 2), count, axis=1).ravel() for sign in functions.sign]
+    signs = [
+        np.repeat(sign.reshape(-1, 1, 2), count, axis=1).ravel()
+        for sign in functions.signs_in_symmetric_unknowns
+    ]
     middle = slice(line, line + len(place))
     by_contact = [
         half.take(place, axis=1) * sign[:, None] for half, sign in zip(halves, signs, strict=True)
@@ -672,8 +706,8 @@ def _write_contact_stiffness_of_mirrored_columns(
     whole[:, line + len(place) :, middle] = whole[:, middle, line + len(place) :].transpose(0, 2, 1)
 
 
-def column_with_back_held_beside_grip(
-    piece: ColumnSubstructure, stack: ColumnLayers, *, right: bool
+def column_beside_grip_with_shared_node_held(
+    piece: ColumnSubstructure, stack: LayersOfElementColumn, *, right: bool
 ) -> ColumnSubstructure:
     """A column beside a grip, with the node that it shares with the grip free along z only.
 

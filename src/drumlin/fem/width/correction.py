@@ -17,10 +17,10 @@ from drumlin.base.arrays import Floats
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.base.texts import error_text_in_percent, number_as_text
 from drumlin.brake.brake import Brake
-from drumlin.fem.model import PENALTY
-from drumlin.fem.preparation.cache import Cache
+from drumlin.fem.model import DEFAULT_PENALTY_FACTOR
+from drumlin.fem.preparation.cache import CacheOfCondensedBodies
 from drumlin.fem.width.error import (
-    CoarseAnswers,
+    CoarseSolutionsWithAndWithoutWidth,
     coarse_solutions_with_and_without_shoe_width,
     relative_distance_of_plane_stress_from_width_solution,
 )
@@ -31,14 +31,18 @@ from drumlin.response.balance import (
     relative_imbalance_of_shoe,
 )
 from drumlin.response.response import (
-    ModelError,
+    EstimatedErrorOfPlaneStress,
     Response,
     ShoeResponse,
     length_of_edge_zone_left_out_of_peak_search,
 )
 from drumlin.response.resultants import LiningWithoutEndZones, contact_arcs_from_nodal_pressures
 
-REMAINING_SHARE: Mapping[str, float] = {"torque": 0.4, "pressure": 0.8, "reaction": 0.5}
+REMAINING_ERROR_OVER_WIDTH_CORRECTION: Mapping[str, float] = {
+    "torque": 0.4,
+    "pressure": 0.8,
+    "reaction": 0.5,
+}
 """Error that remains after the correction for the widths, as a fraction of the correction.
 
 The true remaining error is at most this fraction on 95 % of the brakes for the torque, on 93 % for
@@ -51,7 +55,7 @@ bending of a table on the torque cancel, the correction of the torque is small, 
 error may exceed the fraction. Larger values state larger errors than most brakes have, and smaller
 values are exceeded more often.
 """
-CORRECTED_FORCES = (
+WIDTH_CORRECTED_ATTRIBUTES = (
     "torque",
     "normal_force",
     "hinge_reaction",
@@ -63,7 +67,11 @@ CORRECTED_FORCES = (
 
 
 def correct_response_for_shoe_widths(
-    brake: Brake, response: Response, *, penalty: float = PENALTY, cache: Cache | None = None
+    brake: Brake,
+    response: Response,
+    *,
+    penalty: float = DEFAULT_PENALTY_FACTOR,
+    cache: CacheOfCondensedBodies | None = None,
 ) -> Response:
     """The answer of plane stress, corrected for the widths of the shoes.
 
@@ -120,7 +128,7 @@ def require_that_width_model_applies_to_brake(brake: Brake) -> None:
 
 
 def shoe_response_corrected_for_widths(
-    brake: Brake, index: int, fine: ShoeResponse, answers: CoarseAnswers
+    brake: Brake, index: int, fine: ShoeResponse, answers: CoarseSolutionsWithAndWithoutWidth
 ) -> ShoeResponse:
     """The response of a shoe in plane stress, plus the difference of the two coarse answers.
 
@@ -136,7 +144,7 @@ def shoe_response_corrected_for_widths(
     """
     plane, wide = answers.plane.shoes[index], answers.wide.shoes[index]
     values: dict[str, Any] = {}
-    for name in CORRECTED_FORCES:
+    for name in WIDTH_CORRECTED_ATTRIBUTES:
         terms = getattr(fine, name), getattr(plane, name), getattr(wide, name)
         if all(term is not None for term in terms):
             own, without, with_widths = terms
@@ -149,7 +157,9 @@ def shoe_response_corrected_for_widths(
     ) - pressure_of_shoe_zero_outside_contact(plane, theta)
     # Where only one of the coarse answers is in contact, the sum may be slightly negative.
     pressure = np.maximum(fine.pressure + difference, 0.0)
-    zone = length_of_edge_zone_left_out_of_peak_search(brake.shoes[index], brake.scale_factor)
+    zone = length_of_edge_zone_left_out_of_peak_search(
+        brake.shoes[index], brake.length_per_surface_coordinate
+    )
     return replace(
         fine,
         pressure=pressure,
@@ -173,16 +183,31 @@ def pressure_of_shoe_zero_outside_contact(shoe: ShoeResponse, theta: Floats) -> 
     return np.where(in_contact, np.maximum(shoe.pressure_at(theta), 0.0), 0.0)
 
 
-def estimated_error_after_width_correction(change: ModelError) -> ModelError:
-    """The estimated error after the correction: the relative correction times REMAINING_SHARE."""
+def estimated_error_after_width_correction(
+    change: EstimatedErrorOfPlaneStress,
+) -> EstimatedErrorOfPlaneStress:
+    """The estimated error after the correction.
+
+    It is the relative correction times REMAINING_ERROR_OVER_WIDTH_CORRECTION.
+    """
     shoes = []
     for shoe in change.shoes:
-        shoes.append({name: REMAINING_SHARE[name] * size for name, size in shoe.items()})
-    brake = {name: REMAINING_SHARE[name] * size for name, size in change.brake.items()}
-    return ModelError(brake, tuple(shoes), corrected=True)
+        shoes.append(
+            {
+                name: REMAINING_ERROR_OVER_WIDTH_CORRECTION[name] * size
+                for name, size in shoe.items()
+            }
+        )
+    brake = {
+        name: REMAINING_ERROR_OVER_WIDTH_CORRECTION[name] * size
+        for name, size in change.brake.items()
+    }
+    return EstimatedErrorOfPlaneStress(brake, tuple(shoes), corrected=True)
 
 
-def note_on_correction_for_shoe_widths(change: ModelError, corrected: Response) -> str:
+def note_on_correction_for_shoe_widths(
+    change: EstimatedErrorOfPlaneStress, corrected: Response
+) -> str:
     """The note of a corrected response: how large the correction and the imbalance are."""
     torque, pressure, reaction = (
         number_as_text(change.brake[name], ".2%") for name in ("torque", "pressure", "reaction")

@@ -20,14 +20,20 @@ import numpy as np
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake
 from drumlin.brake.further_loads import brake_with_all_loads_moved_to_actuation
-from drumlin.fem.error_control.levels import LEVEL_RULE, LEVELS
+from drumlin.fem.error_control.levels import (
+    REFINEMENT_LEVELS_FROM_COARSE_TO_FINE,
+    RULE_OF_DEGREE_AND_GRADING,
+)
 from drumlin.fem.error_control.singular_points import (
     reason_if_any_contact_is_too_short,
     singular_points_of_each_shoe_shape,
 )
-from drumlin.fem.hp.division import Level, ShoeDivision
-from drumlin.fem.model import PENALTY, solve_prepared_model
-from drumlin.fem.preparation.cache import Cache, indices_of_first_shoes_of_equal_shape
+from drumlin.fem.hp.division import RefinementLevel, ShoeElementDivision
+from drumlin.fem.model import DEFAULT_PENALTY_FACTOR, solve_prepared_model
+from drumlin.fem.preparation.cache import (
+    CacheOfCondensedBodies,
+    indices_of_first_shoes_of_equal_shape,
+)
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.width.prepare import (
     prepare_model_with_widths_on_given_elements,
@@ -36,15 +42,19 @@ from drumlin.fem.width.prepare import (
 )
 from drumlin.response.norms import relative_distance_of_pressures
 from drumlin.response.response import (
-    ModelError,
+    EstimatedErrorOfPlaneStress,
     Response,
     ShoeResponse,
     length_of_uncompared_edge_zone,
     reference_force_of_reaction_errors,
 )
 
-WIDTH_LEVEL = replace(
-    LEVEL_RULE.refinement_level_with_number(0), zone=1.0, edge=1.0, back=1.0, hinge=1.0
+LEVEL_OF_PLANE_STRESS_ERROR_ESTIMATE = replace(
+    RULE_OF_DEGREE_AND_GRADING.refinement_level_with_number(0),
+    face_layer_size=1.0,
+    lining_end_column_size=1.0,
+    interface_layer_size=1.0,
+    hinge_column_size=1.0,
 )
 """Coarse level of hp elements on which the error of plane stress is estimated.
 
@@ -52,9 +62,9 @@ The level is one step coarser than the first level of a solve, by the rule of th
 rule the elements at corners and interfaces would be larger than the parts are thick. The sizes of
 these elements are therefore set to the thickness.
 """
-WIDTH_DEGREE = 2
+WIDTH_DEGREE_COMPARED_WITH_PLANE_STRESS = 2
 """Degree across the width of the answer with which plane stress is compared for its error."""
-COARSE_ENOUGH = 0.1
+LARGEST_PRESSURE_ERROR_OF_COARSE_ELEMENTS = 0.1
 """Relative error (L2) of the pressure above which the coarse elements are too coarse.
 
 The error is the distance between the pressures in plane stress on the coarse elements and on a fine
@@ -65,20 +75,24 @@ most 0.05.
 """
 
 
-class CoarseSection(NamedTuple):
+class CoarsePlaneStressSolution(NamedTuple):
     """The coarse hp elements of a brake's shoes, and the answer of plane stress on them, `plane`.
 
     `divisions` are the divisions of the shoes' sections into hp elements, by the index of the first
     shoe of each shape. Degrees across the width are compared on these elements.
     """
 
-    divisions: Mapping[int, ShoeDivision]
+    divisions: Mapping[int, ShoeElementDivision]
     plane: Response
 
 
 def plane_stress_solution_on_coarse_hp_elements(
-    brake: Brake, response: Response, *, penalty: float = PENALTY, cache: Cache | None = None
-) -> CoarseSection:
+    brake: Brake,
+    response: Response,
+    *,
+    penalty: float = DEFAULT_PENALTY_FACTOR,
+    cache: CacheOfCondensedBodies | None = None,
+) -> CoarsePlaneStressSolution:
     """The coarse hp elements of a brake, with the answer of plane stress on them.
 
     If the coarse elements do not resolve the contact, they are the elements of the first level of a
@@ -93,23 +107,23 @@ def plane_stress_solution_on_coarse_hp_elements(
         plane_stress_solution_on_given_hp_elements, brake, response, penalty=penalty, cache=cache
     )
     try:
-        coarse = answered(WIDTH_LEVEL)
+        coarse = answered(LEVEL_OF_PLANE_STRESS_ERROR_ESTIMATE)
     except NoAnswer:
-        return answered(LEVELS[0])
+        return answered(REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[0])
     error = relative_distance_of_plane_stress_from_width_solution(brake, coarse.plane, response)
-    if error.unknown or error.brake["pressure"] > COARSE_ENOUGH:
-        return answered(LEVELS[0])
+    if error.unknown or error.brake["pressure"] > LARGEST_PRESSURE_ERROR_OF_COARSE_ELEMENTS:
+        return answered(REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[0])
     return coarse
 
 
 def plane_stress_solution_on_given_hp_elements(
     brake: Brake,
     response: Response,
-    level: Level,
+    level: RefinementLevel,
     *,
-    penalty: float = PENALTY,
-    cache: Cache | None = None,
-) -> CoarseSection:
+    penalty: float = DEFAULT_PENALTY_FACTOR,
+    cache: CacheOfCondensedBodies | None = None,
+) -> CoarsePlaneStressSolution:
     """The hp elements of a brake on a given level, with the answer of plane stress on them.
 
     Parameters
@@ -134,10 +148,10 @@ def plane_stress_solution_on_given_hp_elements(
     )
     scene = make_prepared_model(brake, level, points, alike=alike, cache=cache)
     plane = solve_prepared_model(scene, brake, penalty=penalty, start=response)
-    return CoarseSection(scene.divisions, plane)
+    return CoarsePlaneStressSolution(scene.divisions, plane)
 
 
-class CoarseAnswers(NamedTuple):
+class CoarseSolutionsWithAndWithoutWidth(NamedTuple):
     """Answers of a brake on coarse hp elements, without and with widths.
 
     `plane` is the answer of plane stress, and `wide` is the answer with degree 2 across the width.
@@ -148,8 +162,12 @@ class CoarseAnswers(NamedTuple):
 
 
 def coarse_solutions_with_and_without_shoe_width(
-    brake: Brake, response: Response, *, penalty: float = PENALTY, cache: Cache | None = None
-) -> CoarseAnswers:
+    brake: Brake,
+    response: Response,
+    *,
+    penalty: float = DEFAULT_PENALTY_FACTOR,
+    cache: CacheOfCondensedBodies | None = None,
+) -> CoarseSolutionsWithAndWithoutWidth:
     """The answers of a brake in plane stress and with widths, both on the same coarse hp elements.
 
     The parameters are those of `estimate_error_of_plane_stress`.
@@ -169,17 +187,21 @@ def coarse_solutions_with_and_without_shoe_width(
             brake, response, penalty=penalty, cache=cache
         )
         scene = prepare_model_with_widths_on_given_elements(
-            brake, section.divisions, WIDTH_DEGREE, cache=cache
+            brake, section.divisions, WIDTH_DEGREE_COMPARED_WITH_PLANE_STRESS, cache=cache
         )
         wide = solve_prepared_model(scene, brake, penalty=penalty, start=response)
     except (NoAnswer, np.linalg.LinAlgError) as error:
         raise NoAnswer(f"on a coarse section, with its width: {error}") from error
-    return CoarseAnswers(section.plane, wide)
+    return CoarseSolutionsWithAndWithoutWidth(section.plane, wide)
 
 
 def estimate_error_of_plane_stress(
-    brake: Brake, response: Response, *, penalty: float = PENALTY, cache: Cache | None = None
-) -> ModelError:
+    brake: Brake,
+    response: Response,
+    *,
+    penalty: float = DEFAULT_PENALTY_FACTOR,
+    cache: CacheOfCondensedBodies | None = None,
+) -> EstimatedErrorOfPlaneStress:
     """The estimated error of plane stress, from answers with and without widths on coarse elements.
 
     Parameters
@@ -191,19 +213,19 @@ def estimate_error_of_plane_stress(
     """
     reason = reason_why_width_model_does_not_apply(brake)
     if reason is not None:
-        return ModelError({}, unknown=reason)
+        return EstimatedErrorOfPlaneStress({}, unknown=reason)
     try:
         answers = coarse_solutions_with_and_without_shoe_width(
             brake, response, penalty=penalty, cache=cache
         )
     except NoAnswer as error:
-        return ModelError({}, unknown=str(error))
+        return EstimatedErrorOfPlaneStress({}, unknown=str(error))
     return relative_distance_of_plane_stress_from_width_solution(brake, *answers)
 
 
 def relative_distance_of_plane_stress_from_width_solution(
     brake: Brake, plane: Response, wide: Response
-) -> ModelError:
+) -> EstimatedErrorOfPlaneStress:
     """The relative distance of the answer of plane stress from the answer with widths.
 
     Parameters
@@ -213,18 +235,23 @@ def relative_distance_of_plane_stress_from_width_solution(
     wide : the answer with widths; the distances are relative to its values
     """
     pairs = zip(plane.shoes, wide.shoes, strict=True)
-    shoes = [relative_distances_of_shoe_responses(brake.unit, *pair) for pair in pairs]
+    shoes = [
+        relative_torque_pressure_and_reaction_differences(brake.surface_coordinate_per_phi, *pair)
+        for pair in pairs
+    ]
     for shoe, answer in zip(shoes, plane.shoes, strict=True):
         if not all(map(math.isfinite, shoe.values())):
             name = answer.name
-            return ModelError({}, unknown=f"shoe {name!r} loses its contact with its width")
+            return EstimatedErrorOfPlaneStress(
+                {}, unknown=f"shoe {name!r} loses its contact with its width"
+            )
     total = wide.torque or plane.torque or 1.0
     worst = {name: max(shoe[name] for shoe in shoes) for name in ("pressure", "reaction")}
     torque = abs(plane.torque - wide.torque) / total
-    return ModelError({"torque": torque, **worst}, tuple(shoes))
+    return EstimatedErrorOfPlaneStress({"torque": torque, **worst}, tuple(shoes))
 
 
-def relative_distances_of_shoe_responses(
+def relative_torque_pressure_and_reaction_differences(
     unit: float, plane: ShoeResponse, wide: ShoeResponse
 ) -> dict[str, float]:
     """Relative distances of torque, pressure (L2) and reaction of a shoe without and with width.

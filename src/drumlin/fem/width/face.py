@@ -14,19 +14,19 @@ import numpy as np
 
 from drumlin.base.arrays import Floats
 from drumlin.fem.substructure.interface import (
+    ContactCouplingMatrices,
     ContactLine,
-    Coupling,
-    Directions,
-    weak_coupling_of_contact_line,
+    NormalsAndTangentsFunction,
+    coupling_matrices_of_contact_line,
 )
 from drumlin.fem.width.functions import (
-    WidthFunctions,
+    FunctionsAcrossWidth,
     integrals_of_function_products_over_width,
     matrix_from_node_values_to_function_factors,
 )
-from drumlin.response.response import PressureOverWidth
+from drumlin.response.response import PressureOverArcAndWidth
 
-FACE_STEPS = 10
+WRITTEN_PRESSURE_INTERVALS_PER_WIDTH_PIECE = 10
 """Number of equal intervals of z, in each piece of the half width, for written pressures.
 
 A file has the pressure on the contact face at the ends of these intervals. The number is even,
@@ -36,7 +36,7 @@ across the width, so that the written values determine the polynomial.
 
 
 @dataclass(frozen=True)
-class WidthFace(ContactLine):
+class ContactFaceWithWidth(ContactLine):
     """The friction surface of a lining with a width, also called its contact face.
 
     It has n m nodes: the n nodes of the section's contact line times m nodes over half the width.
@@ -54,7 +54,7 @@ class WidthFace(ContactLine):
     """
 
     line: ContactLine
-    functions: WidthFunctions
+    functions: FunctionsAcrossWidth
     half: float
 
     @cached_property
@@ -86,18 +86,20 @@ class WidthFace(ContactLine):
         widths = self.tributary_widths_of_nodes_across_width
         return np.asarray(widths / widths.sum())
 
-    def couple_lining_with_drum_or_plane(self, width: float, directions: Directions) -> Coupling:
+    def coupling_matrices_with_drum_or_plane(
+        self, width: float, directions: NormalsAndTangentsFunction
+    ) -> ContactCouplingMatrices:
         """The weak coupling of the face with the drum or the plane.
 
         The argument `width` has no effect: the face has its own width.
         """
         line, m = (
-            weak_coupling_of_contact_line(self.line, 1.0, directions),
+            coupling_matrices_of_contact_line(self.line, 1.0, directions),
             self.mass_matrix_across_width,
         )
         n, count = len(self.line.nodes), len(self.node_distances_from_mid_plane)
 
-        def face_matrix_from_line_matrix(vectors: Floats) -> Floats:
+        def coupling_matrix_of_face_from_matrix_of_line(vectors: Floats) -> Floats:
             """The coupling matrix (n m, 2 n m) of the face, from the matrix (n, 2n) of the line."""
             by_node = vectors.reshape(n, 1, n, 1, 2) * m[:, None, :, None]
             return np.asarray(by_node.reshape(n * count, -1))
@@ -106,11 +108,14 @@ class WidthFace(ContactLine):
         lever = np.asarray(
             np.kron(line.lever, self.tributary_widths_of_nodes_across_width), dtype=float
         )
-        return Coupling(
-            M, face_matrix_from_line_matrix(line.N), face_matrix_from_line_matrix(line.T), lever
+        return ContactCouplingMatrices(
+            M,
+            coupling_matrix_of_face_from_matrix_of_line(line.N),
+            coupling_matrix_of_face_from_matrix_of_line(line.T),
+            lever,
         )
 
-    def angles_and_mean_pressures(self, p: Floats) -> tuple[Floats, Floats]:
+    def angles_and_pressures_averaged_over_width(self, p: Floats) -> tuple[Floats, Floats]:
         """Angles (n,) [rad] of the line's nodes, and their pressure (n,) [Pa], averaged over z."""
         return (
             self.line.phi,
@@ -125,7 +130,10 @@ class WidthFace(ContactLine):
         ends = ends[: self.functions.number_of_width_pieces_in_part(self.half) + 1]
         if len(ends) == 1:
             ends = np.array([0.0, self.half])
-        steps = np.arange(FACE_STEPS) / FACE_STEPS
+        steps = (
+            np.arange(WRITTEN_PRESSURE_INTERVALS_PER_WIDTH_PIECE)
+            / WRITTEN_PRESSURE_INTERVALS_PER_WIDTH_PIECE
+        )
         return np.append((ends[:-1, None] + np.diff(ends)[:, None] * steps).ravel(), ends[-1])
 
     @cached_property
@@ -156,11 +164,12 @@ class WidthFace(ContactLine):
         by_line_node = p.reshape(-1, len(self.node_distances_from_mid_plane))
         return np.asarray(by_line_node @ self._values_of_node_polynomials(z))
 
-    def pressure_distribution_over_arc_and_width(self, p: Floats) -> PressureOverWidth:
+    def pressure_distribution_over_arc_and_width(self, p: Floats) -> PressureOverArcAndWidth:
         """The pressure over the arc and the whole width of the lining, as a file has it.
 
-        The distances z from the mid-plane divide each piece of the half width into FACE_STEPS equal
-        intervals. The ends of the pieces are the breaks of `functions`.
+        The distances z from the mid-plane divide each piece of the half width into
+        WRITTEN_PRESSURE_INTERVALS_PER_WIDTH_PIECE equal intervals. The ends of the pieces are the
+        breaks of `functions`.
         """
         z = self._mid_plane_distances_of_written_pressures
         half = self.pressure_at_distances_from_mid_plane(p, z)
@@ -170,9 +179,9 @@ class WidthFace(ContactLine):
             self._half_width_integration_weights_of_written_pressures,
         )
         widths = np.concatenate([own[:0:-1], [2 * own[0]], own[1:]])
-        return PressureOverWidth(both, np.hstack([half[:, :0:-1], half]), widths)
+        return PressureOverArcAndWidth(both, np.hstack([half[:, :0:-1], half]), widths)
 
-    def nodal_pressures_from_pressures_of_file(self, surface: PressureOverWidth) -> Floats:
+    def nodal_pressures_from_pressures_of_file(self, surface: PressureOverArcAndWidth) -> Floats:
         """The pressures (n m,) [Pa] at the nodes of the face, from pressures that a file has.
 
         The rows of `surface` are sorted by angle, as the nodes are.

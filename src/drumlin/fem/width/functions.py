@@ -31,9 +31,9 @@ from drumlin.brake.brake import Shoe
 from drumlin.fem.preparation.meshes import materials_and_widths_of_shoe_parts
 from drumlin.response.resultants import GAUSS, WEIGHTS, gauss_lobatto_points
 
-SAME_SIDE = 1e-9
+SAME_HALF_WIDTH_TOLERANCE = 1e-9
 """Relative difference up to which the half widths of two parts count as equal."""
-BESIDE_WEB = (1.0, 2.5)
+WIDTH_BREAKPOINT_DISTANCES_BESIDE_WEB = (1.0, 2.5)
 """Distances of extra breaks from the side of a web that a lining overhangs.
 
 The distances are in thicknesses of the lining. Pressure and displacements change fast over the
@@ -42,15 +42,28 @@ off. On four random brakes with overhangs of 5.8 to 17 thicknesses the error of 
 is 3.5 to 7 times as large with the first break alone at degree 3, and 1.1 to 1.7 times at degree 2.
 With degree 4 it is smaller with both breaks on one of them only: there the error is that of the
 elements, which miss the ends of the contact.
+
+The distances were found by these trials, and so were the three numbers below. Other breaks change
+the number of functions that an error needs. The error itself is stated in any case.
+
+Beside a wide web the stress is singular on both sides of the web's side, and there is no break
+inside the web. On one brake ("free" 510017 of `drumlin_studies.solid_error`, half width of the web
+1.2 thicknesses) a break there, with two breaks beside the web, divides the error of p with degree 3
+by 2.7, and the error of the torque by 17, for 1.8 times the unknowns. On "free" 510009
+a break inside the web divides the error of p with degree 3 by 15, and on six other brakes by 1 to
+1.7, for 1.6 times the unknowns. On these six brakes degree 4 without the break costs less and gains
+at least as much, and so there is no break inside a web.
 """
-LEAST_OUTER_PIECE = 0.75
+LEAST_LENGTH_FROM_WIDTH_BREAKPOINT_TO_SIDE = 0.75
 """Least length that a break beside a web leaves up to the lining's side, in lining thicknesses.
 
 In shorter pieces additional functions of z improve the answer little. A larger value takes breaks
 from long overhangs, and a smaller value puts the break of a short overhang too far from the web.
 """
-SHORT_OVERHANG = 0.25
-"""Distance of the break beside a web whose overhang is too short for the distances in BESIDE_WEB.
+WIDTH_BREAKPOINT_DISTANCE_IN_SHORT_OVERHANG = 0.25
+"""Distance of the break beside a web with an overhang too short for two breaks.
+
+The usual distances are WIDTH_BREAKPOINT_DISTANCES_BESIDE_WEB.
 
 It is relative to the overhang. On seven random brakes with overhangs of 0.7 to 1.6 thicknesses of
 the lining the error of p with degree 3 is 1.4 to 8 times smaller with a break at about this
@@ -58,14 +71,14 @@ distance than with no break, or with a break at one thickness. On one of them di
 0.25 of the overhang are equally good; with half the overhang the error with degree 2 is twice as
 large.
 """
-LEAST_OVERHANG = 0.5
+LARGEST_OVERHANG_WITHOUT_WIDTH_BREAKPOINT = 0.5
 """Overhang up to which there is no break beside a web, in thicknesses of the lining.
 
 A lining that hardly overhangs its web bends little there, so that a break would only add unknowns.
 """
 
 
-class WidthFunction(NamedTuple):
+class FunctionAcrossWidth(NamedTuple):
     """A function of z: the first `piece` in which it is not zero, and its `degree` in this piece.
 
     Pieces are counted from 0 at the mid-plane. Degrees 0 and 1 in piece 0 are the functions 1 and z
@@ -77,7 +90,7 @@ class WidthFunction(NamedTuple):
     degree: int
 
 
-class WidthIntegrals(NamedTuple):
+class IntegralsOverWidth(NamedTuple):
     """Integrals of products of a part's functions of z, over the whole width of the part.
 
     The part has n even functions e_k and m odd functions o_k of z, with the slopes e_k' and o_k'.
@@ -86,20 +99,20 @@ class WidthIntegrals(NamedTuple):
     ----------
     even, even_slopes : (n, n) Int e_k e_l dz [m], Int e_k' e_l' dz [1/m]
     odd, odd_slopes : (m, m) Int o_k o_l dz [m], Int o_k' o_l' dz [1/m]
-    even_odd_slopes : (n, m) Int e_k o_l' dz [1]
-    even_slopes_odd : (n, m) Int e_k' o_l dz [1]
+    even_times_odd_slopes : (n, m) Int e_k o_l' dz [1]
+    even_slopes_times_odd : (n, m) Int e_k' o_l dz [1]
     """
 
     even: Floats
     even_slopes: Floats
     odd: Floats
     odd_slopes: Floats
-    even_odd_slopes: Floats
-    even_slopes_odd: Floats
+    even_times_odd_slopes: Floats
+    even_slopes_times_odd: Floats
 
 
 @dataclass(frozen=True)
-class WidthFunctions:
+class FunctionsAcrossWidth:
     """All functions across the width of a shoe up to a degree, on given pieces of its half width.
 
     `breaks` (m + 1,) [m] are the ends of the pieces, from 0 at the mid-plane to half the width.
@@ -111,23 +124,23 @@ class WidthFunctions:
     degree: int
 
     @cached_property
-    def even_functions_across_width(self) -> tuple[WidthFunction, ...]:
+    def even_functions_across_width(self) -> tuple[FunctionAcrossWidth, ...]:
         """The even functions, for the displacements u_x and u_y in the section."""
         return self._even_or_odd_functions_across_width(0)
 
     @cached_property
-    def odd_functions_across_width(self) -> tuple[WidthFunction, ...]:
+    def odd_functions_across_width(self) -> tuple[FunctionAcrossWidth, ...]:
         """The odd functions, for the displacement u_z; none in plane stress (degree 0)."""
         return self._even_or_odd_functions_across_width(1) if self.degree > 0 else ()
 
-    def _even_or_odd_functions_across_width(self, first: int) -> tuple[WidthFunction, ...]:
+    def _even_or_odd_functions_across_width(self, first: int) -> tuple[FunctionAcrossWidth, ...]:
         """The functions of one parity: even functions for `first` 0, odd functions for `first` 1.
 
         In the first piece their degrees are `first`, `first` + 2 and so on.
         """
-        found = [WidthFunction(0, degree) for degree in range(first, self.degree + 1, 2)]
+        found = [FunctionAcrossWidth(0, degree) for degree in range(first, self.degree + 1, 2)]
         for piece in range(1, len(self.breaks) - 1):
-            found += [WidthFunction(piece, degree) for degree in range(1, self.degree + 1)]
+            found += [FunctionAcrossWidth(piece, degree) for degree in range(1, self.degree + 1)]
         return tuple(found)
 
     def number_of_width_pieces_in_part(self, half: float) -> int:
@@ -135,7 +148,7 @@ class WidthFunctions:
 
         `half` [m] is the half width of the part.
         """
-        within = np.array(self.breaks[1:]) <= half * (1 + SAME_SIDE)
+        within = np.array(self.breaks[1:]) <= half * (1 + SAME_HALF_WIDTH_TOLERANCE)
         return int(np.count_nonzero(within))
 
     def counts_of_even_and_odd_functions_on_part(self, half: float) -> tuple[int, int]:
@@ -147,7 +160,7 @@ class WidthFunctions:
         return even, sum(function.piece < pieces for function in self.odd_functions_across_width)
 
     def function_values_and_slopes(
-        self, functions: tuple[WidthFunction, ...], z: Floats
+        self, functions: tuple[FunctionAcrossWidth, ...], z: Floats
     ) -> tuple[Floats, Floats]:
         """Values [1] and slopes [1/m] (n, points) of n functions at distances z >= 0 (points,) [m].
 
@@ -198,8 +211,8 @@ class WidthFunctions:
 
 @cache
 def integrals_of_function_products_over_width(
-    functions: WidthFunctions, half: float
-) -> WidthIntegrals:
+    functions: FunctionsAcrossWidth, half: float
+) -> IntegralsOverWidth:
     """The integrals of products of functions of z over the whole width of a part of the shoe.
 
     `half` is the half width of the part [m]. The Gauss rule is exact for functions up to degree 11.
@@ -207,7 +220,9 @@ def integrals_of_function_products_over_width(
     n, m = functions.counts_of_even_and_odd_functions_on_part(half)
     if functions.degree == 0:
         empty, none = np.zeros((0, 0)), np.zeros((1, 0))
-        return WidthIntegrals(np.array([[2 * half]]), np.zeros((1, 1)), empty, empty, none, none)
+        return IntegralsOverWidth(
+            np.array([[2 * half]]), np.zeros((1, 1)), empty, empty, none, none
+        )
     starts = np.array(functions.breaks[: functions.number_of_width_pieces_in_part(half)])
     lengths = np.diff(functions.breaks)[: len(starts)]
     z = (starts[:, None] + lengths[:, None] * (GAUSS + 1) / 2).ravel()
@@ -216,18 +231,20 @@ def integrals_of_function_products_over_width(
     weights = (lengths[:, None] * WEIGHTS).ravel()
     e, e_slopes = functions.function_values_and_slopes(functions.even_functions_across_width[:n], z)
     o, o_slopes = functions.function_values_and_slopes(functions.odd_functions_across_width[:m], z)
-    return WidthIntegrals(
+    return IntegralsOverWidth(
         even=(e * weights) @ e.T,
         even_slopes=(e_slopes * weights) @ e_slopes.T,
         odd=(o * weights) @ o.T,
         odd_slopes=(o_slopes * weights) @ o_slopes.T,
-        even_odd_slopes=(e * weights) @ o_slopes.T,
-        even_slopes_odd=(e_slopes * weights) @ o.T,
+        even_times_odd_slopes=(e * weights) @ o_slopes.T,
+        even_slopes_times_odd=(e_slopes * weights) @ o.T,
     )
 
 
 @cache
-def matrix_from_node_values_to_function_factors(functions: WidthFunctions, half: float) -> Floats:
+def matrix_from_node_values_to_function_factors(
+    functions: FunctionsAcrossWidth, half: float
+) -> Floats:
     """The matrix (functions, nodes) that turns values at nodes into factors of even functions.
 
     The nodes lie across a part of half width `half` [m], and the even functions are the functions
@@ -265,7 +282,7 @@ def half_widths_of_parts(shoe: Shoe) -> dict[str, float]:
 def has_parts_of_different_widths(shoe: Shoe) -> bool:
     """Whether some parts of a shoe are wider than others."""
     halves = half_widths_of_parts(shoe).values()
-    return max(halves) > min(halves) * (1 + SAME_SIDE)
+    return max(halves) > min(halves) * (1 + SAME_HALF_WIDTH_TOLERANCE)
 
 
 def piece_ends_across_half_width_of_shoe(shoe: Shoe, *, beside: bool = True) -> tuple[float, ...]:
@@ -283,32 +300,37 @@ def piece_ends_across_half_width_of_shoe(shoe: Shoe, *, beside: bool = True) -> 
     halves = half_widths_of_parts(shoe)
     lining = halves["lining"]
     places = list(halves.values())
-    inner = [half for half in places if half < lining * (1 - SAME_SIDE)]
+    inner = [half for half in places if half < lining * (1 - SAME_HALF_WIDTH_TOLERANCE)]
     if beside and inner:
         thickness = shoe.lining.thickness
         overhang = (lining - max(inner)) / thickness
         places += [
-            max(inner) + distance * thickness for distance in distances_of_breaks_from_web(overhang)
+            max(inner) + distance * thickness
+            for distance in width_breakpoint_distances_from_web(overhang)
         ]
     breaks = [0.0]
     for place in sorted(places):
-        if place - breaks[-1] > SAME_SIDE * place:
+        if place - breaks[-1] > SAME_HALF_WIDTH_TOLERANCE * place:
             breaks.append(place)
     return tuple(breaks)
 
 
-def distances_of_breaks_from_web(overhang: float) -> list[float]:
+def width_breakpoint_distances_from_web(overhang: float) -> list[float]:
     """The distances of breaks from the side of a web that a lining overhangs.
 
     The distances and the `overhang` are in thicknesses of the lining.
     """
-    found = [own for own in BESIDE_WEB if overhang - own > LEAST_OUTER_PIECE]
-    if not found and overhang > LEAST_OVERHANG:
-        found = [SHORT_OVERHANG * overhang]
+    found = [
+        own
+        for own in WIDTH_BREAKPOINT_DISTANCES_BESIDE_WEB
+        if overhang - own > LEAST_LENGTH_FROM_WIDTH_BREAKPOINT_TO_SIDE
+    ]
+    if not found and overhang > LARGEST_OVERHANG_WITHOUT_WIDTH_BREAKPOINT:
+        found = [WIDTH_BREAKPOINT_DISTANCE_IN_SHORT_OVERHANG * overhang]
     return found
 
 
-def functions_across_width_of_shoe(shoe: Shoe, degree: int) -> WidthFunctions:
+def functions_across_width_of_shoe(shoe: Shoe, degree: int) -> FunctionsAcrossWidth:
     """All functions across the width of a shoe up to a degree, on pieces between its breaks."""
     breaks = piece_ends_across_half_width_of_shoe(shoe)
-    return WidthFunctions((0.0, breaks[-1]) if degree == 0 else breaks, degree)
+    return FunctionsAcrossWidth((0.0, breaks[-1]) if degree == 0 else breaks, degree)

@@ -36,7 +36,7 @@ from drumlin.fem.hp.element import (
     shape_function_gradients_and_gauss_areas,
 )
 
-SYMMETRIES = (0, 1)
+SYMMETRY_NUMBERS_OF_COLUMN_DISPLACEMENTS = (0, 1)
 """The two symmetries of displacements about a column's middle: 0 symmetric, 1 antisymmetric."""
 
 
@@ -50,7 +50,7 @@ class LameConstants(NamedTuple):
     mu: float
 
 
-class SectionIntegrals(NamedTuple):
+class ElementIntegralsOverShoeSection(NamedTuple):
     """Integrals over each of c elements of a layer, of products of shape functions and gradients.
 
     Each integral contains the Lame constants. The axes after c are (along, along, row, row), for
@@ -62,21 +62,21 @@ class SectionIntegrals(NamedTuple):
     ----------
     plane : (c, A, A, n, n) Int lambda tr eps_a tr eps_b + 2 mu eps_a : eps_b dA [Pa]
     shear : (c, A, A, n, n) Int mu psi_a . psi_b dA [N]
-    coupled : (c, A, B, n, n) Int lambda tr eps_a psi_b dA [N/m]
-    sheared : (c, A, B, n, n) Int mu psi_a . grad psi_b dA [N/m]
+    integrals_of_trace_times_z_value : (c, A, B, n, n) Int lambda tr eps_a psi_b dA [N/m]
+    integrals_of_value_times_z_slope : (c, A, B, n, n) Int mu psi_a . grad psi_b dA [N/m]
     across : (c, B, B, n, n) Int (lambda + 2 mu) psi_a psi_b dA [N]
-    tilted : (c, B, B, n, n) Int mu grad psi_a . grad psi_b dA [Pa]
+    integrals_of_z_slope_products : (c, B, B, n, n) Int mu grad psi_a . grad psi_b dA [Pa]
     """
 
     plane: Floats
     shear: Floats
-    coupled: Floats
-    sheared: Floats
+    integrals_of_trace_times_z_value: Floats
+    integrals_of_value_times_z_slope: Floats
     across: Floats
-    tilted: Floats
+    integrals_of_z_slope_products: Floats
 
 
-class AngularFactors(NamedTuple):
+class AngularFactorsOfSectionIntegrals(NamedTuple):
     """The angular factors of the integrals over c columns, for displacements of one symmetry.
 
     Each integral over an element of the section is a sum of products of an angular and a radial
@@ -89,23 +89,23 @@ class AngularFactors(NamedTuple):
     strains : (c, A A, 8) products of the traces of two strains, then twice the products of two
         strain tensors, both for all k and l
     values : (c, A A, 1) products of two displacements in the section
-    traces_values : (c, A B, 2) products of the trace of a strain and u_z, for each k
-    values_slopes : (c, A B, 2) products of a displacement in the section and the gradient of u_z,
-        for each l
-    values_z : (c, B B, 1) products of two u_z
-    slopes_z : (c, B B, 4) products of two gradients of u_z, for all k and l
+    traces_times_z_values : (c, A B, 2) products of the trace of a strain and u_z, for each k
+    values_times_z_slopes : (c, A B, 2) products of a displacement in the section and the gradient
+        of u_z, for each l
+    z_value_products : (c, B B, 1) products of two u_z
+    z_slope_products : (c, B B, 4) products of two gradients of u_z, for all k and l
     """
 
     strains: Floats
     values: Floats
-    traces_values: Floats
-    values_slopes: Floats
-    values_z: Floats
-    slopes_z: Floats
+    traces_times_z_values: Floats
+    values_times_z_slopes: Floats
+    z_value_products: Floats
+    z_slope_products: Floats
 
 
 @cache
-def symmetry_matrix_of_forces_along_z(p: int, symmetry: int) -> Floats:
+def matrix_from_node_to_unknown_forces_along_z(p: int, symmetry: int) -> Floats:
     """The matrix (B, p + 1) from forces along z on a row's nodes to forces on its B unknowns.
 
     The row has p + 1 nodes, and the unknowns describe displacements of one symmetry. Each unknown
@@ -126,7 +126,7 @@ def symmetry_matrix_of_forces_along_z(p: int, symmetry: int) -> Floats:
 
 def angular_factors_of_section_integrals(
     angles: Floats, p: int, symmetry: int, *, flat: bool = False
-) -> AngularFactors:
+) -> AngularFactorsOfSectionIntegrals:
     """The angular factors of the integrals over columns of elements on an arc or on a plane.
 
     Displacements of a node on a side of its column are measured along the side's radius and square
@@ -173,7 +173,10 @@ def angular_factors_of_section_integrals(
 
     # In displacements of one symmetry, both nodes of a mirrored pair belong to one unknown. The
     # values due to the two nodes are combined to the value due to this unknown.
-    fold, across = functions.fold[symmetry], symmetry_matrix_of_forces_along_z(p, symmetry)
+    fold, across = (
+        functions.matrices_to_symmetric_forces[symmetry],
+        matrix_from_node_to_unknown_forces_along_z(p, symmetry),
+    )
     A, B = len(fold), len(across)
     strain = (fold @ strain.reshape(count, 2, 2 * n, -1)).reshape(count, 2 * A, 3, -1)
     moved = (fold @ moved.reshape(count, 2 * n, -1)).reshape(count, A, -1)
@@ -191,18 +194,18 @@ def angular_factors_of_section_integrals(
         gradient.reshape(count, 2 * B, -1), gradient.reshape(count, 2 * B, -1)
     )
     by_slopes = by_slopes.reshape(count, 2, B, 2, B).transpose(0, 2, 4, 1, 3)
-    traces_values = (
+    traces_times_z_values = (
         _scalar_products_of_rows(trace, value).reshape(count, 2, A, B).transpose(0, 2, 3, 1)
     )
     moved_slopes = _scalar_products_of_rows(moved, gradient.reshape(count, 2 * B, -1))
     moved_slopes = moved_slopes.reshape(count, A, 2, B).transpose(0, 1, 3, 2)
-    return AngularFactors(
+    return AngularFactorsOfSectionIntegrals(
         strains=np.ascontiguousarray(by_strains).reshape(count, A * A, 8),
         values=_scalar_products_of_rows(moved, moved).reshape(count, A * A, 1),
-        traces_values=np.ascontiguousarray(traces_values).reshape(count, A * B, 2),
-        values_slopes=np.ascontiguousarray(moved_slopes).reshape(count, A * B, 2),
-        values_z=_scalar_products_of_rows(value, value).reshape(count, B * B, 1),
-        slopes_z=np.ascontiguousarray(by_slopes).reshape(count, B * B, 4),
+        traces_times_z_values=np.ascontiguousarray(traces_times_z_values).reshape(count, A * B, 2),
+        values_times_z_slopes=np.ascontiguousarray(moved_slopes).reshape(count, A * B, 2),
+        z_value_products=_scalar_products_of_rows(value, value).reshape(count, B * B, 1),
+        z_slope_products=np.ascontiguousarray(by_slopes).reshape(count, B * B, 4),
     )
 
 
@@ -215,10 +218,10 @@ def cross_section_integrals_between_circles(
     inner: float,
     outer: float,
     lame: LameConstants,
-    angular: AngularFactors,
+    angular: AngularFactorsOfSectionIntegrals,
     p: int,
     plane: float | None = None,
-) -> SectionIntegrals:
+) -> ElementIntegralsOverShoeSection:
     """The integrals over the elements of all columns in a layer between two circles or planes.
 
     Parameters
@@ -249,7 +252,7 @@ def cross_section_integrals_between_circles(
     twice = B[:2, :2].reshape(4, -1)
     count = len(angular.values)
 
-    def products_of_angular_and_radial_factors(factors: Floats, own: Floats) -> Floats:
+    def integrals_from_angular_and_radial_factors(factors: Floats, own: Floats) -> Floats:
         """The integrals (c, a b, n n) as sums of products of angular and radial factors.
 
         `factors` (c, a b, k) are the angular factors for a times b pairs of unknowns along a row,
@@ -258,25 +261,27 @@ def cross_section_integrals_between_circles(
         return np.asarray(factors @ own)
 
     found = [
-        products_of_angular_and_radial_factors(
+        integrals_from_angular_and_radial_factors(
             angular.strains, np.concatenate([lam * twice, mu * twice])
         ),
-        products_of_angular_and_radial_factors(angular.values, mu * B[2, 2][None]),
-        products_of_angular_and_radial_factors(angular.traces_values, lam * B[:2, 2]),
-        products_of_angular_and_radial_factors(angular.values_slopes, mu * B[2, :2]),
-        products_of_angular_and_radial_factors(angular.values_z, (lam + 2 * mu) * B[2, 2][None]),
-        products_of_angular_and_radial_factors(angular.slopes_z, mu * twice),
+        integrals_from_angular_and_radial_factors(angular.values, mu * B[2, 2][None]),
+        integrals_from_angular_and_radial_factors(angular.traces_times_z_values, lam * B[:2, 2]),
+        integrals_from_angular_and_radial_factors(angular.values_times_z_slopes, mu * B[2, :2]),
+        integrals_from_angular_and_radial_factors(
+            angular.z_value_products, (lam + 2 * mu) * B[2, 2][None]
+        ),
+        integrals_from_angular_and_radial_factors(angular.z_slope_products, mu * twice),
     ]
-    b = round(np.sqrt(angular.values_z.shape[1]))
-    a = angular.values_slopes.shape[1] // b
+    b = round(np.sqrt(angular.z_value_products.shape[1]))
+    a = angular.values_times_z_slopes.shape[1] // b
     shapes = [(a, a), (a, a), (a, b), (a, b), (b, b), (b, b)]
     each = [own.reshape(count, *shape, n, n) for own, shape in zip(found, shapes, strict=True)]
-    return SectionIntegrals(*each)
+    return ElementIntegralsOverShoeSection(*each)
 
 
 def cross_section_integrals_of_any_shape(
     xy: Floats, lame: LameConstants, p: int
-) -> SectionIntegrals:
+) -> ElementIntegralsOverShoeSection:
     """The integrals over c elements of any shape, for displacements in the shoe's frame.
 
     Along a row the unknowns are the displacements of its nodes; x and y of a node are neighbours.
@@ -313,12 +318,13 @@ def cross_section_integrals_of_any_shape(
     # the first, (along, x or y) of the second, row of the first, row of the second node.
     to_plane, to_mixed, to_z = (0, 3, 1, 6, 4, 2, 5), (0, 3, 1, 5, 2, 4), (0, 2, 4, 1, 3)
     by_nodes = 2 * n, n, n, n
-    sheared = mixed.transpose(0, 1, 4, 5, 2, 3)
-    return SectionIntegrals(
+    swapped = mixed.transpose(0, 1, 4, 5, 2, 3)
+    traces, values = (lam * mixed).transpose(to_mixed), (mu * swapped).transpose(to_mixed)
+    return ElementIntegralsOverShoeSection(
         plane=plane.transpose(to_plane).reshape(count, 2 * n, 2 * n, n, n),
         shear=shear.transpose(to_plane).reshape(count, 2 * n, 2 * n, n, n),
-        coupled=(lam * mixed).transpose(to_mixed).reshape(count, *by_nodes),
-        sheared=(mu * sheared).transpose(to_mixed).reshape(count, *by_nodes),
+        integrals_of_trace_times_z_value=traces.reshape(count, *by_nodes),
+        integrals_of_value_times_z_slope=values.reshape(count, *by_nodes),
         across=((lam + 2 * mu) * mass).transpose(to_z),
-        tilted=(mu * stretch).transpose(to_z),
+        integrals_of_z_slope_products=(mu * stretch).transpose(to_z),
     )

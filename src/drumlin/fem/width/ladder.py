@@ -6,25 +6,34 @@ one by one and then added up: the section's error, due to the hp elements, and t
 due to the degree across the width.
 
 - For the section's error the brake is solved with a low degree across the width on finer and finer
-  levels, until the error is at most SECTION_SHARE of the tolerance. If all parts of each shoe have
-  one width, the degree is 0, plane stress. Else the degree is SECTION_DEGREE, and the error is
-  multiplied by the safety factors `section_pressure` and `section_force`. The error of a coarser
-  level is the distance of its answer from the answer of the last level, plus the stated error of
-  the last answer. The coarsest level whose error is within the share is chosen.
-- The width's error may be as large as the rest of the tolerance. Degrees are compared on the same
-  hp elements: coarse ones, on which degrees cost little, or the first level of a solve if a shoe
-  has parts of several widths. There the distances of the answer with the degree q from the answers
-  with the degrees q + 1 and q + 2 are computed. The next degree alone would not show the error,
-  since the errors of even and of odd degrees fall at different rates. The larger distance is
-  extrapolated to an infinite degree. The smallest degree whose error is within the rest of the
-  tolerance is chosen.
+  levels, until the error is at most SECTION_ERROR_SHARE_OF_TOLERANCE of the tolerance. If all parts
+  of each shoe have one width, the degree is 0, plane stress. Else the degree is
+  WIDTH_DEGREE_FOR_HP_ELEMENT_ERROR_ESTIMATE, and the error is multiplied by the safety factors
+  `section_pressure` and `section_force`. The error of a coarser level is the distance of its answer
+  from the answer of the last level, plus the stated error of the last answer.
+- For the width's error degrees are compared on the same hp elements: coarse ones, on which degrees
+  cost little, or the first level of a solve if a shoe has parts of several widths. There the
+  distances of the answer with the degree q from the answers with the degrees q + 1 and q + 2 are
+  computed. The next degree alone would not show the error, since the errors of even and of odd
+  degrees fall at different rates. The larger distance is extrapolated to an infinite degree.
+
+The degrees are tried from low to high, and for each degree all solved levels from coarse to fine,
+until the sum of both errors meets the tolerance. A coarse level with an error above
+SECTION_ERROR_SHARE_OF_TOLERANCE of the tolerance can thus go with a degree whose error is small,
+and the answer that was compared is often the answer that is returned. Higher degrees are not tried
+once the error of p no longer falls, or if the elements alone miss the tolerance.
+
+Where most of a lining overhangs its web, the distance of the lowest degree from the next one alone,
+extrapolated to an infinite degree, gives a provisional error with the safety factors
+NEXT_DEGREE_FACTORS. Where this error meets the tolerance, the second higher degree is not needed.
 
 The width's error e falls as a power of the degree where a side of the shoe is free or a part
 overhangs another part. From e(q) = C q^-k follows e(q) = d / (1 - (q/(q + 2))^k) with the distance
-d = e(q) - e(q + 2). The estimate is this e(q) times a safety factor of SOLID_FACTORS. The factor of
-forces is larger than the factor of pressures, because the distances of forces may cancel by
-accident. The power k is SLOWEST_FALL. It is not fitted to the distances of a brake, because the
-distances of few degrees scatter. With k = 1 the distance is multiplied by (q + 2)/2.
+d = e(q) - e(q + 2). The estimate is this e(q) times a safety factor of
+SAFETY_FACTORS_OF_SOLID_ERRORS. The factor of forces is larger than the factor of pressures, because
+the distances of forces may cancel by accident. The power k is ASSUMED_WIDTH_ERROR_EXPONENT. It is
+not fitted to the distances of a brake, because the distances of few degrees scatter. With k = 1 the
+distance is multiplied by (q + 2)/2.
 
 Beside a web the pressure changes fast across the width and along it, so that smaller elements need
 higher degrees there. Had the distances been computed on coarse elements, the estimate without its
@@ -36,8 +45,22 @@ divided anew with small elements at the ends of the contact of the model with wi
 ends no longer move. On one random brake ("free" 2000 of `drumlin_studies.solid_error`) the
 pressures of the first two levels differ by 0.23 %. They differ by 3.7 % if the small elements lie
 at the ends of the contact in plane stress.
+
+Far beside a web the contact may reach farther along the arc than under the web, with hardly any
+pressure. So there are small elements at the ends of the contact in the mid-plane, too. On "built"
+3104, with an overhang of 9.8 lining thicknesses, the pressures of the first two levels then differ
+by 0.4 % with the degrees 1, 2 and 3. Without these elements they differ by 1.6, 4.9 and 4.3 %.
+
+Some brakes do not reach 1 %. Their lining lifts off beside the web along a curve that crosses the
+elements of the face. Between any two degrees, and between any two levels, p then differs by 0.3 to
+0.5 % ("built" 510004 and "free" 510017), spread over the whole contact. The difference does not
+become smaller with columns of at most a twelfth of the contact. It becomes smaller with more pieces
+across the overhang: with degree 3 on quarters of the overhang the error of p is 0.24 %, and 0.61 %
+with the break of `functions.WIDTH_BREAKPOINT_DISTANCES_BESIDE_WEB`, but such a shoe has 1.6 times
+the unknowns.
 """
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
@@ -46,34 +69,43 @@ from typing import NamedTuple
 
 from drumlin.base.errors import NoAnswer
 from drumlin.base.texts import error_text_in_percent
-from drumlin.brake.brake import Brake
-from drumlin.fem.error_control.adapt import Tolerance, solve_brake_to_tolerance
-from drumlin.fem.error_control.estimate import QUANTITIES, Errors, read_safety_factors
+from drumlin.brake.brake import Brake, Shoe
+from drumlin.fem.error_control.adapt import TolerancesOfPressureAndTorque, solve_brake_to_tolerance
+from drumlin.fem.error_control.estimate import (
+    QUANTITIES_WITH_STATED_ERROR,
+    EstimatedErrors,
+    read_safety_factors,
+)
 from drumlin.fem.error_control.levels import (
-    LEVELS,
-    ResponseFunction,
+    REFINEMENT_LEVELS_FROM_COARSE_TO_FINE,
+    FunctionThatComputesResponse,
     SolvedLevel,
+    has_any_lining_new_singular_points,
     solve_brake_on_finer_and_finer_mesh_levels,
 )
-from drumlin.fem.hp.division import Level, ShoeDivision
-from drumlin.fem.model import PENALTY, solve_prepared_model
-from drumlin.fem.preparation.cache import Cache
-from drumlin.fem.preparation.scene import PointsByShape, PreparedModel
+from drumlin.fem.error_control.singular_points import singular_points_of_each_shoe_shape
+from drumlin.fem.hp.division import RefinementLevel, ShoeElementDivision
+from drumlin.fem.model import DEFAULT_PENALTY_FACTOR, solve_prepared_model
+from drumlin.fem.preparation.cache import CacheOfCondensedBodies
+from drumlin.fem.preparation.scene import PreparedModel, SingularPointsByShoeShape
 from drumlin.fem.width.error import (
-    WIDTH_DEGREE,
+    WIDTH_DEGREE_COMPARED_WITH_PLANE_STRESS,
     plane_stress_solution_on_coarse_hp_elements,
-    relative_distances_of_shoe_responses,
+    relative_torque_pressure_and_reaction_differences,
 )
-from drumlin.fem.width.functions import has_parts_of_different_widths
+from drumlin.fem.width.functions import (
+    has_parts_of_different_widths,
+    piece_ends_across_half_width_of_shoe,
+)
 from drumlin.fem.width.prepare import (
     LARGEST_WIDTH_DEGREE,
-    MakeFunctions,
+    MakeWidthFunctionsOfShoe,
     prepare_model_with_shoe_widths,
     prepare_model_with_widths_on_given_elements,
 )
 from drumlin.response.response import Response
 
-SLOWEST_FALL = 1.0
+ASSUMED_WIDTH_ERROR_EXPONENT = 1.0
 """Assumed power k with which the error due to the degree q across the width falls, as q^-k.
 
 Where the displacements have a singularity r^a, polynomials of degree q leave an error of q^-2a in
@@ -81,10 +113,11 @@ the energy norm (Babuska, Szabo & Katz 1981, SIAM J. Numer. Anal. 18, 515). The 
 singularity at a corner has a = 1/2, and so k = 1. A larger k makes stated errors smaller, a smaller
 k makes them larger. On 17 random brakes with parts of several widths the smallest ratio of the
 stated error, without a safety factor, to the true error is 1.6 with k = 1, and 1.2 with k = 1.5.
-On coarse elements of 21 random brakes with the breaks of `functions.BESIDE_WEB` the smallest ratio
-with k = 1 is 1.6 for the pressure and 1.3 for forces, with the degrees 2 and 3.
+On coarse elements of 21 random brakes with the breaks of
+`functions.WIDTH_BREAKPOINT_DISTANCES_BESIDE_WEB` the smallest ratio with k = 1 is 1.6 for the
+pressure and 1.3 for forces, with the degrees 2 and 3.
 """
-SECTION_DEGREE = 1
+WIDTH_DEGREE_FOR_HP_ELEMENT_ERROR_ESTIMATE = 1
 """Degree across the width for the estimate of the hp elements' error if parts have several widths.
 
 Degree 1 represents the bending of a table over its web by straight lines. The error is estimated
@@ -94,7 +127,7 @@ times the distance with degree 2 (median 0.9). In plane stress it may be 9.5 tim
 degree 2, and would not show the error. With degree 2 the second level takes 5 times as long as with
 degree 1.
 """
-MOST_SECTION_LEVELS = 2
+NUMBER_OF_LEVELS_FOR_SECTION_ERROR_ESTIMATE = 2
 """Number of levels on which the hp elements' error is estimated if parts have several widths.
 
 Where a lining lifts off beside a web, its contact ends at another angle at each distance from the
@@ -102,47 +135,61 @@ mid-plane, and no level has small elements at all of these ends. On such a brake
 `drumlin_studies.solid_error`) the error of the pressure falls only from 0.5 % on the first level to
 0.3 % on the third level. If a tolerance must be reached, one more level is allowed; with degree 5
 across the width it has some 300 000 unknowns. The level is allowed as well if the last one has at
-most LARGEST_SECTION unknowns.
+most MOST_UNKNOWNS_FOR_FURTHER_SECTION_LEVEL unknowns.
 """
-LARGEST_SECTION = 9_000
-"""Unknowns of a shoe, with SECTION_DEGREE across the width, up to which one more level is allowed.
+MOST_UNKNOWNS_FOR_FURTHER_SECTION_LEVEL = 9_000
+"""Unknowns of a shoe up to which one more level of the section is allowed.
+
+They are counted with WIDTH_DEGREE_FOR_HP_ELEMENT_ERROR_ESTIMATE across the width.
 
 Short contacts have few columns of elements. On one random brake with 8900 unknowns ("free" 510007
 of `drumlin_studies.solid_error`) the stated error of p falls from 3.2 to 0.84 %. With degree 4
 across the width the third level then has 101 000 unknowns, and the process takes 1.1 GB. With a
 larger limit solves take more memory, with a smaller limit the error of short contacts stays larger.
 """
-MOST_DEGREE = 5
+LARGEST_WIDTH_DEGREE_IF_TOLERANCE_IS_OPTIONAL = 5
 """Largest degree across the width for parts of several widths, if a tolerance may be missed.
 
-If the tolerance must be met, LARGEST_STATED_DEGREE is the limit. With degree 7 the brake "built"
-3201 of `drumlin_studies.solid_error` takes 2 GB on the first level.
+If the tolerance must be met, LARGEST_WIDTH_DEGREE_WITH_STATED_ERROR is the limit. With degree 7 the
+brake "built" 3201 of `drumlin_studies.solid_error` takes 2 GB on the first level.
 """
-SECTION_SHARE = 0.5
+LARGEST_SOLID = 90_000
+"""Largest number of unknowns of a shoe with parts of several widths, if a tolerance may be missed.
+
+A solve with 80 000 unknowns takes 0.9 GB, and a solve with 105 000 unknowns takes 1.5 GB ("built"
+510003 and "free" 510000 of `drumlin_studies.solid_error`). If the tolerance must be met, there is
+no limit.
+"""
+LEAST_FALL = 0.8
+"""Error of p with a degree across the width, relative to the smallest error with a lower degree,
+below which the error counts as falling.
+
+With larger values the degree is raised although the error hardly falls, until memory runs out. With
+smaller values solves end before the tolerance is reached. By the power ASSUMED_WIDTH_ERROR_EXPONENT
+the ratio is 0.67 from degree 2 to degree 3. Where a lining lifts off beside a web, the ends of the
+contact move from node to node of the face, and change p by 0.3 to 0.5 % whatever the degree.
+"""
+SECTION_ERROR_SHARE_OF_TOLERANCE = 0.5
 """Fraction of the tolerance for the error of the section's hp elements.
 
 The error due to the degree across the width may take the rest of the tolerance.
 """
-LEAST_WIDTH_SHARE = 0.2
-"""Smallest fraction of the tolerance to which the error of the width is brought.
-
-An error of the section above SECTION_SHARE is made up for by a higher degree, as long as the
-section leaves this fraction to the width. With a smaller fraction degrees are raised in vain where
-the error of the width falls slowly.
-"""
-LOOKED_AHEAD = 2
+NUMBER_OF_COMPARED_HIGHER_WIDTH_DEGREES = 2
 """Number of higher degrees across the width whose answers give the error of a degree.
 
 Of the two next higher degrees one is even and the other odd.
 """
-LARGEST_STATED_DEGREE = LARGEST_WIDTH_DEGREE - LOOKED_AHEAD
+LARGEST_WIDTH_DEGREE_WITH_STATED_ERROR = (
+    LARGEST_WIDTH_DEGREE - NUMBER_OF_COMPARED_HIGHER_WIDTH_DEGREES
+)
 """Largest degree across the width whose error can be stated.
 
-The error follows from answers with the LOOKED_AHEAD next higher degrees, which must be allowed.
+The error follows from answers with the NUMBER_OF_COMPARED_HIGHER_WIDTH_DEGREES next higher degrees,
+which must be allowed.
 """
 
 
-class SolidFactors(NamedTuple):
+class SafetyFactorsOfSolidErrors(NamedTuple):
     """Safety factors of the errors stated for shoes with widths.
 
     The factors `force` hold for torques and reactions, the factors `pressure` for pressures.
@@ -152,7 +199,8 @@ class SolidFactors(NamedTuple):
     pressure, force : of the error due to the degree across the width, relative to the extrapolated
         distance between degrees
     section_pressure, section_force : of the error of the section's hp elements if parts have
-        several widths, relative to the error estimated with SECTION_DEGREE across the width
+        several widths, relative to the error estimated with
+        WIDTH_DEGREE_FOR_HP_ELEMENT_ERROR_ESTIMATE across the width
     """
 
     pressure: float
@@ -161,14 +209,16 @@ class SolidFactors(NamedTuple):
     section_force: float
 
 
-SOLID_FACTORS = SolidFactors(**read_safety_factors(Path(__file__).with_name("factors.json")))
+SAFETY_FACTORS_OF_SOLID_ERRORS = SafetyFactorsOfSolidErrors(
+    **read_safety_factors(Path(__file__).with_name("factors.json"))
+)
 """Safety factors of the errors stated for shoes with widths, fitted by `make calibrate`.
 
 The file factors.json says to which brakes they are fitted, and what each factor does.
 """
 
 
-class ErrorFactors(NamedTuple):
+class PressureAndForceErrorFactors(NamedTuple):
     """Two factors by which errors are multiplied.
 
     `pressure` multiplies errors of pressures, and `force` multiplies errors of torques and
@@ -179,10 +229,31 @@ class ErrorFactors(NamedTuple):
     force: float
 
 
-class SolidErrors(NamedTuple):
+NEXT_DEGREE_FACTORS = PressureAndForceErrorFactors(pressure=1.5, force=1.5)
+"""Safety factors of an error by the distance from the next degree across the width alone.
+
+They are relative to this distance, extrapolated to an infinite degree with the power
+ASSUMED_WIDTH_ERROR_EXPONENT. On 17 random brakes with at most LARGEST_FIRST_PIECE of the lining in
+the first piece (of "free" 1000 to 1019, and nine "free" and "built" from 510000) the ratio of the
+true error of degree 2 to the extrapolated distance is at most 0.68. The factors are twice as large
+as these brakes need.
+"""
+LARGEST_FIRST_PIECE = 0.5
+"""Part of the lining's width in the first piece up to which the next degree alone gives an error.
+
+The first piece lies about the mid-plane. On it an even degree adds functions of u_x and u_y only,
+and an odd degree adds functions of u_z only, so that one distance may be small by accident. On the
+other pieces every degree adds functions of all displacements. The ratio of the true error of p to
+the extrapolated distance is 0.85 where the first piece has two thirds of the lining ("free" 1000),
+1.75 and 2.03 where it has 87 and 95 % ("free" 1016 and 1007), and more than 2.3 where it has all of
+it ("free" 510023). The value one half is a judgement: most of the lining then has all functions.
+"""
+
+
+class RelativeErrorsOfSolidModel(NamedTuple):
     """Relative errors of a brake's `torque`, and relative errors of each of its shoes.
 
-    `shoes` has the errors of each shoe by the names in QUANTITIES.
+    `shoes` has the errors of each shoe by the names in QUANTITIES_WITH_STATED_ERROR.
     """
 
     torque: float
@@ -191,59 +262,63 @@ class SolidErrors(NamedTuple):
     @property
     def largest_pressure_error(self) -> float:
         """The largest error of a shoe's pressure, which is averaged over the width."""
-        return max(shoe["pressure"] for shoe in self.shoes)
+        return self.largest_error_by_name("pressure")
+
+    def largest_error_by_name(self, name: str) -> float:
+        """The error of the brake's torque for the name "torque", else the largest of its shoes."""
+        return self.torque if name == "torque" else max(shoe[name] for shoe in self.shoes)
 
     @property
-    def smallest_tolerance_that_errors_meet(self) -> Tolerance:
+    def smallest_tolerance_that_errors_meet(self) -> TolerancesOfPressureAndTorque:
         """The smallest tolerance that these errors meet: largest pressure error, torque error."""
-        return Tolerance(self.largest_pressure_error, self.torque)
+        return TolerancesOfPressureAndTorque(self.largest_pressure_error, self.torque)
 
-    def is_within_error_tolerance(self, tolerance: Tolerance) -> bool:
+    def is_within_error_tolerance(self, tolerance: TolerancesOfPressureAndTorque) -> bool:
         """Whether the errors of the torque and of each shoe's pressure are within a tolerance."""
         return self.largest_pressure_error <= tolerance.pressure and self.torque <= tolerance.torque
 
-    def sum_of_these_and_other_errors(self, other: "SolidErrors") -> "SolidErrors":
+    def sum_of_these_and_other_errors(
+        self, other: "RelativeErrorsOfSolidModel"
+    ) -> "RelativeErrorsOfSolidModel":
         """The sum of these errors and of `other` errors.
 
         The error of a peak pressure is limited to 1, which means that the error is unknown.
         """
         shoes = []
         for one, two in zip(self.shoes, other.shoes, strict=True):
-            both = {name: one[name] + two[name] for name in QUANTITIES}
+            both = {name: one[name] + two[name] for name in QUANTITIES_WITH_STATED_ERROR}
             shoes.append(both | {"peak": min(both["peak"], 1.0)})
-        return SolidErrors(self.torque + other.torque, tuple(shoes))
+        return RelativeErrorsOfSolidModel(self.torque + other.torque, tuple(shoes))
 
-    def errors_times_factors(self, factors: ErrorFactors) -> "SolidErrors":
+    def errors_times_factors(
+        self, factors: PressureAndForceErrorFactors
+    ) -> "RelativeErrorsOfSolidModel":
         """These errors times factors: one factor for pressures, one for torques and reactions."""
-        by_name = dict.fromkeys(QUANTITIES, factors.force)
+        by_name = dict.fromkeys(QUANTITIES_WITH_STATED_ERROR, factors.force)
         by_name |= {"pressure": factors.pressure, "peak": factors.pressure}
         shoes = [{name: by_name[name] * own for name, own in shoe.items()} for shoe in self.shoes]
-        return SolidErrors(factors.force * self.torque, tuple(shoes))
+        return RelativeErrorsOfSolidModel(factors.force * self.torque, tuple(shoes))
 
 
-class SectionError(NamedTuple):
+class SectionLevelWithItsError(NamedTuple):
     """A level of the section's hp elements, and the error that these elements make.
 
     The error due to the degree across the width is not contained.
+
+    Attributes
+    ----------
+    level : the level
+    error : the relative errors
+    size : unknowns of a shoe on the level, relative to its unknowns on the first level with the
+        same functions across the width
     """
 
-    level: Level
-    error: SolidErrors
+    level: RefinementLevel
+    error: RelativeErrorsOfSolidModel
+    size: float = 1.0
 
 
-class ComparedSection(NamedTuple):
-    """The hp elements of a brake's shoes on which degrees across the width are compared.
-
-    `divisions` are the divisions of the shoes' sections into hp elements, by the index of the first
-    shoe of each shape. `answers` are the answers that are already computed on these elements, by
-    the degree across the width.
-    """
-
-    divisions: Mapping[int, ShoeDivision]
-    answers: Mapping[int, Response]
-
-
-class LevelClimb(NamedTuple):
+class SolvedLevelsWithLastResponse(NamedTuple):
     """The solved levels of a brake, from coarse to fine, and the answer with its stated errors.
 
     `response` is the answer on the last level.
@@ -253,24 +328,66 @@ class LevelClimb(NamedTuple):
     response: Response
 
 
-class DegreeError(NamedTuple):
-    """A degree across the width, the error due to this degree, and the answer with it.
+class HpElementsForComparingWidthDegrees(NamedTuple):
+    """The hp elements of a brake's shoes on which degrees across the width are compared.
 
-    The answer is found on the hp elements on which degrees are compared.
+    `divisions` are the divisions of the shoes' sections into hp elements, by the index of the first
+    shoe of each shape. `level` is the level of these elements, and None for coarse elements. The
+    models that are already solved on the elements are `solved`, by their degree across the width.
+    """
+
+    divisions: Mapping[int, ShoeElementDivision]
+    level: RefinementLevel | None
+    solved: Mapping[int, SolvedLevel]
+
+
+class WidthError(NamedTuple):
+    """A degree across the width, the error due to this degree, and the solved model with it.
+
+    The model has the hp elements on which degrees are compared. A `provisional` error needs the
+    answer with the next degree only, and has larger safety factors.
     """
 
     degree: int
-    error: SolidErrors
-    response: Response
+    error: RelativeErrorsOfSolidModel
+    solved: SolvedLevel
+    provisional: bool = False
+
+    @property
+    def unknowns(self) -> int:
+        """The largest number of unknowns of a shoe."""
+        return largest_number_of_unknowns(self.solved)
+
+
+def largest_number_of_unknowns(solved: SolvedLevel) -> int:
+    """The largest number of unknowns of a shoe in a solved model."""
+    return max(body.unknowns for body in solved.prepared_model.bodies)
+
+
+class SolidChoice(NamedTuple):
+    """Hp elements of the section and a degree across the width, with the sum of their errors."""
+
+    section: SectionLevelWithItsError
+    width: WidthError
+
+    @property
+    def error(self) -> RelativeErrorsOfSolidModel:
+        """The errors due to the section's elements plus the errors due to the degree."""
+        return self.section.error.sum_of_these_and_other_errors(self.width.error)
+
+    @property
+    def unknowns(self) -> float:
+        """About how many unknowns a shoe has, if degrees are compared on the first level."""
+        return self.section.size * self.width.unknowns
 
 
 def solve_brake_with_widths_to_tolerance(
     brake: Brake,
-    tolerance: Tolerance,
+    tolerance: TolerancesOfPressureAndTorque,
     *,
     must: bool = True,
-    penalty: float = PENALTY,
-    cache: Cache | None = None,
+    penalty: float = DEFAULT_PENALTY_FACTOR,
+    cache: CacheOfCondensedBodies | None = None,
 ) -> Response:
     """Solve a brake with widths so that its estimated errors meet a tolerance.
 
@@ -283,12 +400,12 @@ def solve_brake_with_widths_to_tolerance(
 
 def solve_brake_with_widths_and_keep_model(
     brake: Brake,
-    tolerance: Tolerance,
+    tolerance: TolerancesOfPressureAndTorque,
     *,
     must: bool = True,
     across: int | None = None,
-    penalty: float = PENALTY,
-    cache: Cache | None = None,
+    penalty: float = DEFAULT_PENALTY_FACTOR,
+    cache: CacheOfCondensedBodies | None = None,
 ) -> SolvedLevel:
     """Solve a brake with widths to a tolerance; return the response with its prepared model.
 
@@ -310,66 +427,185 @@ def solve_brake_with_widths_and_keep_model(
     BadInput
         if the model of the width does not apply to the brake
     """
-    share = Tolerance(SECTION_SHARE * tolerance.pressure, SECTION_SHARE * tolerance.torque)
-    cache = cache or Cache()
-    answer = partial(solve_prepared_model, penalty=penalty)
-    climb = refine_cross_section_mesh_until_tolerance_is_met(brake, share, answer, cache)
-    plane, factors = climb.response, ErrorFactors(1.0, 1.0)
-    largest_degree = LARGEST_STATED_DEGREE
-    if has_shoe_with_parts_of_different_widths(brake):
-        factors = ErrorFactors(SOLID_FACTORS.section_pressure, SOLID_FACTORS.section_force)
-        asked = Tolerance(share.pressure / factors.pressure, share.torque / factors.force)
-        climb = refine_cross_section_mesh_until_tolerance_is_met(
-            brake, asked, answer, cache, LEVELS[: MOST_SECTION_LEVELS + 1], plane, must=must
-        )
-        if not must:
-            largest_degree = MOST_DEGREE
-    section = coarsest_cross_section_mesh_within_tolerance(brake, climb, share, factors)
-    compared = hp_elements_to_compare_width_degrees(brake, plane, penalty=penalty, cache=cache)
-    left = Tolerance(
-        _tolerance_left_for_width(tolerance.pressure, section.error.largest_pressure_error),
-        _tolerance_left_for_width(tolerance.torque, section.error.torque),
+    cache = cache or CacheOfCondensedBodies()
+    sections = _cross_section_meshes_with_errors(
+        brake, tolerance, must=must, penalty=penalty, cache=cache
     )
-    degrees = range(WIDTH_DEGREE, largest_degree + 1) if across is None else (across,)
-    width = smallest_width_degree_within_tolerance(
-        brake, plane, compared, left, degrees, penalty=penalty, cache=cache
+    compared = hp_elements_to_compare_width_degrees(
+        brake, sections.plane, penalty=penalty, cache=cache
     )
-    if not width.error.is_within_error_tolerance(left):
-        # The hp elements need not be more exact than the degree across the width allows.
-        section = coarsest_cross_section_mesh_within_tolerance(
-            brake, climb, width.error.smallest_tolerance_that_errors_meet, factors
-        )
-    found = section.error.sum_of_these_and_other_errors(width.error)
+    several = has_shoe_with_parts_of_different_widths(brake)
+    largest_degree = (
+        LARGEST_WIDTH_DEGREE_IF_TOLERANCE_IS_OPTIONAL
+        if several and not must
+        else LARGEST_WIDTH_DEGREE_WITH_STATED_ERROR
+    )
+    degrees = (
+        range(WIDTH_DEGREE_COMPARED_WITH_PLANE_STRESS, largest_degree + 1)
+        if across is None
+        else (across,)
+    )
+    errors = errors_of_degrees_across_width(
+        brake, sections.plane, compared, degrees, penalty=penalty, cache=cache
+    )
+    is_limited = several and not must and across is None
+    choice = cheapest_choice_within_tolerance(
+        sections.errors, errors, tolerance, LARGEST_SOLID if is_limited else math.inf
+    )
     warning = ""
-    if not found.is_within_error_tolerance(tolerance):
-        warning = _message_on_unreached_error_tolerance(tolerance, found, width.degree)
+    if not choice.error.is_within_error_tolerance(tolerance):
+        warning = _message_on_unreached_error_tolerance(tolerance, choice)
         if must:
             raise NoAnswer(warning)
-    solved = solve_cross_section_mesh_with_width_degree(
-        brake, section.level, width.degree, width.response, penalty=penalty, cache=cache
-    )
-    return _solved_level_with_errors_and_notes(solved, section.level, width.degree, found, warning)
+    solved = choice.width.solved
+    if not _is_choice_solved(brake, choice, compared):
+        solved = solve_cross_section_mesh_with_width_degree(
+            brake,
+            choice.section.level,
+            choice.width.degree,
+            solved.response,
+            penalty=penalty,
+            cache=cache,
+        )
+    return _solved_level_with_errors_and_notes(solved, choice, warning)
 
 
-def _tolerance_left_for_width(tolerance: float, section_error: float) -> float:
-    """The relative error that the degree across the width may make, beside the section's error.
+class SectionErrors(NamedTuple):
+    """The solved levels of the section's hp elements from coarse to fine, with their errors.
 
-    It is the rest of the tolerance. If the section leaves less than LEAST_WIDTH_SHARE of the
-    tolerance, higher degrees would be tried for an error that is hardly reachable. The width then
-    keeps its share of a solve within the tolerance, and the tolerance is mostly missed.
+    `plane` is the answer of plane stress on its last level.
     """
-    rest = tolerance - section_error
-    return rest if rest >= LEAST_WIDTH_SHARE * tolerance else (1 - SECTION_SHARE) * tolerance
+
+    errors: list[SectionLevelWithItsError]
+    plane: Response
+
+
+def _cross_section_meshes_with_errors(
+    brake: Brake,
+    tolerance: TolerancesOfPressureAndTorque,
+    *,
+    must: bool,
+    penalty: float,
+    cache: CacheOfCondensedBodies,
+) -> SectionErrors:
+    """The levels of the section's hp elements that a solve to a tolerance needs, with their errors.
+
+    The last level has an error of at most SECTION_ERROR_SHARE_OF_TOLERANCE of the tolerance, unless
+    it is the finest one that is allowed. The parameters are those of
+    `solve_brake_with_widths_and_keep_model`.
+    """
+    part = SECTION_ERROR_SHARE_OF_TOLERANCE
+    share = TolerancesOfPressureAndTorque(part * tolerance.pressure, part * tolerance.torque)
+    answer = partial(solve_prepared_model, penalty=penalty)
+    if not has_shoe_with_parts_of_different_widths(brake):
+        climb = refine_cross_section_mesh_until_tolerance_is_met(brake, share, answer, cache)
+        return SectionErrors(
+            errors_of_solved_cross_section_meshes(
+                brake, climb, PressureAndForceErrorFactors(1.0, 1.0)
+            ),
+            climb.response,
+        )
+    # Plane stress only has to show where the first elements of the shoes with widths are small.
+    first = solve_brake_on_finer_and_finer_mesh_levels(
+        brake, answer, cache, REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[:1]
+    )
+    plane = next(iter(first)).response
+    fitted = SAFETY_FACTORS_OF_SOLID_ERRORS
+    factors = PressureAndForceErrorFactors(fitted.section_pressure, fitted.section_force)
+    asked = TolerancesOfPressureAndTorque(
+        share.pressure / factors.pressure, share.torque / factors.force
+    )
+    climb = refine_cross_section_mesh_until_tolerance_is_met(
+        brake,
+        asked,
+        answer,
+        cache,
+        REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[: NUMBER_OF_LEVELS_FOR_SECTION_ERROR_ESTIMATE + 1],
+        plane,
+        must=must,
+    )
+    return SectionErrors(errors_of_solved_cross_section_meshes(brake, climb, factors), plane)
+
+
+def cheapest_choice_within_tolerance(
+    sections: Sequence[SectionLevelWithItsError],
+    widths: Iterator[WidthError],
+    tolerance: TolerancesOfPressureAndTorque,
+    most_unknowns: float = math.inf,
+) -> SolidChoice:
+    """The smallest degree, and the coarsest elements for it, whose errors meet a tolerance.
+
+    If none meet it, the choice has the degree with the smallest error of p, and the coarsest
+    elements whose error is not larger, or else the finest elements.
+
+    Parameters
+    ----------
+    sections : levels of the section's hp elements with their errors, from coarse to fine
+    widths : errors due to the degree across the width, from low to high degrees. No more degrees
+        are taken after NUMBER_OF_COMPARED_HIGHER_WIDTH_DEGREES degrees in a row whose error of p
+        does not fall.
+    tolerance : relative errors that are allowed
+    most_unknowns : largest number of unknowns of a shoe on any level but the first
+    """
+    finest = sections[-1].error
+    can_sections_meet_tolerance = finest.is_within_error_tolerance(tolerance)
+    best: WidthError | None = None
+    degrees_without_fall = 0
+    for width in widths:
+        for section in sections:
+            choice = SolidChoice(section, width)
+            is_small = section is sections[0] or choice.unknowns <= most_unknowns
+            if is_small and choice.error.is_within_error_tolerance(tolerance):
+                return choice
+        if width.provisional:
+            continue
+        falls = best is None or (
+            width.error.largest_pressure_error < LEAST_FALL * best.error.largest_pressure_error
+        )
+        degrees_without_fall = 0 if falls else degrees_without_fall + 1
+        best = width if falls or best is None else best
+        # If the elements alone miss the tolerance, the degree need not be better than they are.
+        enough = finest.smallest_tolerance_that_errors_meet
+        is_enough = not can_sections_meet_tolerance and best.error.is_within_error_tolerance(enough)
+        if is_enough or degrees_without_fall == NUMBER_OF_COMPARED_HIGHER_WIDTH_DEGREES:
+            break
+    assert best is not None
+    enough = best.error.smallest_tolerance_that_errors_meet
+    last = sections[0]
+    for section in sections:
+        if SolidChoice(section, best).unknowns <= most_unknowns:
+            last = section
+        if last.error.is_within_error_tolerance(enough):
+            break
+    return SolidChoice(last, best)
+
+
+def _is_choice_solved(
+    brake: Brake, choice: SolidChoice, compared: HpElementsForComparingWidthDegrees
+) -> bool:
+    """Whether the model on which the chosen degree was compared is the model to be solved.
+
+    It must have the chosen level of elements, and small elements at the ends of its own contact.
+    The parameter `compared` has the elements on which degrees were compared.
+    """
+    if compared.level != choice.section.level:
+        return False
+    first = next(iter(compared.solved.values())).response
+    before, now = (
+        singular_points_of_each_shoe_shape(brake, response)
+        for response in (first, choice.width.solved.response)
+    )
+    return not has_any_lining_new_singular_points(brake, before, now)
 
 
 def solve_cross_section_mesh_with_width_degree(
     brake: Brake,
-    level: Level,
-    degree: int | MakeFunctions,
+    level: RefinementLevel,
+    degree: int | MakeWidthFunctionsOfShoe,
     start: Response,
     *,
-    penalty: float = PENALTY,
-    cache: Cache | None = None,
+    penalty: float = DEFAULT_PENALTY_FACTOR,
+    cache: CacheOfCondensedBodies | None = None,
 ) -> SolvedLevel:
     """Solve a brake with widths on one level of hp elements, with a degree across the width.
 
@@ -390,7 +626,9 @@ def solve_cross_section_mesh_with_width_degree(
         where the level has no answer
     """
 
-    def prepare_model_with_width_degree(divided: Level, points: PointsByShape) -> PreparedModel:
+    def prepare_model_with_width_degree(
+        divided: RefinementLevel, points: SingularPointsByShoeShape
+    ) -> PreparedModel:
         """The prepared model of the brake, with small elements at the singular points."""
         return prepare_model_with_shoe_widths(brake, divided, degree, points, cache=cache)
 
@@ -404,45 +642,45 @@ def solve_cross_section_mesh_with_width_degree(
 
 
 def _solved_level_with_errors_and_notes(
-    solved: SolvedLevel, level: Level, degree: int, found: SolidErrors, warning: str
+    solved: SolvedLevel, choice: SolidChoice, warning: str
 ) -> SolvedLevel:
     """Add to a solved level's answer its errors, a note on the degrees, and a warning if any.
 
     Parameters
     ----------
     solved : the answer with widths, and its prepared model
-    level : level of the section's hp elements
-    degree : degree across the width
-    found : stated errors of the answer
+    choice : the level of the section's elements, the degree across the width, and their errors
     warning : text which says that the tolerance is not reached; empty if it is reached
     """
-    response = solved.response
+    response, found = solved.response, choice.error
     warnings = [f"warning: {warning}"] if warning else []
-    unknowns = max(body.unknowns for body in solved.scene.bodies)
+    unknowns = largest_number_of_unknowns(solved)
     how = (
-        f"degree {degree} across the width on a section of degree {level.degree}, "
-        f"with {unknowns} unknowns a shoe"
+        f"degree {choice.width.degree} across the width "
+        f"on a section of degree {choice.section.level.degree}, with {unknowns} unknowns a shoe"
     )
     shoes = zip(response.shoes, found.shoes, strict=True)
     stated = replace(
         response,
         shoes=tuple(replace(shoe, error=own) for shoe, own in shoes),
-        error=Errors.brake_errors_from_torque_and_shoe_errors(found.torque, found.shoes).brake,
+        error=EstimatedErrors.brake_errors_from_torque_and_shoe_errors(
+            found.torque, found.shoes
+        ).brake,
         notes=(*response.notes, *warnings, how),
     )
-    return SolvedLevel(solved.scene, stated)
+    return SolvedLevel(solved.prepared_model, stated)
 
 
 def refine_cross_section_mesh_until_tolerance_is_met(
     brake: Brake,
-    tolerance: Tolerance,
-    answer: ResponseFunction,
-    cache: Cache,
-    levels: Sequence[Level] = (),
+    tolerance: TolerancesOfPressureAndTorque,
+    answer: FunctionThatComputesResponse,
+    cache: CacheOfCondensedBodies,
+    levels: Sequence[RefinementLevel] = (),
     start: Response | None = None,
     *,
     must: bool = True,
-) -> LevelClimb:
+) -> SolvedLevelsWithLastResponse:
     """Solve a brake on finer and finer levels, with a low degree across the width, to a tolerance.
 
     Parameters
@@ -451,11 +689,13 @@ def refine_cross_section_mesh_until_tolerance_is_met(
     tolerance : relative errors that are allowed
     answer : function that computes the response on a prepared model
     cache : substructures of earlier solves
-    levels : levels of a solve with SECTION_DEGREE across the width; if empty, the brake is solved
-        in plane stress on the levels LEVELS
+    levels : levels of a solve with WIDTH_DEGREE_FOR_HP_ELEMENT_ERROR_ESTIMATE across the width; if
+        empty, the brake is solved in plane stress on the levels
+        REFINEMENT_LEVELS_FROM_COARSE_TO_FINE
     start : an earlier answer; the first division has small elements at the ends of its contact
     must : whether all `levels` are solved if the tolerance needs them; otherwise the climb ends on
-        level MOST_SECTION_LEVELS if it has more than LARGEST_SECTION unknowns
+        level NUMBER_OF_LEVELS_FOR_SECTION_ERROR_ESTIMATE if it has more than
+        MOST_UNKNOWNS_FOR_FURTHER_SECTION_LEVEL unknowns
 
     Raises
     ------
@@ -463,9 +703,13 @@ def refine_cross_section_mesh_until_tolerance_is_met(
         if no two levels have answers
     """
 
-    def prepare_model_with_width_degree(level: Level, points: PointsByShape) -> PreparedModel:
-        """The prepared model of the brake on a level, with SECTION_DEGREE across the width."""
-        return prepare_model_with_shoe_widths(brake, level, SECTION_DEGREE, points, cache=cache)
+    def prepare_model_with_width_degree(
+        level: RefinementLevel, points: SingularPointsByShoeShape
+    ) -> PreparedModel:
+        """The prepared model of the brake on a level, with the low degree of section estimates."""
+        return prepare_model_with_shoe_widths(
+            brake, level, WIDTH_DEGREE_FOR_HP_ELEMENT_ERROR_ESTIMATE, points, cache=cache
+        )
 
     climbed: list[SolvedLevel] = []
 
@@ -482,44 +726,41 @@ def refine_cross_section_mesh_until_tolerance_is_met(
         for step in steps:
             climbed.append(step)
             yield step
-            unknowns = max(body.unknowns for body in step.scene.bodies)
-            is_large = len(climbed) >= MOST_SECTION_LEVELS and unknowns > LARGEST_SECTION
+            is_large = largest_number_of_unknowns(step) > MOST_UNKNOWNS_FOR_FURTHER_SECTION_LEVEL
+            is_large = is_large and len(climbed) >= NUMBER_OF_LEVELS_FOR_SECTION_ERROR_ESTIMATE
             if levels and is_large and not must:
                 return
 
     last = solve_brake_to_tolerance(
         brake, tolerance, answer, must=False, levels=solve_levels_and_keep_each()
     )
-    return LevelClimb(climbed, last.response)
+    return SolvedLevelsWithLastResponse(climbed, last.response)
 
 
-def coarsest_cross_section_mesh_within_tolerance(
-    brake: Brake,
-    climb: LevelClimb,
-    tolerance: Tolerance,
-    factors: ErrorFactors,
-) -> SectionError:
-    """The coarsest solved level whose error is within a tolerance, or else the last level.
+def errors_of_solved_cross_section_meshes(
+    brake: Brake, climb: SolvedLevelsWithLastResponse, factors: PressureAndForceErrorFactors
+) -> list[SectionLevelWithItsError]:
+    """The solved levels of the section's hp elements with their errors, from coarse to fine.
 
     Parameters
     ----------
     brake : the brake
     climb : the solved levels, from coarse to fine, and the answer of the last level
-    tolerance : relative errors that the section's hp elements may make
     factors : safety factors by which the errors are multiplied
     """
     last = climb.response
-    stated = SolidErrors(
+    stated = RelativeErrorsOfSolidModel(
         (last.error or {})["torque"], tuple(dict(shoe.error or {}) for shoe in last.shoes)
     )
-    by_degree = {level.degree: level for level in LEVELS}
+    by_degree = {level.degree: level for level in REFINEMENT_LEVELS_FROM_COARSE_TO_FINE}
     sections = []
     for step in climb.levels:
         moved = _relative_differences_from_better_response(brake, step.response, last)
         error = moved.sum_of_these_and_other_errors(stated).errors_times_factors(factors)
-        sections.append(SectionError(by_degree[step.response.shoes[0].order], error))
-    within = (each for each in sections if each.error.is_within_error_tolerance(tolerance))
-    return next(within, sections[-1])
+        size = largest_number_of_unknowns(step) / largest_number_of_unknowns(climb.levels[0])
+        level = by_degree[step.response.shoes[0].order]
+        sections.append(SectionLevelWithItsError(level, error, size))
+    return sections
 
 
 def has_shoe_with_parts_of_different_widths(brake: Brake) -> bool:
@@ -528,26 +769,36 @@ def has_shoe_with_parts_of_different_widths(brake: Brake) -> bool:
 
 
 def _message_on_unreached_error_tolerance(
-    tolerance: Tolerance, error: SolidErrors, degree: int
+    tolerance: TolerancesOfPressureAndTorque, choice: SolidChoice
 ) -> str:
-    """The text which says that the finest elements and highest degree miss a tolerance."""
-    pressure = error.largest_pressure_error
+    """The text which says that the finest elements and highest degree miss a tolerance.
+
+    It says which of both has the larger error of p.
+    """
+    error, parts = choice.error, (choice.section.error, choice.width.error)
+    section, width = (part.largest_pressure_error for part in parts)
+    larger = "elements of the section" if section > width else "degree across the width"
     return (
-        f"tolerance {tolerance.pressure:g} not reached with degree {degree} across the width: "
-        f"estimated error of p {error_text_in_percent(pressure)}, "
-        f"of the torque {error_text_in_percent(error.torque)}"
+        f"tolerance {tolerance.pressure:g} not reached "
+        f"with degree {choice.width.degree} across the width: "
+        f"estimated error of p {error_text_in_percent(error.largest_pressure_error)}, "
+        f"of the torque {error_text_in_percent(error.torque)}, most of it due to the {larger}"
     )
 
 
 def hp_elements_to_compare_width_degrees(
-    brake: Brake, plane: Response, *, penalty: float = PENALTY, cache: Cache | None = None
-) -> ComparedSection:
+    brake: Brake,
+    plane: Response,
+    *,
+    penalty: float = DEFAULT_PENALTY_FACTOR,
+    cache: CacheOfCondensedBodies | None = None,
+) -> HpElementsForComparingWidthDegrees:
     """The hp elements of the shoes on which degrees across the width are compared.
 
     If all parts of each shoe have one width, the elements are coarse. Otherwise the elements of the
     first level of a solve are taken, as coarse elements show too little of the error beside a web.
-    This level is solved with degree WIDTH_DEGREE across the width, so that it has small elements at
-    the ends of the contact with widths.
+    This level is solved with degree WIDTH_DEGREE_COMPARED_WITH_PLANE_STRESS across the width, so
+    that it has small elements at the ends of the contact with widths.
 
     Parameters
     ----------
@@ -566,26 +817,39 @@ def hp_elements_to_compare_width_degrees(
         coarse = plane_stress_solution_on_coarse_hp_elements(
             brake, plane, penalty=penalty, cache=cache
         )
-        return ComparedSection(coarse.divisions, {})
+        return HpElementsForComparingWidthDegrees(coarse.divisions, None, {})
     wide = solve_cross_section_mesh_with_width_degree(
-        brake, LEVELS[0], WIDTH_DEGREE, plane, penalty=penalty, cache=cache
+        brake,
+        REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[0],
+        WIDTH_DEGREE_COMPARED_WITH_PLANE_STRESS,
+        plane,
+        penalty=penalty,
+        cache=cache,
     )
-    return ComparedSection(wide.scene.divisions, {WIDTH_DEGREE: wide.response})
+    divisions = wide.prepared_model.divisions
+    return HpElementsForComparingWidthDegrees(
+        divisions,
+        REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[0],
+        {WIDTH_DEGREE_COMPARED_WITH_PLANE_STRESS: wide},
+    )
 
 
-def smallest_width_degree_within_tolerance(
+def errors_of_degrees_across_width(
     brake: Brake,
     plane: Response,
-    section: ComparedSection,
-    tolerance: Tolerance,
-    degrees: Sequence[int] = range(WIDTH_DEGREE, LARGEST_STATED_DEGREE + 1),
+    section: HpElementsForComparingWidthDegrees,
+    degrees: Sequence[int] = range(
+        WIDTH_DEGREE_COMPARED_WITH_PLANE_STRESS, LARGEST_WIDTH_DEGREE_WITH_STATED_ERROR + 1
+    ),
     *,
-    penalty: float = PENALTY,
-    cache: Cache | None = None,
-) -> DegreeError:
-    """The smallest degree across the width whose error meets a tolerance, with error and answer.
+    penalty: float = DEFAULT_PENALTY_FACTOR,
+    cache: CacheOfCondensedBodies | None = None,
+) -> Iterator[WidthError]:
+    """Yield the errors due to degrees across the width, one degree after the other.
 
-    If no degree meets the tolerance, the last degree whose error can be estimated is returned.
+    Where most of each lining overhangs its web, a provisional error comes before the error of the
+    degree WIDTH_DEGREE_COMPARED_WITH_PLANE_STRESS. The errors end before a degree whose error needs
+    an answer that the brake does not have.
 
     Parameters
     ----------
@@ -593,81 +857,111 @@ def smallest_width_degree_within_tolerance(
     plane : answer of plane stress
     section : hp elements of the shoes on which degrees are compared, see
         `hp_elements_to_compare_width_degrees`
-    tolerance : relative errors that the degree across the width may make
-    degrees : degrees that are tried, in this order
+    degrees : the degrees, in this order
     penalty : factor alpha of the contact stiffness alpha E/t (lining modulus E, thickness t)
     cache : substructures of earlier solves
-    """
-    answers = dict(section.answers)
 
-    def solve_with_degree_across_width(degree: int) -> Response:
-        """The answer of the brake with a degree across the width, on the given hp elements."""
-        if degree not in answers:
+    Raises
+    ------
+    NoAnswer
+        if the error of the first degree cannot be estimated
+    """
+    known = dict(section.solved)
+
+    def solve_with_degree_across_width(degree: int) -> SolvedLevel:
+        """The solved model with a degree across the width, on the given hp elements."""
+        if degree not in known:
             scene = prepare_model_with_widths_on_given_elements(
                 brake, section.divisions, degree, cache=cache
             )
-            answers[degree] = solve_prepared_model(scene, brake, penalty=penalty, start=plane)
-        return answers[degree]
+            response = solve_prepared_model(scene, brake, penalty=penalty, start=plane)
+            known[degree] = SolvedLevel(scene, response)
+        return known[degree]
 
-    found: DegreeError | None = None
+    overhangs = all(map(_has_narrow_first_piece, brake.shoes))
     for degree in degrees:
         try:
-            ahead = range(degree + 1, degree + LOOKED_AHEAD + 1)
-            further = [solve_with_degree_across_width(each) for each in ahead]
-            response = solve_with_degree_across_width(degree)
+            solved = solve_with_degree_across_width(degree)
+            if overhangs and degree == WIDTH_DEGREE_COMPARED_WITH_PLANE_STRESS:
+                following = solve_with_degree_across_width(degree + 1).response
+                moved = largest_relative_differences(brake, solved.response, [following])
+                error = moved.errors_times_factors(error_factors_of_distance(degree, 1))
+                yield WidthError(degree, error, solved, provisional=True)
+            ahead = range(degree + 1, degree + NUMBER_OF_COMPARED_HIGHER_WIDTH_DEGREES + 1)
+            further = [solve_with_degree_across_width(each).response for each in ahead]
         except NoAnswer:
             # With a higher degree the brake may have too many contact nodes, or no equilibrium.
-            if found is None:
+            if degree == degrees[0]:
                 raise
-            break
-        found = _error_of_degree_across_width(brake, degree, response, further)
-        if found.error.is_within_error_tolerance(tolerance):
-            break
-    assert found is not None
-    return found
+            return
+        largest = largest_relative_differences(brake, solved.response, further)
+        error = largest.errors_times_factors(
+            error_factors_of_distance(degree, NUMBER_OF_COMPARED_HIGHER_WIDTH_DEGREES)
+        )
+        yield WidthError(degree, error, solved)
 
 
-def _error_of_degree_across_width(
-    brake: Brake, degree: int, response: Response, further: list[Response]
-) -> DegreeError:
-    """The error due to a degree across the width, from answers with this and with higher degrees.
+def _has_narrow_first_piece(shoe: Shoe) -> bool:
+    """Whether at most LARGEST_FIRST_PIECE of a lining lies in the first piece across the width."""
+    first = piece_ends_across_half_width_of_shoe(shoe)[1]
+    return first <= LARGEST_FIRST_PIECE * shoe.lining.width / 2
 
-    `response` is the answer with the degree, and `further` are answers with higher degrees.
+
+def error_factors_of_distance(degree: int, ahead: int) -> PressureAndForceErrorFactors:
+    """The stated errors of a degree across the width, divided by its distance from higher degrees.
+
+    The `ahead` next degrees are compared.
     """
-    moved = [
-        _relative_differences_from_better_response(brake, response, other) for other in further
-    ]
+    ratio = error_divided_by_distance_to_next_degrees(degree, ahead)
+    factors = NEXT_DEGREE_FACTORS
+    if ahead == NUMBER_OF_COMPARED_HIGHER_WIDTH_DEGREES:
+        factors = PressureAndForceErrorFactors(
+            SAFETY_FACTORS_OF_SOLID_ERRORS.pressure, SAFETY_FACTORS_OF_SOLID_ERRORS.force
+        )
+    return PressureAndForceErrorFactors(ratio * factors.pressure, ratio * factors.force)
+
+
+def largest_relative_differences(
+    brake: Brake, response: Response, others: Sequence[Response]
+) -> RelativeErrorsOfSolidModel:
+    """The largest relative distances of a response from several other responses, by quantity."""
+    moved = [_relative_differences_from_better_response(brake, response, each) for each in others]
     shoes = []
     for own in zip(*(each.shoes for each in moved), strict=True):
-        shoes.append({name: max(each[name] for each in own) for name in QUANTITIES})
-    largest = SolidErrors(max(each.torque for each in moved), tuple(shoes))
-    falls = error_divided_by_distance_to_next_degrees(degree)
-    factors = ErrorFactors(falls * SOLID_FACTORS.pressure, falls * SOLID_FACTORS.force)
-    error = largest.errors_times_factors(factors)
-    return DegreeError(degree, error, response)
+        shoes.append(
+            {name: max(each[name] for each in own) for name in QUANTITIES_WITH_STATED_ERROR}
+        )
+    return RelativeErrorsOfSolidModel(max(each.torque for each in moved), tuple(shoes))
 
 
-def error_divided_by_distance_to_next_degrees(degree: int) -> float:
+def error_divided_by_distance_to_next_degrees(
+    degree: int, ahead: int = NUMBER_OF_COMPARED_HIGHER_WIDTH_DEGREES
+) -> float:
     """The error of a degree across the width, divided by its distance from higher degrees.
 
-    The distance is the larger of the distances between the answer with `degree` and the answers
-    with the LOOKED_AHEAD next higher degrees. The error is assumed to fall as the degree to the
-    power -SLOWEST_FALL.
+    The distance is the largest of the distances between the answer with `degree` and the answers
+    with the `ahead` next higher degrees. The error is assumed to fall as the degree to the power
+    -ASSUMED_WIDTH_ERROR_EXPONENT.
     """
-    left = (degree / (degree + LOOKED_AHEAD)) ** SLOWEST_FALL
+    left = (degree / (degree + ahead)) ** ASSUMED_WIDTH_ERROR_EXPONENT
     return 1 / (1 - left)
 
 
 def _relative_differences_from_better_response(
     brake: Brake, response: Response, true: Response
-) -> SolidErrors:
+) -> RelativeErrorsOfSolidModel:
     """The relative distances of a response from a more exact response `true`."""
     shoes = []
     for shoe, better in zip(response.shoes, true.shoes, strict=True):
         peak = better.peak_pressure or shoe.peak_pressure or 1.0
         apart = abs(shoe.peak_pressure - better.peak_pressure) / peak
         shoes.append(
-            {**relative_distances_of_shoe_responses(brake.unit, shoe, better), "peak": apart}
+            {
+                **relative_torque_pressure_and_reaction_differences(
+                    brake.surface_coordinate_per_phi, shoe, better
+                ),
+                "peak": apart,
+            }
         )
     total = true.torque or response.torque or 1.0
-    return SolidErrors(abs(response.torque - true.torque) / total, tuple(shoes))
+    return RelativeErrorsOfSolidModel(abs(response.torque - true.torque) / total, tuple(shoes))

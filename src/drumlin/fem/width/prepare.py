@@ -13,38 +13,46 @@ from drumlin.brake.fields import Material
 from drumlin.brake.friction import reason_if_friction_depends_on_pressure
 from drumlin.brake.heat import reason_if_any_shoe_is_heated
 from drumlin.brake.orthotropic import reason_if_any_part_is_orthotropic
-from drumlin.contact.equations import MOST_CONTACT_NODES
+from drumlin.contact.equations import MAX_NODES_OF_CONTACT_PROBLEM
 from drumlin.fem.hp.body import (
     condensed_body_with_cholesky_factor,
     contact_line_of_lining_face_nodes,
 )
-from drumlin.fem.hp.division import Level, ShoeDivision, divide_shoe_into_hp_elements
-from drumlin.fem.preparation.bodies import DividedBody, ShoeSubstructure, make_shoe_substructure
+from drumlin.fem.hp.division import (
+    RefinementLevel,
+    ShoeElementDivision,
+    divide_shoe_into_hp_elements,
+)
+from drumlin.fem.preparation.bodies import (
+    ShoeBodyElements,
+    ShoeSubstructure,
+    make_shoe_substructure,
+)
 from drumlin.fem.preparation.cache import (
-    Cache,
+    CacheOfCondensedBodies,
     indices_of_first_shoes_of_equal_shape,
     shoe_without_loads_and_clearances,
 )
 from drumlin.fem.preparation.scene import (
-    PointsByShape,
     PreparedModel,
-    Seconds,
+    SecondsOfEachPhase,
+    SingularPointsByShoeShape,
     add_elapsed_time_of_block_to_phase,
     messages_on_rigid_parts,
     messages_on_shoes_of_equal_shape,
 )
-from drumlin.fem.preparation.scene import reason_why_brake_is_not_modelled as plane_why_not
-from drumlin.fem.width.columns import BackEdge
-from drumlin.fem.width.face import WidthFace
+from drumlin.fem.preparation.scene import reason_against_finite_element_model as plane_why_not
+from drumlin.fem.width.columns import ConditionAtEdgeFarthestFromContact
+from drumlin.fem.width.face import ContactFaceWithWidth
 from drumlin.fem.width.functions import (
-    WidthFunctions,
+    FunctionsAcrossWidth,
     functions_across_width_of_shoe,
     half_widths_of_parts,
 )
-from drumlin.fem.width.recovery import WidthUnknowns
+from drumlin.fem.width.recovery import EliminatedUnknownsOfShoeWithWidth
 from drumlin.fem.width.shoe import condense_shoe_with_width, layers_with_width_functions
 
-LARGEST_WIDTH_NU = 0.499
+LARGEST_POISSON_RATIO_OF_WIDTH_MODEL = 0.499
 """Largest Poisson's ratio for which the model of the width can be used.
 
 For nearly incompressible materials, pressures would have to be unknowns as well as displacements.
@@ -54,16 +62,16 @@ LARGEST_WIDTH_DEGREE = 9
 
 The Gauss rule over the width is exact for products of two polynomials up to degree 11.
 """
-INTERIOR = "interior fields: recovered only for a file or a picture"
+NO_INTERIOR_RESULTS_MESSAGE = "interior fields: recovered only for a file or a picture"
 """Message that a prepared model of solid shoes has no displacements and stresses inside bodies."""
-OTHER_HALF = "the other half of each shoe: symmetric"
+ONLY_HALF_OF_SOLID_SHOES_MESSAGE = "the other half of each shoe: symmetric"
 """Message that a prepared model of solid shoes has only one half of each, beside the mid-plane."""
 
-MakeFunctions = Callable[[Shoe], WidthFunctions]
+MakeWidthFunctionsOfShoe = Callable[[Shoe], FunctionsAcrossWidth]
 """The type of a function that returns the functions of z across the width of a given shoe."""
 
 
-class NodesOverWidth(NamedTuple):
+class NumberOfUnknownsOfBodyWithWidth(NamedTuple):
     """The number of displacements of a body with functions across its width, `unknowns`.
 
     It takes the place of the basis on a mesh that a body in plane stress has. Only this number is
@@ -73,7 +81,7 @@ class NodesOverWidth(NamedTuple):
     unknowns: int
 
 
-class WidthBody(ShoeSubstructure):
+class ShoeSubstructureWithWidth(ShoeSubstructure):
     """The condensed body of a shoe whose displacements are polynomials across its width."""
 
     @property
@@ -113,19 +121,20 @@ def _reason_against_modelling_width_of_shoe(shoe: Shoe) -> str | None:
         return "its bending_stiffness is not that of a section of its thickness and width"
     for name, part in (("lining", shoe.lining), ("backing", shoe.backing), ("body", shoe.body)):
         material = getattr(part, "material", None)
-        if isinstance(material, Material) and material.nu > LARGEST_WIDTH_NU:
+        if isinstance(material, Material) and material.nu > LARGEST_POISSON_RATIO_OF_WIDTH_MODEL:
             given = f"{name}.material.nu = {material.nu:g}"
-            return f"{given} is all but incompressible; at most {LARGEST_WIDTH_NU:g}"
+            largest = f"{LARGEST_POISSON_RATIO_OF_WIDTH_MODEL:g}"
+            return f"{given} is all but incompressible; at most {largest}"
     return None
 
 
 def prepare_model_with_shoe_widths(
     brake: Brake,
-    level: Level,
-    degree: int | MakeFunctions,
-    points: PointsByShape | None = None,
+    level: RefinementLevel,
+    degree: int | MakeWidthFunctionsOfShoe,
+    points: SingularPointsByShoeShape | None = None,
     *,
-    cache: Cache | None = None,
+    cache: CacheOfCondensedBodies | None = None,
 ) -> PreparedModel:
     """Make the prepared model of a brake with widths: condense and couple its shoes.
 
@@ -145,12 +154,13 @@ def prepare_model_with_shoe_widths(
     BadInput
         if the model does not apply to the brake, or if the degree is out of range
     NoAnswer
-        for a singular stiffness, and for more than MOST_CONTACT_NODES nodes of a contact face
+        for a singular stiffness, and for more than MAX_NODES_OF_CONTACT_PROBLEM nodes of a contact
+        face
     """
     alike = indices_of_first_shoes_of_equal_shape(brake)
     tip = brake.actuation is not None and brake.actuation.is_cam_or_wedge
 
-    def hp_element_division_of_shoe(i: int) -> ShoeDivision:
+    def hp_element_division_of_shoe(i: int) -> ShoeElementDivision:
         """The division of the section of the shoe with index `i` into hp elements."""
         places = (points or {}).get(i, ())
         return divide_shoe_into_hp_elements(
@@ -167,7 +177,7 @@ def prepare_model_with_shoe_widths(
     return prepare_model_with_widths_on_given_elements(brake, divisions, degree, cache=cache)
 
 
-def refinement_level_for_narrow_shoes(brake: Brake, level: Level) -> Level:
+def refinement_level_for_narrow_shoes(brake: Brake, level: RefinementLevel) -> RefinementLevel:
     """The level, with layers of elements at bonds at most as thick as half the width of any shoe.
 
     Beside a bond of two materials their lateral contractions become equal over a distance of half
@@ -175,19 +185,19 @@ def refinement_level_for_narrow_shoes(brake: Brake, level: Level) -> Level:
     the answer of plane stress: on the first level, 0.02 % of the double-shoe brake's torque would
     remain as a difference. With these layers the difference falls in proportion to the width.
     """
-    size = level.back
+    size = level.interface_layer_size
     for shoe in brake.shoes:
         half = max(half_widths_of_parts(shoe).values())
         size = min(size, half / shoe.lining.thickness)
-    return replace(level, back=size)
+    return replace(level, interface_layer_size=size)
 
 
 def prepare_model_with_widths_on_given_elements(
     brake: Brake,
-    divisions: Mapping[int, ShoeDivision],
-    degree: int | MakeFunctions,
+    divisions: Mapping[int, ShoeElementDivision],
+    degree: int | MakeWidthFunctionsOfShoe,
     *,
-    cache: Cache | None = None,
+    cache: CacheOfCondensedBodies | None = None,
 ) -> PreparedModel:
     """Make the prepared model of a brake with widths, on given hp elements of the shoes' sections.
 
@@ -203,11 +213,12 @@ def prepare_model_with_widths_on_given_elements(
     Raises
     ------
     NoAnswer
-        for a singular stiffness, and for more than MOST_CONTACT_NODES nodes of a contact face
+        for a singular stiffness, and for more than MAX_NODES_OF_CONTACT_PROBLEM nodes of a contact
+        face
     """
     make = degree if callable(degree) else partial(functions_across_width_of_shoe, degree=degree)
-    seconds: Seconds = {}
-    cache = cache or Cache()
+    seconds: SecondsOfEachPhase = {}
+    cache = cache or CacheOfCondensedBodies()
     alike = indices_of_first_shoes_of_equal_shape(brake)
     made: dict[int, ShoeSubstructure] = {}
     # One body is condensed for each different shape of shoe.
@@ -216,14 +227,8 @@ def prepare_model_with_widths_on_given_elements(
         functions = make(shoe)
         _require_few_nodes_of_contact_face(shoe, division, functions)
         friction = brake.friction > 0
-        key = (
-            "width",
-            shoe_without_loads_and_clearances(shoe),
-            brake.size,
-            friction,
-            division.dictionary_key_of_division,
-            functions,
-        )
+        shape = shoe_without_loads_and_clearances(shoe), brake.size, friction
+        key = ("width", *shape, division.dictionary_key_of_division, functions)
         body = partial(
             condense_and_couple_shoe_with_width,
             shoe,
@@ -233,11 +238,11 @@ def prepare_model_with_widths_on_given_elements(
             friction,
             seconds,
         )
-        made[i] = cache.get(key, body, _memory_of_condensed_solid_shoe)
+        made[i] = cache.get(key, body, _memory_bytes_of_condensed_solid_shoe)
     bodies = tuple(made[i] for i in alike)
     left_out = (
-        INTERIOR,
-        OTHER_HALF,
+        NO_INTERIOR_RESULTS_MESSAGE,
+        ONLY_HALF_OF_SOLID_SHOES_MESSAGE,
         *messages_on_shoes_of_equal_shape(brake, len(made)),
         *messages_on_rigid_parts(brake),
     )
@@ -245,18 +250,19 @@ def prepare_model_with_widths_on_given_elements(
 
 
 def _require_few_nodes_of_contact_face(
-    shoe: Shoe, division: ShoeDivision, functions: WidthFunctions
+    shoe: Shoe, division: ShoeElementDivision, functions: FunctionsAcrossWidth
 ) -> None:
-    """Raise NoAnswer if the contact face of a shoe has more than MOST_CONTACT_NODES nodes."""
+    """Raise NoAnswer if the contact face of a shoe has too many nodes."""
     across = len(functions.node_distances_across_half_width_of_part(shoe.lining.width / 2))
     nodes = division.contact_nodes * across
-    if nodes > MOST_CONTACT_NODES:
+    if nodes > MAX_NODES_OF_CONTACT_PROBLEM:
         raise NoAnswer(
-            f"its {nodes} contact nodes are more than the {MOST_CONTACT_NODES} that are allowed"
+            f"its {nodes} contact nodes are more than the {MAX_NODES_OF_CONTACT_PROBLEM} that "
+            f"are allowed"
         )
 
 
-def _memory_of_condensed_solid_shoe(body: ShoeSubstructure) -> int:
+def _memory_bytes_of_condensed_solid_shoe(body: ShoeSubstructure) -> int:
     """The approximate memory [bytes] of a body: six matrices (n, n) for n contact nodes."""
     return 8 * 6 * len(body.line.nodes) ** 2
 
@@ -264,10 +270,10 @@ def _memory_of_condensed_solid_shoe(body: ShoeSubstructure) -> int:
 def condense_and_couple_shoe_with_width(
     shoe: Shoe,
     radius: float,
-    division: ShoeDivision,
-    functions: WidthFunctions,
+    division: ShoeElementDivision,
+    functions: FunctionsAcrossWidth,
     friction: bool,
-    seconds: Seconds,
+    seconds: SecondsOfEachPhase,
 ) -> ShoeSubstructure:
     """Condense a shoe with a width, and couple the condensed body with the drum or the plane.
 
@@ -288,24 +294,26 @@ def condense_and_couple_shoe_with_width(
     with add_elapsed_time_of_block_to_phase(seconds, "condensation"):
         found = condense_shoe_with_width(shoe, radius, division, functions)
         condensed = condensed_body_with_cholesky_factor(
-            found, WidthUnknowns(shoe, radius, division, functions)
+            found, EliminatedUnknownsOfShoeWithWidth(shoe, radius, division, functions)
         )
     with add_elapsed_time_of_block_to_phase(seconds, "coupling"):
-        face = friction_surface_of_shoe_with_width(shoe, radius, division, functions)
-        basis = NodesOverWidth(number_of_displacement_unknowns_of_shoe(shoe, division, functions))
-        divided = DividedBody(basis, basis, face)
+        face = contact_face_of_shoe_with_width(shoe, radius, division, functions)
+        basis = NumberOfUnknownsOfBodyWithWidth(
+            number_of_displacement_unknowns_of_shoe(shoe, division, functions)
+        )
+        divided = ShoeBodyElements(basis, basis, face)
         return make_shoe_substructure(
-            WidthBody, shoe, divided, condensed, found.centre, friction=friction
+            ShoeSubstructureWithWidth, shoe, divided, condensed, found.centre, friction=friction
         )
 
 
-def friction_surface_of_shoe_with_width(
-    shoe: Shoe, radius: float, division: ShoeDivision, functions: WidthFunctions
-) -> WidthFace:
+def contact_face_of_shoe_with_width(
+    shoe: Shoe, radius: float, division: ShoeElementDivision, functions: FunctionsAcrossWidth
+) -> ContactFaceWithWidth:
     """The friction surface of a divided shoe with functions across the shoe's width."""
     line, half = contact_line_of_lining_face_nodes(shoe, radius, division), shoe.lining.width / 2
     count = len(functions.node_distances_across_half_width_of_part(half))
-    return WidthFace(
+    return ContactFaceWithWidth(
         nodes=np.arange(len(line.nodes) * count),
         xy=np.repeat(line.xy, count, axis=1),
         phi=np.repeat(line.phi, count),
@@ -318,7 +326,7 @@ def friction_surface_of_shoe_with_width(
 
 
 def number_of_displacement_unknowns_of_shoe(
-    shoe: Shoe, division: ShoeDivision, functions: WidthFunctions
+    shoe: Shoe, division: ShoeElementDivision, functions: FunctionsAcrossWidth
 ) -> int:
     """Number of displacements of a shoe with functions across its width, of all nodes.
 
@@ -326,7 +334,9 @@ def number_of_displacement_unknowns_of_shoe(
     Displacements that are zero at supports are counted as well.
     """
     p, layers = division.degree, layers_with_width_functions(shoe, division, functions)
-    beyond = (len(division.before) + len(division.after) - 2) * p
+    beyond = (
+        len(division.column_ends_before_lining) + len(division.column_ends_behind_lining) - 2
+    ) * p
     # The columns beyond the ends of the lining have the layers of the body only.
     rows_of_nodes = [(0, division.contact_nodes), (division.index_of_first_body_layer, beyond)]
     count = 0
@@ -334,7 +344,7 @@ def number_of_displacement_unknowns_of_shoe(
         if first == division.number_of_element_layers:
             continue
         stack = layers.layers_of_element_column_from_given_layer(
-            p, first, contact=False, back=BackEdge.FREE
+            p, first, contact=False, back=ConditionAtEdgeFarthestFromContact.FREE
         )
         for row in range((division.number_of_element_layers - first) * p + 1):
             even, odd = stack.counts_of_even_and_odd_functions_at_node_row(row)

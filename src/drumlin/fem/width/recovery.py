@@ -19,31 +19,34 @@ from drumlin.base.errors import NoAnswer
 from drumlin.base.lapack import dpotrf, dtrsm
 from drumlin.brake.brake import Shoe
 from drumlin.fem.hp.body import element_grid_of_whole_shoe
-from drumlin.fem.hp.division import ShoeDivision
+from drumlin.fem.hp.division import ShoeElementDivision
 from drumlin.fem.hp.element import reference_element_of_degree
-from drumlin.fem.hp.grid import ColumnGrid
+from drumlin.fem.hp.grid import HpElementGrid
 from drumlin.fem.substructure.body import rigid_body_displacements_of_nodes
-from drumlin.fem.substructure.elimination import SINGULAR_BODY
+from drumlin.fem.substructure.elimination import SINGULAR_BODY_MESSAGE
 from drumlin.fem.width.columns import (
-    AssembledColumns,
-    BackEdge,
-    ColumnPlan,
-    WidthUnknown,
-    assembled_stiffness_of_columns,
+    AssembledStiffnessOfColumns,
+    ColumnCondensationPlan,
+    ColumnDisplacementUnknown,
+    ConditionAtEdgeFarthestFromContact,
+    column_stiffnesses_without_inner_element_unknowns,
     condensation_plan_of_column,
     displacements_inside_elements,
     indices_of_unknowns_along_node_row,
     unknowns_of_element_column_by_role_in_condensation,
 )
 from drumlin.fem.width.functions import (
-    WidthFunctions,
+    FunctionsAcrossWidth,
     matrix_from_node_values_to_function_factors,
 )
-from drumlin.fem.width.integrals import SectionIntegrals, cross_section_integrals_of_any_shape
-from drumlin.fem.width.shoe import WidthLayers, layers_with_width_functions
+from drumlin.fem.width.integrals import (
+    ElementIntegralsOverShoeSection,
+    cross_section_integrals_of_any_shape,
+)
+from drumlin.fem.width.shoe import ElementLayersWithWidthFunctions, layers_with_width_functions
 
 
-class _LineFactor(NamedTuple):
+class _CholeskyFactorOfNodeLine(NamedTuple):
     """The part of the Cholesky factor that belongs to a line of nodes between two element columns.
 
     Attributes
@@ -51,18 +54,18 @@ class _LineFactor(NamedTuple):
     own : (n,) numbers of the line's unknowns among the unknowns of the shoe
     later : (k,) numbers of the unknowns of the next line
     L : (n, n) lower Cholesky factor of the line's stiffness
-    below : (k, n) rows of the factor for the unknowns of the next line
+    rows_of_later_unknowns : (k, n) rows of the factor for the unknowns of the next line
     forces : (n, m) L^-1 f with the forces f on the line in m load cases
     """
 
     own: Ints
     later: Ints
     L: Floats
-    below: Floats
+    rows_of_later_unknowns: Floats
     forces: Floats
 
 
-class _Column(NamedTuple):
+class _ElementColumnWithNumbersOfUnknowns(NamedTuple):
     """A column of elements: its nodes, and the numbers of its unknowns.
 
     The numbers of unknowns count all unknowns of the shoe.
@@ -80,7 +83,7 @@ class _Column(NamedTuple):
 
     nodes: Ints
     first: int
-    plan: ColumnPlan
+    plan: ColumnCondensationPlan
     kept: Ints
     rest: Ints
     boundary: tuple[Ints, ...]
@@ -88,13 +91,13 @@ class _Column(NamedTuple):
 
 
 @dataclass(frozen=True)
-class WidthUnknowns:
-    """The displacements of a shoe with a width that its condensation has eliminated.
+class EliminatedUnknownsOfShoeWithWidth:
+    """The displacements that the condensation of a three-dimensional shoe has eliminated.
 
-    The class fulfils the protocol `substructure.body.InnerUnknowns`. Each unknown of a node of the
-    section is the factor of a function of z in a displacement: of an even function in u_x or u_y,
-    or of an odd function in u_z. Functions that are zero on the parts at a node have the factor
-    zero there.
+    The class fulfils the protocol `substructure.body.EliminatedUnknownsOfAnyBody`. Each node of the
+    section has several unknowns. An unknown is the factor of one function of z: of an even function
+    in the displacement u_x or u_y, or of an odd function in u_z. The factor is zero if the function
+    is zero over the width of the parts at the node.
 
     Attributes
     ----------
@@ -106,16 +109,16 @@ class WidthUnknowns:
 
     shoe: Shoe
     radius: float
-    division: ShoeDivision
-    functions: WidthFunctions
+    division: ShoeElementDivision
+    functions: FunctionsAcrossWidth
 
     @cached_property
-    def grid(self) -> ColumnGrid:
+    def grid(self) -> HpElementGrid:
         """All nodes and elements of the section."""
         return element_grid_of_whole_shoe(self.shoe, self.radius, self.division)
 
     @cached_property
-    def layers(self) -> WidthLayers:
+    def layers(self) -> ElementLayersWithWidthFunctions:
         """The layers of elements of the shoe, counted from the contact."""
         return layers_with_width_functions(self.shoe, self.division, self.functions)
 
@@ -231,7 +234,7 @@ class WidthUnknowns:
             held[numbers[line.z == 0]] = True
         return held
 
-    def element_columns_from_hinge_to_far_end(self) -> list[_Column]:
+    def element_columns_from_hinge_to_far_end(self) -> list[_ElementColumnWithNumbersOfUnknowns]:
         """All columns of elements of the shoe, from the end at its hinge to the other end."""
         p, div = self.division.degree, self.division
         under, *beyond = (block.number for block in self.grid.blocks)
@@ -239,7 +242,7 @@ class WidthUnknowns:
             div.index_of_first_body_layer,
             [self._element_columns_of_one_block(under, 0)],
         )
-        if beyond and len(div.before) > 1:
+        if beyond and len(div.column_ends_before_lining) > 1:
             # The nodes of this block go from the lining to the hinge, so that they are put into
             # reverse order.
             columns.insert(0, self._element_columns_of_one_block(beyond.pop(0)[:, ::-1], first))
@@ -248,7 +251,9 @@ class WidthUnknowns:
         assert all(column.nodes.shape[1] == p + 1 for block in columns for column in block)
         return [column for block in columns for column in block]
 
-    def _element_columns_of_one_block(self, number: Ints, first: int) -> list[_Column]:
+    def _element_columns_of_one_block(
+        self, number: Ints, first: int
+    ) -> list[_ElementColumnWithNumbersOfUnknowns]:
         """The element columns of a block of elements, from left to right.
 
         `number` (rows, nodes of a row) are the numbers of the block's nodes. `first` is the number
@@ -256,7 +261,7 @@ class WidthUnknowns:
         """
         p = self.division.degree
         stack = self.layers.layers_of_element_column_from_given_layer(
-            p, first, contact=False, back=BackEdge.FREE
+            p, first, contact=False, back=ConditionAtEdgeFarthestFromContact.FREE
         )
         along = indices_of_unknowns_along_node_row(p)
         plan, names = (
@@ -268,7 +273,7 @@ class WidthUnknowns:
             nodes = number[:, start : start + p + 1]
 
             def indices_of_column_unknowns(
-                unknowns: list[WidthUnknown], nodes: Ints = nodes
+                unknowns: list[ColumnDisplacementUnknown], nodes: Ints = nodes
             ) -> Ints:
                 """The numbers of a column's unknowns among the unknowns of the shoe."""
                 z, place, row, function = np.array(unknowns, dtype=int).reshape(-1, 4).T
@@ -281,10 +286,16 @@ class WidthUnknowns:
                 indices_of_column_unknowns(names.kept),
                 indices_of_column_unknowns(names.rest),
             )
-            found.append(_Column(nodes, first, plan, kept, rest, boundary, within))
+            found.append(
+                _ElementColumnWithNumbersOfUnknowns(
+                    nodes, first, plan, kept, rest, boundary, within
+                )
+            )
         return found
 
-    def _cross_section_integrals_of_layers(self, column: _Column) -> list[SectionIntegrals]:
+    def _cross_section_integrals_of_layers(
+        self, column: _ElementColumnWithNumbersOfUnknowns
+    ) -> list[ElementIntegralsOverShoeSection]:
         """For each layer of a column, the integrals over the section of the layer's element."""
         p, order = self.division.degree, reference_element_of_degree(self.division.degree).order
         found = []
@@ -296,21 +307,21 @@ class WidthUnknowns:
         return found
 
     def _assembled_stiffness_of_element_column(
-        self, column: _Column, held: Bools
-    ) -> AssembledColumns:
+        self, column: _ElementColumnWithNumbersOfUnknowns, held: Bools
+    ) -> AssembledStiffnessOfColumns:
         """The assembled stiffness of one column, with held unknowns decoupled from free ones.
 
         The three blocks have no first axis, since they belong to a single column.
         """
         widths = self.layers.width_function_integrals_of_layers(column.first)
         parts = self._cross_section_integrals_of_layers(column)
-        made = assembled_stiffness_of_columns(parts, widths, column.plan)
+        made = column_stiffnesses_without_inner_element_unknowns(parts, widths, column.plan)
         kept, rest = ~held[column.kept], ~held[column.rest]
         own = made.rest[0] * np.outer(rest, rest)
         # A held unknown gets the stiffness 1, coupled with no other unknown, so that it becomes
         # zero.
         own[np.diag_indices(len(own))] += np.where(rest, 0.0, 1.0)
-        return AssembledColumns(
+        return AssembledStiffnessOfColumns(
             made.kept[0] * np.outer(kept, kept), made.coupling[0] * np.outer(rest, kept), own
         )
 
@@ -324,7 +335,7 @@ class WidthUnknowns:
         columns = self.element_columns_from_hinge_to_far_end()
         u = np.zeros(forces.shape)
         for line in reversed(self._cholesky_factors_of_node_lines(columns, held, forces.copy())):
-            rest = line.forces - line.below.T @ u[line.later]
+            rest = line.forces - line.rows_of_later_unknowns.T @ u[line.later]
             u[line.own] = dtrsm(1.0, line.L, rest, lower=1, trans_a=1)
         for column in columns:
             # The displacements of both sides give the displacements of the other edges of elements,
@@ -342,8 +353,8 @@ class WidthUnknowns:
         return u
 
     def _cholesky_factors_of_node_lines(
-        self, columns: list[_Column], held: Bools, forces: Floats
-    ) -> list[_LineFactor]:
+        self, columns: list[_ElementColumnWithNumbersOfUnknowns], held: Bools, forces: Floats
+    ) -> list[_CholeskyFactorOfNodeLine]:
         """The Cholesky factors of all lines of nodes between element columns, from the hinge on.
 
         Parameters
@@ -379,9 +390,12 @@ class WidthUnknowns:
             to_next = np.zeros((len(own), len(right)))
             to_next[at] = K[:line, line:]
             factor = _cholesky_factor_of_node_line(own, right, D, to_next, forces)
-            forces[right] -= factor.below @ factor.forces
+            forces[right] -= factor.rows_of_later_unknowns @ factor.forces
             found.append(factor)
-            earlier, S = right, K[line:, line:] - factor.below @ factor.below.T
+            earlier, S = (
+                right,
+                K[line:, line:] - factor.rows_of_later_unknowns @ factor.rows_of_later_unknowns.T,
+            )
         S += np.diag(held[earlier].astype(float))
         none = np.zeros((len(earlier), 0))
         return [
@@ -394,13 +408,13 @@ def _cholesky_factor(K: Floats) -> Floats:
     """The lower Cholesky factor of a stiffness; raises NoAnswer where it is singular."""
     L, info = dpotrf(K, lower=1)
     if info:
-        raise NoAnswer(SINGULAR_BODY)
+        raise NoAnswer(SINGULAR_BODY_MESSAGE)
     return np.asarray(L)
 
 
 def _cholesky_factor_of_node_line(
     own: Ints, later: Ints, D: Floats, to_next: Floats, forces: Floats
-) -> _LineFactor:
+) -> _CholeskyFactorOfNodeLine:
     """The part of the Cholesky factor that belongs to a line of nodes.
 
     Parameters
@@ -411,7 +425,7 @@ def _cholesky_factor_of_node_line(
     forces : (unknowns, m) forces on all unknowns of the shoe
     """
     L = _cholesky_factor(D)
-    return _LineFactor(
+    return _CholeskyFactorOfNodeLine(
         own,
         later,
         L,

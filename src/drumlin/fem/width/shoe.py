@@ -20,15 +20,15 @@ from drumlin.fem.hp.columns import (
     rotate_node_axes_of_matrix,
     rotate_node_axes_of_vectors,
 )
-from drumlin.fem.hp.division import ShoeDivision
+from drumlin.fem.hp.division import ShoeElementDivision
 from drumlin.fem.hp.element import replace_matrix_by_schur_complement
 from drumlin.fem.hp.shoe import (
     CondensedShoe,
-    LoadedEnd,
-    angles_of_displacement_axes,
+    UnitLoadsOnLoadedEndFace,
     condensed_shoe_corrected_for_round_off,
-    condensed_shoe_held_at_its_back,
+    condensed_shoe_with_gripped_or_bonded_back,
     condensed_stiffness_of_body_beyond_lining_end,
+    displacement_axis_angles_of_shoe_at_positions,
     function_from_depth_and_angle_to_point,
     group_equal_element_columns_of_shoe,
     node_coordinates_of_layers_and_columns,
@@ -38,34 +38,37 @@ from drumlin.fem.hp.shoe import (
     unit_actuation_loads_on_end_face,
 )
 from drumlin.fem.preparation.meshes import materials_and_widths_of_shoe_parts
-from drumlin.fem.substructure.body import FRAME, rigid_body_displacements_of_nodes
+from drumlin.fem.substructure.body import (
+    DEGREES_OF_FREEDOM_OF_BODY_FRAME,
+    rigid_body_displacements_of_nodes,
+)
 from drumlin.fem.width.columns import (
-    BackEdge,
-    ColumnLayers,
-    column_layers_of_shoe,
-    column_with_back_held_beside_grip,
-    condense_columns_of_any_shape,
+    ConditionAtEdgeFarthestFromContact,
+    LayersOfElementColumn,
+    column_beside_grip_with_shared_node_held,
+    condense_element_columns_of_any_shape,
     condense_mirror_symmetric_columns,
     indices_of_unknowns_along_symmetric_half_row,
+    layers_of_element_column_from_half_widths,
 )
 from drumlin.fem.width.functions import (
-    WidthFunctions,
-    WidthIntegrals,
+    FunctionsAcrossWidth,
+    IntegralsOverWidth,
     half_widths_of_parts,
     integrals_of_function_products_over_width,
     matrix_from_node_values_to_function_factors,
 )
 from drumlin.fem.width.integrals import (
-    SYMMETRIES,
+    SYMMETRY_NUMBERS_OF_COLUMN_DISPLACEMENTS,
+    ElementIntegralsOverShoeSection,
     LameConstants,
-    SectionIntegrals,
     angular_factors_of_section_integrals,
     cross_section_integrals_between_circles,
     cross_section_integrals_of_any_shape,
 )
 
 
-class WidthLayers(NamedTuple):
+class ElementLayersWithWidthFunctions(NamedTuple):
     """The element layers of a shoe, counted from the contact, with functions across the width.
 
     Attributes
@@ -75,11 +78,11 @@ class WidthLayers(NamedTuple):
     lame : (l,) Lame constants of each layer
     """
 
-    functions: WidthFunctions
+    functions: FunctionsAcrossWidth
     halves: tuple[float, ...]
     lame: tuple[LameConstants, ...]
 
-    def width_function_integrals_of_layers(self, first: int) -> list[WidthIntegrals]:
+    def width_function_integrals_of_layers(self, first: int) -> list[IntegralsOverWidth]:
         """Integrals over the width for each layer from number `first` on.
 
         Layers are counted from the contact.
@@ -90,31 +93,36 @@ class WidthLayers(NamedTuple):
         ]
 
     def layers_of_element_column_from_given_layer(
-        self, p: int, first: int, *, contact: bool, back: BackEdge
-    ) -> ColumnLayers:
+        self, p: int, first: int, *, contact: bool, back: ConditionAtEdgeFarthestFromContact
+    ) -> LayersOfElementColumn:
         """The layers of an element column whose first layer is the shoe's layer `first`.
 
         Layers are counted from the contact. The other parameters are those of
-        `column_layers_of_shoe`.
+        `layers_of_element_column_from_half_widths`.
         """
-        return column_layers_of_shoe(
+        return layers_of_element_column_from_half_widths(
             self.functions, self.halves[first:], p, contact=contact, back=back
         )
 
-    def unknowns_across_body_thickness(self, div: ShoeDivision) -> "BodyLine":
+    def unknowns_across_body_thickness(
+        self, div: ShoeElementDivision
+    ) -> "UnknownsAcrossBodyThickness":
         """The unknowns on a line of nodes through the thickness of the body."""
         stack = self.layers_of_element_column_from_given_layer(
-            div.degree, div.index_of_first_body_layer, contact=False, back=BackEdge.FREE
+            div.degree,
+            div.index_of_first_body_layer,
+            contact=False,
+            back=ConditionAtEdgeFarthestFromContact.FREE,
         )
         line = stack.unknowns_on_left_or_right_side_of_column(
             indices_of_unknowns_along_symmetric_half_row(div.degree, 0).left
         )
         z, component, row, function = np.array(line, dtype=int).reshape(-1, 4).T
-        return BodyLine(z, component, row, function)
+        return UnknownsAcrossBodyThickness(z, component, row, function)
 
     def unit_loads_on_end_face(
-        self, div: ShoeDivision, xy: Floats, angle: Floats
-    ) -> "EndFaceLoads":
+        self, div: ShoeElementDivision, xy: Floats, angle: Floats
+    ) -> "UnitLoadsOnEndFaceWithWidth":
         """The unit loads on the loaded end face of the body, uniform over the width of each layer.
 
         Parameters
@@ -138,24 +146,24 @@ class WidthLayers(NamedTuple):
             row[: len(even)] = even / even[0]
         forces = [unit_actuation_loads_on_end_face(xy, depths, p, own).forces for own in share.T]
         turned = [rotate_axes_of_all_nodes_by_one_angle(own, angle) for own in forces]
-        return EndFaceLoads(
+        return UnitLoadsOnEndFaceWithWidth(
             unit_actuation_loads_on_end_face(xy, depths, p),
             line.values_on_unknowns_of_thickness_line(turned),
         )
 
 
-class EndFaceLoads(NamedTuple):
+class UnitLoadsOnEndFaceWithWidth(NamedTuple):
     """The unit loads on the end face of a shoe with a width.
 
     `end` has the unit loads on the end face of the plane section. `forces` (n, 3) are the same
-    three loads as forces on the n unknowns of the shoe's `BodyLine`.
+    three loads as forces on the n unknowns of the shoe's `UnknownsAcrossBodyThickness`.
     """
 
-    end: LoadedEnd
+    end: UnitLoadsOnLoadedEndFace
     forces: Floats
 
 
-class BodyLine(NamedTuple):
+class UnknownsAcrossBodyThickness(NamedTuple):
     """The n unknowns on a line of nodes through the thickness of a shoe's body, as arrays (n,).
 
     Attributes
@@ -185,8 +193,8 @@ class BodyLine(NamedTuple):
 
 
 def layers_with_width_functions(
-    shoe: Shoe, div: ShoeDivision, functions: WidthFunctions
-) -> WidthLayers:
+    shoe: Shoe, div: ShoeElementDivision, functions: FunctionsAcrossWidth
+) -> ElementLayersWithWidthFunctions:
     """The element layers of a divided shoe, with their Lame constants and functions of z.
 
     All parts of the shoe are isotropic.
@@ -200,14 +208,14 @@ def layers_with_width_functions(
         free = E * nu / (1 - nu**2)
         solid = E * nu / ((1 + nu) * (1 - 2 * nu)) if functions.degree > 0 else free
         lame[name] = LameConstants(solid, E / (2 * (1 + nu)))
-    return WidthLayers(
+    return ElementLayersWithWidthFunctions(
         functions,
         tuple(halves[name] for name in div.part),
         tuple(lame[name] for name in div.part),
     )
 
 
-class _WidthColumns(NamedTuple):
+class _CondensedColumnsUnderAndBesideLining(NamedTuple):
     """The columns of elements of a shoe: under the lining, before the lining and behind the lining.
 
     `grip` has the numbers of the first column in the grip and of the first column behind it,
@@ -220,7 +228,9 @@ class _WidthColumns(NamedTuple):
     grip: tuple[int, int]
 
 
-ColumnsFrom = Callable[[Ints, int, ColumnLayers], list[ColumnSubstructure]]
+MakeCondensedColumnsFunction = Callable[
+    [Ints, int, LayersOfElementColumn], list[ColumnSubstructure]
+]
 """The type of a function that makes one condensed column of elements for each given kind.
 
 Columns of one kind have equal shape. The arguments are the kinds (c,), the number of the columns'
@@ -229,8 +239,8 @@ first layer, counted from the contact, and the layers of the columns.
 
 
 def _function_that_makes_columns_and_kind_of_each_column(
-    shoe: Shoe, radius: float, div: ShoeDivision, layers: WidthLayers
-) -> tuple[ColumnsFrom, Ints]:
+    shoe: Shoe, radius: float, div: ShoeElementDivision, layers: ElementLayersWithWidthFunctions
+) -> tuple[MakeCondensedColumnsFunction, Ints]:
     """The function that makes the columns of a shoe's elements, and the kind of each column.
 
     Columns of one kind have equal shape and equal stiffness.
@@ -238,24 +248,24 @@ def _function_that_makes_columns_and_kind_of_each_column(
     p = div.degree
     kinds_of_columns = group_equal_element_columns_of_shoe(shoe, div, directed=False)
     along = kinds_of_columns.along
-    plane = radius if shoe.flat else None
-    radii = radius - shoe.sign * div.depths
+    plane = radius if shoe.is_on_plane else None
+    radii = radius - shoe.sign_internal_plus_external_minus * div.depths
 
     def condense_columns_on_arc(
-        kinds: Ints, first: int, stack: ColumnLayers
+        kinds: Ints, first: int, stack: LayersOfElementColumn
     ) -> list[ColumnSubstructure]:
         """One condensed column of elements for each of `kinds`, with the layers from `first` on.
 
-        `ColumnsFrom` explains the parameters. The layers lie between circles or, in a flat shoe,
-        between planes.
+        `MakeCondensedColumnsFunction` explains the parameters. The layers lie between circles or,
+        in a flat shoe, between planes.
 
         Each column is its own mirror image, so that its symmetric and its antisymmetric
         displacements are condensed separately.
         """
-        parts: list[list[SectionIntegrals]] = []
-        for symmetry in SYMMETRIES:
+        parts: list[list[ElementIntegralsOverShoeSection]] = []
+        for symmetry in SYMMETRY_NUMBERS_OF_COLUMN_DISPLACEMENTS:
             angular = angular_factors_of_section_integrals(
-                along[kinds], p, symmetry, flat=shoe.flat
+                along[kinds], p, symmetry, flat=shoe.is_on_plane
             )
             parts.append(
                 [
@@ -270,11 +280,11 @@ def _function_that_makes_columns_and_kind_of_each_column(
         )
 
     def condense_columns_of_any_cell_shape(
-        kinds: Ints, first: int, stack: ColumnLayers
+        kinds: Ints, first: int, stack: LayersOfElementColumn
     ) -> list[ColumnSubstructure]:
         """Condensed columns of elements of any shape, for example under a straight beam.
 
-        `ColumnsFrom` explains the parameters.
+        `MakeCondensedColumnsFunction` explains the parameters.
         """
         xy = node_coordinates_of_layers_and_columns(
             function_from_depth_and_angle_to_point(shoe, radius),
@@ -287,7 +297,7 @@ def _function_that_makes_columns_and_kind_of_each_column(
             cross_section_integrals_of_any_shape(own, each, p)
             for own, each in zip(xy, lame, strict=True)
         ]
-        return condense_columns_of_any_shape(
+        return condense_element_columns_of_any_shape(
             parts, layers.width_function_integrals_of_layers(first), stack
         )
 
@@ -300,8 +310,8 @@ def _function_that_makes_columns_and_kind_of_each_column(
 
 
 def _condensed_element_columns_of_shoe(
-    shoe: Shoe, radius: float, div: ShoeDivision, layers: WidthLayers
-) -> _WidthColumns:
+    shoe: Shoe, radius: float, div: ShoeElementDivision, layers: ElementLayersWithWidthFunctions
+) -> _CondensedColumnsUnderAndBesideLining:
     """The condensed columns of elements of a shoe.
 
     The parameters are those of `condense_shoe_with_width`, and `layers` are the shoe's layers.
@@ -310,12 +320,12 @@ def _condensed_element_columns_of_shoe(
     make, which = _function_that_makes_columns_and_kind_of_each_column(shoe, radius, div, layers)
 
     def condensed_columns_from_given_layer_on(
-        row: Ints, first: int, *, contact: bool, back: BackEdge
+        row: Ints, first: int, *, contact: bool, back: ConditionAtEdgeFarthestFromContact
     ) -> list[ColumnSubstructure]:
         """The condensed columns of the given kinds, with the layers from number `first` on.
 
         `row` has the kind of each column, and layers are counted from the contact. `contact` and
-        `back` are attributes of `ColumnLayers`.
+        `back` are attributes of `LayersOfElementColumn`.
         """
         if not len(row):
             return []
@@ -329,46 +339,51 @@ def _condensed_element_columns_of_shoe(
         made = dict(zip(kinds.tolist(), columns, strict=True))
         return [made[kind] for kind in row.tolist()]
 
-    under, before = len(div.angles) - 1, len(div.before) - 1
+    under, before = len(div.angles) - 1, len(div.column_ends_before_lining) - 1
     # A grip on the back of a shoe holds the columns a to b - 1; without a grip a = b = 0.
     ends = shoe.interval_of_body_back_held_by_support(radius)
     a, b = (0, 0) if ends is None else (int(np.abs(div.angles - x).argmin()) for x in ends)
     back = (
-        BackEdge.BONDED
+        ConditionAtEdgeFarthestFromContact.BONDED
         if div.index_of_first_body_layer == div.number_of_element_layers
-        else BackEdge.FREE
+        else ConditionAtEdgeFarthestFromContact.FREE
     )
     free = condensed_columns_from_given_layer_on(
         np.concatenate([which[:a], which[b:under]]), 0, contact=True, back=back
     )
     gripped = condensed_columns_from_given_layer_on(
-        which[a:b], 0, contact=True, back=BackEdge.GRIPPED
+        which[a:b], 0, contact=True, back=ConditionAtEdgeFarthestFromContact.GRIPPED
     )
     rest = condensed_columns_from_given_layer_on(
-        which[under:], div.index_of_first_body_layer, contact=False, back=BackEdge.FREE
+        which[under:],
+        div.index_of_first_body_layer,
+        contact=False,
+        back=ConditionAtEdgeFarthestFromContact.FREE,
     )
     row = [*free[:a], *gripped, *free[a:]]
     # A column beside the grip shares one of its sides with a gripped column. The grip holds the
     # node of this side that is farthest from the contact.
-    stack = layers.layers_of_element_column_from_given_layer(p, 0, contact=True, back=BackEdge.FREE)
+    stack = layers.layers_of_element_column_from_given_layer(
+        p, 0, contact=True, back=ConditionAtEdgeFarthestFromContact.FREE
+    )
     if a < b and a > 0:
-        row[a - 1] = column_with_back_held_beside_grip(row[a - 1], stack, right=True)
+        row[a - 1] = column_beside_grip_with_shared_node_held(row[a - 1], stack, right=True)
     if a < b < under:
-        row[b] = column_with_back_held_beside_grip(row[b], stack, right=False)
-    return _WidthColumns(row, rest[:before], rest[before:], (a, b))
+        row[b] = column_beside_grip_with_shared_node_held(row[b], stack, right=False)
+    return _CondensedColumnsUnderAndBesideLining(row, rest[:before], rest[before:], (a, b))
 
 
 def condense_shoe_with_width(
     shoe: Shoe,
     radius: float,
-    div: ShoeDivision,
-    functions: WidthFunctions,
+    div: ShoeElementDivision,
+    functions: FunctionsAcrossWidth,
 ) -> CondensedShoe:
     """Condense a shoe with a width to its frame and to the nodes of its contact face.
 
     The nodes of the face are sorted by angle, and at each angle by distance from the mid-plane; the
-    distances are `WidthFunctions.node_distances_across_half_width_of_part`. x and y of a node are
-    neighbours.
+    distances are `FunctionsAcrossWidth.node_distances_across_half_width_of_part`. x and y of a node
+    are neighbours.
 
     Parameters
     ----------
@@ -396,29 +411,24 @@ def condense_shoe_with_width(
     # part is condensed to the nodes at which it joins the columns under the lining.
     ends: list[Floats | None] = [None, None]
     if any(row.grip):
-        before, after = row.before, row.after
-        ends = [
-            eliminate_nodes_on_column_side(
-                assemble_and_condense_row_of_element_columns(before, 0)
-            ).K
-            if before
-            else None,
-            eliminate_nodes_on_column_side(
-                assemble_and_condense_row_of_element_columns(after, 0), right=True
-            ).K
-            if after
-            else None,
-        ]
+        if row.before:
+            joined = assemble_and_condense_row_of_element_columns(row.before, 0)
+            ends[0] = eliminate_nodes_on_column_side(joined).K
+        if row.after:
+            joined = assemble_and_condense_row_of_element_columns(row.after, 0)
+            ends[1] = eliminate_nodes_on_column_side(joined, right=True).K
     columns = row.under.copy()
     first, last = (0 if end is None else len(end) for end in ends)
     columns[0] = eliminate_nodes_on_column_side(columns[0], ends[0], first)
     columns[-1] = eliminate_nodes_on_column_side(columns[-1], ends[1], last, right=True)
     S = assemble_and_condense_row_of_element_columns(columns, 2 * count).K
-    face = _FaceAxes.conversion_to_displacements_of_face_nodes(shoe, div, layers)
-    return condensed_shoe_held_at_its_back(shoe, face.stiffness_of_face_nodes(S), R)
+    face = _ConversionFromColumnsToContactFace.conversion_to_displacements_of_face_nodes(
+        shoe, div, layers
+    )
+    return condensed_shoe_with_gripped_or_bonded_back(shoe, face.stiffness_of_face_nodes(S), R)
 
 
-class _FaceAxes(NamedTuple):
+class _ConversionFromColumnsToContactFace(NamedTuple):
     """The conversion between the contact unknowns of columns and the nodes of the contact face.
 
     The contact unknowns of columns are factors of functions of z, for displacements along the
@@ -437,8 +447,8 @@ class _FaceAxes(NamedTuple):
 
     @classmethod
     def conversion_to_displacements_of_face_nodes(
-        cls, shoe: Shoe, div: ShoeDivision, layers: WidthLayers
-    ) -> "_FaceAxes":
+        cls, shoe: Shoe, div: ShoeElementDivision, layers: ElementLayersWithWidthFunctions
+    ) -> "_ConversionFromColumnsToContactFace":
         """The conversion for the contact face of a divided shoe."""
         inverse = matrix_from_node_values_to_function_factors(layers.functions, layers.halves[0])
         angles = np.repeat(rotation_angles_of_contact_nodes_to_shoe_frame(shoe, div), len(inverse))
@@ -470,9 +480,9 @@ class _FaceAxes(NamedTuple):
 def _condense_hinged_shoe_with_width(
     shoe: Shoe,
     radius: float,
-    div: ShoeDivision,
-    layers: WidthLayers,
-    row: _WidthColumns,
+    div: ShoeElementDivision,
+    layers: ElementLayersWithWidthFunctions,
+    row: _CondensedColumnsUnderAndBesideLining,
     R: Floats,
 ) -> CondensedShoe:
     """Condense an elastic shoe that is held at its hinge and loaded at its other end.
@@ -493,14 +503,14 @@ def _condense_hinged_shoe_with_width(
         shoe.pin_position_in_shoe_frame,
     )
     depths = node_positions_of_element_row(div.depths[div.index_of_first_body_layer :], p)
-    near, far = div.before[-1], div.after[-1]
+    near, far = div.column_ends_before_lining[-1], div.column_ends_behind_lining[-1]
     line = layers.unknowns_across_body_thickness(div)
     modes = rotate_axes_of_all_nodes_by_one_angle(
         rigid_body_displacements_of_nodes(place(depths, near), pin),
-        angles_of_displacement_axes(shoe, near),
+        displacement_axis_angles_of_shoe_at_positions(shoe, near),
     )
     end, end_forces = layers.unit_loads_on_end_face(
-        div, place(depths, far), angles_of_displacement_axes(shoe, far)
+        div, place(depths, far), displacement_axis_angles_of_shoe_at_positions(shoe, far)
     )
 
     # The assembled columns have the unknowns [frame | face | loads].
@@ -523,7 +533,9 @@ def _condense_hinged_shoe_with_width(
     columns[-1] = eliminate_nodes_on_column_side(columns[-1], loaded, len(end_forces), right=True)
     count = layers.functions.counts_of_even_and_odd_functions_on_part(layers.halves[0])[0]
     A = assemble_and_condense_row_of_element_columns(columns, 2 * count).K
-    face = _FaceAxes.conversion_to_displacements_of_face_nodes(shoe, div, layers)
+    face = _ConversionFromColumnsToContactFace.conversion_to_displacements_of_face_nodes(
+        shoe, div, layers
+    )
     return condensed_shoe_corrected_for_round_off(
         A, end, R, pin, face.forces_on_face_nodes, face.stiffness_of_face_nodes
     )
@@ -544,12 +556,12 @@ def _column_with_left_side_tied_to_hinge_face(
     n = len(piece.K)
     free = np.setdiff1d(np.arange(piece.left), tied)
     rest = np.arange(piece.left, n)
-    T = np.zeros((n, FRAME + len(rest)))
-    T[tied, :FRAME] = modes
-    T[rest, FRAME + np.arange(len(rest))] = 1.0
+    T = np.zeros((n, DEGREES_OF_FREEDOM_OF_BODY_FRAME + len(rest)))
+    T[tied, :DEGREES_OF_FREEDOM_OF_BODY_FRAME] = modes
+    T[rest, DEGREES_OF_FREEDOM_OF_BODY_FRAME + np.arange(len(rest))] = 1.0
     KT = piece.K @ T
     K = np.ascontiguousarray(T.T @ KT)
     if len(free):
         inner = np.ascontiguousarray(piece.K[np.ix_(free, free)])
         replace_matrix_by_schur_complement(K, np.ascontiguousarray(KT[free]), inner)
-    return ColumnSubstructure(K, FRAME, piece.right)
+    return ColumnSubstructure(K, DEGREES_OF_FREEDOM_OF_BODY_FRAME, piece.right)

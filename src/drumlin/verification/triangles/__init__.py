@@ -12,17 +12,17 @@ degree. The change of a quantity over the last meshes estimates its error.
 """
 
 from drumlin.verification.triangles.levels import (
-    TRIANGLE_LEVELS,
+    TRIANGLE_MESH_LEVELS_FROM_COARSE_TO_FINE,
     solve_brake_on_one_triangle_mesh,
     solve_brake_on_sequence_of_triangle_meshes,
 )
-from drumlin.verification.triangles.outline import TriangleLevel
+from drumlin.verification.triangles.outline import DegreeAndGradingOfTriangleMesh
 from drumlin.verification.triangles.solution import ShoeSolution
 
 __all__ = [
-    "TRIANGLE_LEVELS",
+    "TRIANGLE_MESH_LEVELS_FROM_COARSE_TO_FINE",
+    "DegreeAndGradingOfTriangleMesh",
     "ShoeSolution",
-    "TriangleLevel",
     "solve_brake_on_one_triangle_mesh",
     "solve_brake_on_sequence_of_triangle_meshes",
 ]

@@ -15,49 +15,51 @@ from drumlin.base.arrays import Bools, Floats, Ints
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.one_sided import (
-    NOT_HELD_TEXT,
-    SupportForce,
+    ERROR_TEXT_ON_SHOE_THAT_IS_NOT_HELD,
+    OneSidedSupportForce,
     all_choices_of_bearing_supports,
     forces_of_one_sided_supports_on_shoe,
 )
-from drumlin.brake.support import Freedoms, displacements_in_rigid_body_motions
+from drumlin.brake.support import SupportRigidBodyModes, displacements_in_rigid_body_motions
 from drumlin.verification.triangles.equations import ContactEquations
-from drumlin.verification.triangles.face import CondensedFace
+from drumlin.verification.triangles.face import ShoeCondensedToLiningFace
 from drumlin.verification.triangles.one_sided import (
-    ShoeInEquations,
+    ShoeAndItsPlacesInContactEquations,
     contact_equations_on_supports_that_bear,
     do_supports_bear_as_assumed_in_triangle_solution,
     equations_of_one_sided_support_openings,
     one_sided_supports_of_shoes,
 )
 
-MOST_SETS_TRIED = 600
+MOST_CONTACT_SETS_TRIED = 600
 """Largest number of contact sets that are tried before the solver raises NoAnswer.
 
 A contact set is the set of nodes that carry contact forces."""
-SETS_WITHOUT_PROGRESS = 8
+CONTACT_SETS_BEFORE_SINGLE_NODE_CHANGES = 8
 """Number of contact sets without progress after which only one node at a time is changed.
 
 A node is wrong if it carries a tensile force or penetrates the drum. A set without progress has no
 fewer wrong nodes than an earlier set. If all wrong nodes are changed at once, the method is faster,
 but may repeat the same sets for ever (Judice & Pires 1994).
 """
-ACCEPTED_CONTACT_ERROR = 1e-13
+LARGEST_CONTACT_SET_ERROR_OVER_NORMAL_FORCE = 1e-13
 """Largest error of a contact set that is accepted, relative to the normal force.
 
 The error is the sum of the tensile forces and of the penetrations, scaled to forces. Errors below
 this limit come from round-off."""
-SETS_UNTIL_LATE_ERROR = 40
+CONTACT_SETS_BEFORE_LARGER_ERROR_IS_ACCEPTED = 40
 """Number of contact sets that are tried before a larger error of the contact set is accepted.
 
-The limit of the error is then ACCEPTED_LATE_CONTACT_ERROR and no longer ACCEPTED_CONTACT_ERROR."""
-ACCEPTED_LATE_CONTACT_ERROR = 1e-9
+The limit of the error is then LARGEST_CONTACT_SET_ERROR_AFTER_MANY_SETS and no longer
+LARGEST_CONTACT_SET_ERROR_OVER_NORMAL_FORCE.
+"""
+LARGEST_CONTACT_SET_ERROR_AFTER_MANY_SETS = 1e-9
 """Largest relative error of a contact set that is accepted if round-off keeps changing the set.
 
 The error is the sum of tensile forces and penetrations, relative to the normal force."""
 
 
-class CondensedRing(NamedTuple):
+class RingCondensedToLiningNodes(NamedTuple):
     """An elastic drum ring, statically condensed to its m nodes under the linings.
 
     Attributes
@@ -71,7 +73,7 @@ class CondensedRing(NamedTuple):
     of: list[Ints]
 
 
-class ContactAtStart(NamedTuple):
+class NodesAndSupportsInContactAtStart(NamedTuple):
     """Nodes and supports in contact when the contact solver starts, from an earlier solution.
 
     Attributes
@@ -83,12 +85,14 @@ class ContactAtStart(NamedTuple):
     nodes: list[Bools]
     supports: frozenset[str] = frozenset()
 
-    def contact_at_start_of_some_shoes(self, members: Sequence[int]) -> "ContactAtStart":
+    def contact_at_start_of_some_shoes(
+        self, members: Sequence[int]
+    ) -> "NodesAndSupportsInContactAtStart":
         """The nodes and supports in contact at the start, for the shoes numbered `members` only."""
-        return ContactAtStart([self.nodes[i] for i in members], self.supports)
+        return NodesAndSupportsInContactAtStart([self.nodes[i] for i in members], self.supports)
 
 
-class ContactForces(NamedTuple):
+class ContactForcesAndRigidMotions(NamedTuple):
     """Nodal contact forces and rigid-body motions of one shoe, or of several shoes together.
 
     Attributes
@@ -103,10 +107,12 @@ class ContactForces(NamedTuple):
     force: Floats
     motions: Floats
     active: Bools
-    supports: tuple[SupportForce, ...] = ()
+    supports: tuple[OneSidedSupportForce, ...] = ()
 
 
-def solve_contact_complementarity(equations: ContactEquations, first: Bools) -> ContactForces:
+def solve_contact_complementarity(
+    equations: ContactEquations, first: Bools
+) -> ContactForcesAndRigidMotions:
     """Solve w = q + A f + B y >= 0, f >= 0, w f = 0, C f + G y = h for f and y.
 
     At each node the gap w or the force f is zero; the last equation is the equilibrium of the
@@ -122,9 +128,9 @@ def solve_contact_complementarity(equations: ContactEquations, first: Bools) -> 
     A, q, B, weight = equations.A, equations.q, equations.B, equations.weight
     active = first.copy()
     scale = float(np.median(np.abs(np.diag(A)) * weight))
-    fewest, spare, least = len(q) + 1, SETS_WITHOUT_PROGRESS, math.inf
-    best: ContactForces | None = None
-    for step in range(MOST_SETS_TRIED):
+    fewest, spare, least = len(q) + 1, CONTACT_SETS_BEFORE_SINGLE_NODE_CHANGES, math.inf
+    best: ContactForcesAndRigidMotions | None = None
+    for step in range(MOST_CONTACT_SETS_TRIED):
         # The active nodes have zero gap: their forces and the rigid-body motions are solved for.
         a = np.flatnonzero(active)
         if not len(a):
@@ -138,16 +144,17 @@ def solve_contact_complementarity(equations: ContactEquations, first: Bools) -> 
         wrong = np.flatnonzero(off < 0)
         wrongness = -float(off[wrong].sum()) / size_of
         if wrongness < least:
-            least, best = wrongness, ContactForces(f, y, active.copy())
-        if wrongness < ACCEPTED_CONTACT_ERROR or (
-            step > SETS_UNTIL_LATE_ERROR and least < ACCEPTED_LATE_CONTACT_ERROR
+            least, best = wrongness, ContactForcesAndRigidMotions(f, y, active.copy())
+        if wrongness < LARGEST_CONTACT_SET_ERROR_OVER_NORMAL_FORCE or (
+            step > CONTACT_SETS_BEFORE_LARGER_ERROR_IS_ACCEPTED
+            and least < LARGEST_CONTACT_SET_ERROR_AFTER_MANY_SETS
         ):
             assert best is not None
             return best
         # All wrong nodes change while their number falls. If it has not fallen for
-        # SETS_WITHOUT_PROGRESS sets, only the last wrong node changes.
+        # CONTACT_SETS_BEFORE_SINGLE_NODE_CHANGES sets, only the last wrong node changes.
         if len(wrong) < fewest:
-            fewest, spare = len(wrong), SETS_WITHOUT_PROGRESS
+            fewest, spare = len(wrong), CONTACT_SETS_BEFORE_SINGLE_NODE_CHANGES
         else:
             spare -= 1
         chosen = wrong if spare > 0 else wrong[-1:]
@@ -181,12 +188,12 @@ def _forces_and_motions_of_contact_set(
 
 def contact_forces_of_shoes_in_one_system(
     brake: Brake,
-    faces: list[CondensedFace],
+    faces: list[ShoeCondensedToLiningFace],
     shoes: list[Shoe],
-    rim: CondensedRing | None,
-    first: ContactAtStart,
+    rim: RingCondensedToLiningNodes | None,
+    first: NodesAndSupportsInContactAtStart,
     senses: tuple[int, ...] | None = None,
-) -> list[ContactForces]:
+) -> list[ContactForcesAndRigidMotions]:
     """The contact forces of shoes that are solved in one system, in the order of the shoes.
 
     Parameters
@@ -216,7 +223,9 @@ def contact_forces_of_shoes_in_one_system(
         else [senses]
     ):
         try:
-            found = _solve_for_abutment_friction_senses(brake, faces, shoes, rim, first, chosen)
+            found = _contact_forces_for_assumed_friction_senses(
+                brake, faces, shoes, rim, first, chosen
+            )
         except NoAnswer as error:
             failure = failure or error
             continue
@@ -229,7 +238,11 @@ def contact_forces_of_shoes_in_one_system(
 
 
 def _is_abutment_friction_sense_confirmed(
-    brake: Brake, one: CondensedFace, shoe: Shoe, found: ContactForces, sense: int
+    brake: Brake,
+    one: ShoeCondensedToLiningFace,
+    shoe: Shoe,
+    found: ContactForcesAndRigidMotions,
+    sense: int,
 ) -> bool:
     """Whether a solution agrees with the sense of friction assumed at a shoe's abutment.
 
@@ -241,14 +254,15 @@ def _is_abutment_friction_sense_confirmed(
     return shoe.can_abutment_exert_reaction_on_shoe(reaction, sense, float(found.motions[-1]))
 
 
-class _ContactMatrices(NamedTuple):
+class _ContactMatricesOfShoe(NamedTuple):
     """The matrices of one shoe with n nodes and k rigid-body modes in the contact problem.
 
     Attributes
     ----------
     A, q, B, C, h, weight : the shoe's blocks of the matrices of `ContactEquations`
     normal : (n, 2n) matrix that gives the normal components of the displacements of the nodes
-    pull : (2n, n) matrix that turns normal forces into nodal forces on the lining, with friction
+    nodal_forces_per_normal_force : (2n, n) matrix that turns normal forces into nodal forces on the
+        lining, with friction
     """
 
     A: Floats
@@ -258,10 +272,12 @@ class _ContactMatrices(NamedTuple):
     h: Floats
     weight: Floats
     normal: Floats
-    pull: Floats
+    nodal_forces_per_normal_force: Floats
 
 
-def friction_forces_per_contact_force(brake: Brake, shoe: Shoe, one: CondensedFace) -> Floats:
+def friction_forces_per_contact_force(
+    brake: Brake, shoe: Shoe, one: ShoeCondensedToLiningFace
+) -> Floats:
     """The friction forces (n, n) on the nodes of a face per unit normal force on each node.
 
     They are positive towards growing theta. Without friction that depends on the pressure, each
@@ -273,7 +289,7 @@ def friction_forces_per_contact_force(brake: Brake, shoe: Shoe, one: CondensedFa
 
 
 def forces_of_drum_on_lining_nodes(
-    brake: Brake, shoe: Shoe, one: CondensedFace, force: Floats
+    brake: Brake, shoe: Shoe, one: ShoeCondensedToLiningFace, force: Floats
 ) -> Floats:
     """The forces (n, 2) [N] of the drum on the nodes of a face, from the normal forces (n,) [N]."""
     along = friction_forces_per_contact_force(brake, shoe, one) @ force
@@ -281,8 +297,8 @@ def forces_of_drum_on_lining_nodes(
 
 
 def _contact_matrices_of_shoe(
-    one: CondensedFace, freedoms: Freedoms, drag: Floats
-) -> _ContactMatrices:
+    one: ShoeCondensedToLiningFace, freedoms: SupportRigidBodyModes, drag: Floats
+) -> _ContactMatricesOfShoe:
     """The matrices of one shoe in the contact problem, on a rigid drum.
 
     Parameters
@@ -293,35 +309,35 @@ def _contact_matrices_of_shoe(
         growing theta
     """
     m = len(one.theta)
-    normal, pull = np.zeros((m, 2 * m)), np.zeros((2 * m, m))
+    normal, nodal_forces_per_normal_force = np.zeros((m, 2 * m)), np.zeros((2 * m, m))
     for c in range(2):
         normal[np.arange(m), 2 * np.arange(m) + c] = one.normal[:, c]
-        pull[c::2] = one.tangent[:, c, None] * drag
-        pull[2 * np.arange(m) + c, np.arange(m)] -= one.normal[:, c]
+        nodal_forces_per_normal_force[c::2] = one.tangent[:, c, None] * drag
+        nodal_forces_per_normal_force[2 * np.arange(m) + c, np.arange(m)] -= one.normal[:, c]
     by_motion, tested = (
         displacements_in_rigid_body_motions(motions, one.xy.T).transpose(1, 0, 2).reshape(2 * m, -1)
-        for motions in (freedoms.motions, freedoms.tests)
+        for motions in (freedoms.motions, freedoms.test_modes)
     )
-    return _ContactMatrices(
-        A=-normal @ one.compliance @ pull,
+    return _ContactMatricesOfShoe(
+        A=-normal @ one.compliance @ nodal_forces_per_normal_force,
         q=one.gap - normal @ one.loaded,
         B=-normal @ by_motion,
-        C=tested.T @ pull,
+        C=tested.T @ nodal_forces_per_normal_force,
         h=-freedoms.work_of_all_loads_on_test_modes,
         weight=one.mass.sum(axis=1),
         normal=normal,
-        pull=pull,
+        nodal_forces_per_normal_force=nodal_forces_per_normal_force,
     )
 
 
-def _solve_for_abutment_friction_senses(
+def _contact_forces_for_assumed_friction_senses(
     brake: Brake,
-    faces: list[CondensedFace],
+    faces: list[ShoeCondensedToLiningFace],
     shoes: list[Shoe],
-    rim: CondensedRing | None,
-    first: ContactAtStart,
+    rim: RingCondensedToLiningNodes | None,
+    first: NodesAndSupportsInContactAtStart,
     senses: tuple[int, ...],
-) -> list[ContactForces]:
+) -> list[ContactForcesAndRigidMotions]:
     """The contact forces of each shoe, for an assumed sense of the friction at each abutment."""
     own = [
         _contact_matrices_of_shoe(
@@ -348,22 +364,27 @@ def _solve_for_abutment_friction_senses(
         under = [(2 * nodes[:, None] + np.arange(2)).ravel() for nodes in rim.of]
         for i, j in np.ndindex(len(faces), len(faces)):
             compliance = rim.compliance[np.ix_(under[i], under[j])]
-            change = own[i].normal @ compliance @ own[j].pull
+            change = own[i].normal @ compliance @ own[j].nodal_forces_per_normal_force
             A[begin[i] : begin[i + 1], begin[j] : begin[j + 1]] -= change
     places = [
-        ShoeInEquations(shoe, face, one.normal, one.pull, slice(*nodes), slice(*modes))
+        ShoeAndItsPlacesInContactEquations(
+            shoe, face, one.normal, one.nodal_forces_per_normal_force, slice(*nodes), slice(*modes)
+        )
         for shoe, face, one, nodes, modes in zip(
             shoes, faces, own, pairwise(begin.tolist()), pairwise(rows.tolist()), strict=True
         )
     ]
     is_force = np.zeros(k, dtype=bool)
     equations = ContactEquations(A, q, B, C, np.zeros((k, k)), h, weight, is_force)
-    return _solve_on_one_sided_supports(brake, places, equations, first)
+    return _contact_forces_with_bearing_supports_by_trial(brake, places, equations, first)
 
 
-def _solve_on_one_sided_supports(
-    brake: Brake, places: list[ShoeInEquations], equations: ContactEquations, start: ContactAtStart
-) -> list[ContactForces]:
+def _contact_forces_with_bearing_supports_by_trial(
+    brake: Brake,
+    places: list[ShoeAndItsPlacesInContactEquations],
+    equations: ContactEquations,
+    start: NodesAndSupportsInContactAtStart,
+) -> list[ContactForcesAndRigidMotions]:
     """The contact forces of each shoe, with the one-sided supports that bear found by trial.
 
     Sets of bearing supports are tried until no support of the set pulls and no other support
@@ -408,15 +429,15 @@ def _solve_on_one_sided_supports(
                 for i, one in enumerate(_split_contact_solution_by_shoe(places, found))
             ]
     names = ", ".join(repr(shoe.name) for shoe in shoes)
-    raise failure or NoAnswer(f"{names}: {NOT_HELD_TEXT}")
+    raise failure or NoAnswer(f"{names}: {ERROR_TEXT_ON_SHOE_THAT_IS_NOT_HELD}")
 
 
 def _split_contact_solution_by_shoe(
-    places: list[ShoeInEquations], found: ContactForces
-) -> list[ContactForces]:
+    places: list[ShoeAndItsPlacesInContactEquations], found: ContactForcesAndRigidMotions
+) -> list[ContactForcesAndRigidMotions]:
     """Split a solution into the parts of the shoes, without the forces of one-sided supports."""
     return [
-        ContactForces(
+        ContactForcesAndRigidMotions(
             found.force[place.nodes], found.motions[place.modes], found.active[place.nodes]
         )
         for place in places
@@ -424,7 +445,11 @@ def _split_contact_solution_by_shoe(
 
 
 def loaded_point_displacement_along_force(
-    brake: Brake, one: CondensedFace, shoe: Shoe, found: ContactForces, sense: int
+    brake: Brake,
+    one: ShoeCondensedToLiningFace,
+    shoe: Shoe,
+    found: ContactForcesAndRigidMotions,
+    sense: int,
 ) -> float:
     """Displacement [m] of the point where the actuation force F > 0 acts, along this force.
 
@@ -434,5 +459,5 @@ def loaded_point_displacement_along_force(
     drum = forces_of_drum_on_lining_nodes(brake, shoe, one, found.force)
     elastic = float(one.loaded @ drum.ravel()) + one.elastic_actuation_work
     return elastic / shoe.actuation.force + float(
-        shoe.rigid_body_modes_of_support(sense).tip @ found.motions
+        shoe.rigid_body_modes_of_support(sense).actuation_point_travel @ found.motions
     )

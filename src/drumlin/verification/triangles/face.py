@@ -11,16 +11,16 @@ from drumlin.brake import clearance
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.one_sided import unit_forces_of_one_sided_supports_on_shoe
 from drumlin.verification.triangles import lagrange
-from drumlin.verification.triangles.lagrange import Nodes
-from drumlin.verification.triangles.outline import Outline
+from drumlin.verification.triangles.lagrange import NodesOfTriangleMesh
+from drumlin.verification.triangles.outline import OutlineOfLayeredBody
 from drumlin.verification.triangles.places import nodal_forces_of_loads_besides_actuation
-from drumlin.verification.triangles.triangulation import Triangles
+from drumlin.verification.triangles.triangulation import TriangleMeshInBodyCoordinates
 
 FACE_GAUSS, FACE_WEIGHTS = legendre.leggauss(8)
 """Points in [-1, 1] and weights of the Gauss rule on an edge of a triangle at the lining's face."""
 
 
-class MeshedBody(NamedTuple):
+class BodyMeshedByTriangles(NamedTuple):
     """A shoe or a drum ring meshed by triangles, before its static condensation.
 
     Attributes
@@ -33,26 +33,28 @@ class MeshedBody(NamedTuple):
     degree : polynomial degree of the triangles
     """
 
-    shape: Outline
-    mesh: Triangles
-    nodes: Nodes
+    shape: OutlineOfLayeredBody
+    mesh: TriangleMeshInBodyCoordinates
+    nodes: NodesOfTriangleMesh
     K: Floats
     surface: Ints
     degree: int
 
 
 def triangle_body_with_nodes_and_stiffness(
-    shape: Outline, mesh: Triangles, degree: int
-) -> MeshedBody:
+    shape: OutlineOfLayeredBody, mesh: TriangleMeshInBodyCoordinates, degree: int
+) -> BodyMeshedByTriangles:
     """The body of outline `shape` with the nodes and the stiffness matrices of its triangles."""
     nodes = lagrange.nodes_of_triangle_mesh_of_given_degree(mesh, shape.place, degree)
     K = lagrange.triangle_stiffness_matrices(mesh, nodes, shape.layers, degree)
     surface = np.flatnonzero(nodes.at[:, 1] == 0)
-    return MeshedBody(shape, mesh, nodes, K, surface[np.argsort(nodes.at[surface, 0])], degree)
+    return BodyMeshedByTriangles(
+        shape, mesh, nodes, K, surface[np.argsort(nodes.at[surface, 0])], degree
+    )
 
 
 @dataclass(frozen=True)
-class CondensedFace:
+class ShoeCondensedToLiningFace:
     """A shoe, statically condensed to the n nodes of its lining's face.
 
     Attributes
@@ -66,8 +68,8 @@ class CondensedFace:
     loaded : (2n,) displacements of the nodes under the actuation and other loads, without heat [m]
     elastic_actuation_work : work [N m] of these loads on the elastic displacements that they cause
         by themselves
-    pushed : (2n, m) displacements of the nodes under a push of 1 N by each of the m one-sided
-        supports of the shoe [m/N]
+    displacements_under_unit_pushes : (2n, m) displacements of the nodes under a push of 1 N by each
+        of the m one-sided supports of the shoe [m/N]
     push_travel : (m,) displacement [m] of the shoe at the point of each of these pushes, along the
         push, under actuation, other loads and heat, without contact forces
     push_compliance : (m, m) displacements at the point of each push, along the push, under a push
@@ -87,7 +89,7 @@ class CondensedFace:
     compliance: Floats
     loaded: Floats
     elastic_actuation_work: float
-    pushed: Floats
+    displacements_under_unit_pushes: Floats
     push_travel: Floats
     push_compliance: Floats
     gap: Floats
@@ -96,7 +98,9 @@ class CondensedFace:
     friction: Floats | None = None
 
 
-def node_numbers_along_edges(nodes: Nodes, tri: Ints, edge: Ints, degree: int) -> Ints:
+def node_numbers_along_edges(
+    nodes: NodesOfTriangleMesh, tri: Ints, edge: Ints, degree: int
+) -> Ints:
     """Numbers (k, degree + 1) of the nodes along one edge of each of k triangles.
 
     `tri` (k,) are the numbers of the triangles, `edge` (k,) the numbers 0 to 2 of their edges.
@@ -134,7 +138,9 @@ def gauss_points_lengths_and_shape_functions_on_curved_edges(
     return psi, x, np.hypot(dx[..., 0], dx[..., 1]) * 0.5 * FACE_WEIGHTS
 
 
-def _nodal_forces_on_loaded_end(body: MeshedBody, force: Floats, point: Floats) -> Floats:
+def _nodal_forces_on_loaded_end(
+    body: BodyMeshedByTriangles, force: Floats, point: Floats
+) -> Floats:
     """Nodal forces (2N,) [N] on a shoe's loaded end that are equivalent to a force through a point.
 
     The force (2,) [N] is spread evenly over the loaded end. Tractions that grow linearly from the
@@ -146,7 +152,7 @@ def _nodal_forces_on_loaded_end(body: MeshedBody, force: Floats, point: Floats) 
     at = body.mesh.at
     assert body.shape.loaded is not None
     on = (np.abs(at[..., 0] - body.shape.loaded) < 1e-12) & (
-        at[..., 1] >= body.shape.first_layer_of_body - 1e-12
+        at[..., 1] >= body.shape.number_of_first_layer_of_shoe_body - 1e-12
     )
     tri, edge = np.nonzero(on & np.roll(on, -1, axis=1))
     of = node_numbers_along_edges(body.nodes, tri, edge, body.degree)
@@ -168,19 +174,22 @@ def _nodal_forces_on_loaded_end(body: MeshedBody, force: Floats, point: Floats) 
     return loads.ravel()
 
 
-def condense_shoe_to_lining_face(brake: Brake, shoe: Shoe, body: MeshedBody) -> CondensedFace:
+def condense_shoe_to_lining_face(
+    brake: Brake, shoe: Shoe, body: BodyMeshedByTriangles
+) -> ShoeCondensedToLiningFace:
     """A meshed shoe, statically condensed to the nodes of its lining's face."""
     shape, nodes, kept = body.shape, body.nodes, body.surface
     if shape.held is None:
         loads = np.zeros((2 * len(nodes.xy), 1))
     else:
-        loads = _nodal_forces_on_loaded_end(
-            body, shoe.actuation.force_vector, shoe.actuation.point.xy
-        )[:, None]
+        force = shoe.actuation
+        loads = _nodal_forces_on_loaded_end(body, force.force_vector, force.point.xy)[:, None]
     if shoe.has_loads_besides_actuation and shape.plates:
         loads[:, 0] += nodal_forces_of_loads_besides_actuation(body, shoe)
     heat = lagrange.nodal_forces_of_heated_triangles(body.mesh, nodes, shape.layers, body.degree)
-    loads = np.column_stack([loads, heat, *_nodal_forces_of_unit_pushes(brake, shoe, body)])
+    loads = np.column_stack(
+        [loads, heat, *_nodal_forces_of_one_newton_by_each_support(brake, shoe, body)]
+    )
     # The nodes of the face are put in the order of growing theta.
     theta = shape.origin + shape.turn * nodes.at[kept, 0]
     kept, theta = kept[:: shape.turn], theta[:: shape.turn]
@@ -188,9 +197,9 @@ def condense_shoe_to_lining_face(brake: Brake, shoe: Shoe, body: MeshedBody) -> 
         body.K, nodes, np.repeat(_mask_of_fixed_nodes_of_shoe(body), 2), kept, loads
     )
     er = np.stack([np.cos(theta), np.sin(theta)], axis=1)
-    normal = shoe.sign * er
+    normal = shoe.sign_internal_plus_external_minus * er
     growth = (normal * compliance.loaded[:, 1].reshape(-1, 2)).sum(axis=1)
-    return CondensedFace(
+    return ShoeCondensedToLiningFace(
         theta=theta,
         xy=nodes.xy[kept],
         normal=normal,
@@ -199,7 +208,7 @@ def condense_shoe_to_lining_face(brake: Brake, shoe: Shoe, body: MeshedBody) -> 
         compliance=compliance.of,
         loaded=compliance.loaded[:, 0],
         elastic_actuation_work=float(compliance.work[0, 0]),
-        pushed=compliance.loaded[:, 2:],
+        displacements_under_unit_pushes=compliance.loaded[:, 2:],
         push_travel=compliance.work[2:, :2].sum(axis=1),
         push_compliance=compliance.work[2:, 2:],
         gap=clearance.gaps_between_unloaded_lining_and_surface(brake, shoe, theta) - growth,
@@ -208,7 +217,9 @@ def condense_shoe_to_lining_face(brake: Brake, shoe: Shoe, body: MeshedBody) -> 
     )
 
 
-def _nodal_forces_of_unit_pushes(brake: Brake, shoe: Shoe, body: MeshedBody) -> list[Floats]:
+def _nodal_forces_of_one_newton_by_each_support(
+    brake: Brake, shoe: Shoe, body: BodyMeshedByTriangles
+) -> list[Floats]:
     """Nodal forces (2N,) [N] of a push of 1 N by each one-sided support of a shoe.
 
     The forces are 0 if a support pushes at the fixed end of the shoe, which belongs to the rigid
@@ -225,7 +236,7 @@ def _nodal_forces_of_unit_pushes(brake: Brake, shoe: Shoe, body: MeshedBody) -> 
     return loads
 
 
-def _mask_of_fixed_nodes_of_shoe(body: MeshedBody) -> Bools:
+def _mask_of_fixed_nodes_of_shoe(body: BodyMeshedByTriangles) -> Bools:
     """Mark the fixed nodes of a shoe, as a mask (N,).
 
     A shoe with a hinged end is fixed at this end of its body. Any other shoe is fixed at its back,
@@ -234,7 +245,7 @@ def _mask_of_fixed_nodes_of_shoe(body: MeshedBody) -> Bools:
     shape, at = body.shape, body.nodes.at
     if shape.held is not None:
         return (np.abs(at[:, 0] - shape.held) < 1e-12) & (
-            at[:, 1] > shape.first_layer_of_body - 1e-12
+            at[:, 1] > shape.number_of_first_layer_of_shoe_body - 1e-12
         )
     fixed = at[:, 1] > len(shape.layers) - 1e-12
     if shape.grip is not None:
@@ -243,7 +254,7 @@ def _mask_of_fixed_nodes_of_shoe(body: MeshedBody) -> Bools:
     return fixed
 
 
-def _mass_matrix_of_face(body: MeshedBody, kept: Ints, width: float) -> Floats:
+def _mass_matrix_of_face(body: BodyMeshedByTriangles, kept: Ints, width: float) -> Floats:
     """The mass matrix M (n, n) [m^2] of a lining's face: M p are the nodal forces of a pressure p.
 
     Parameters

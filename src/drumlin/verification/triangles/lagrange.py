@@ -19,13 +19,13 @@ from drumlin.base.arrays import Bools, Floats, Ints
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.elasticity import ElasticLayer, which_elasticity_matrices_are_orthotropic
 from drumlin.verification.triangles.triangulation import (
-    PointMap,
-    TriangleLayer,
-    Triangles,
+    FunctionFromBodyCoordinatesToPoints,
+    LayerOfTriangulatedBody,
+    TriangleMeshInBodyCoordinates,
     edges_of_mesh_and_of_each_triangle,
 )
 
-LEAF_TRIANGLES = 8
+MOST_TRIANGLES_ELIMINATED_WITHOUT_HALVING = 8
 """Number of triangles up to which a part of the mesh is eliminated without being halved again.
 
 With a smaller number there are more calls of LAPACK, with a larger one there is more arithmetic."""
@@ -108,7 +108,7 @@ def triangle_shape_functions_gradients_and_weights(degree: int) -> tuple[Floats,
 
 
 @dataclass(frozen=True)
-class Nodes:
+class NodesOfTriangleMesh:
     """The N nodes of a mesh of m triangles.
 
     Attributes
@@ -124,7 +124,9 @@ class Nodes:
     xy: Floats
 
 
-def nodes_of_triangle_mesh_of_given_degree(mesh: Triangles, place: PointMap, degree: int) -> Nodes:
+def nodes_of_triangle_mesh_of_given_degree(
+    mesh: TriangleMeshInBodyCoordinates, place: FunctionFromBodyCoordinatesToPoints, degree: int
+) -> NodesOfTriangleMesh:
     """The nodes of a mesh of triangles of a polynomial degree: at corners, on edges and inside."""
     edges, of_edge = edges_of_mesh_and_of_each_triangle(mesh)
     corners = int(mesh.vertices.max()) + 1
@@ -145,18 +147,21 @@ def nodes_of_triangle_mesh_of_given_degree(mesh: Triangles, place: PointMap, deg
     of = of.reshape(m, n)
     at = np.zeros((len(used), 2))
     at[of] = np.einsum("nk,mkc->mnc", nodes_of_reference_triangle(degree), mesh.at)
-    return Nodes(of, at, place(at[:, 0], at[:, 1]))
+    return NodesOfTriangleMesh(of, at, place(at[:, 0], at[:, 1]))
 
 
 def triangle_stiffness_matrices(
-    mesh: Triangles, nodes: Nodes, layers: list[TriangleLayer], degree: int
+    mesh: TriangleMeshInBodyCoordinates,
+    nodes: NodesOfTriangleMesh,
+    layers: list[LayerOfTriangulatedBody],
+    degree: int,
 ) -> Floats:
     """The plane-stress stiffness matrices (m, 2n, 2n) of m triangles of n nodes [N/m].
 
     Unknown 2 i + c of a triangle is component c of the displacement of its node i.
     """
     values, slopes, weights = triangle_shape_functions_gradients_and_weights(degree)
-    matrices = np.array([layer.elastic.stiffness for layer in layers])
+    matrices = np.array([layer.elastic.elasticity_times_width for layer in layers])
     directed = which_elasticity_matrices_are_orthotropic(matrices)
     n = slopes.shape[0]
     found = np.empty((len(mesh.layer), 2 * n, 2 * n))
@@ -167,17 +172,15 @@ def triangle_stiffness_matrices(
         det = J[..., 0, 0] * J[..., 1, 1] - J[..., 0, 1] * J[..., 1, 0]
         if (det * np.sign(det[:, :1]) <= 0).any():
             raise AssertionError("a triangle is turned over")
-        inverse = np.stack([J[..., 1, 1], -J[..., 0, 1], -J[..., 1, 0], J[..., 0, 0]], -1).reshape(
-            J.shape
-        )
+        cofactors = [J[..., 1, 1], -J[..., 0, 1], -J[..., 1, 0], J[..., 0, 0]]
+        inverse = np.stack(cofactors, -1).reshape(J.shape)
         # G[m, n, c, q] is the derivative of shape function n by coordinate c, in triangle m at
         # quadrature point q.
         G = np.einsum("ndq,mqdc->mncq", slopes, inverse / det[..., None, None])
         lam, mu = matrices[mesh.layer[part]][:, [0, 2], [1, 2]].T
         H = np.einsum("mncq,mq,mkdq->mnckd", G, np.abs(det) * weights, G, optimize=True)
-        K = lam[:, None, None, None, None] * H + mu[:, None, None, None, None] * H.transpose(
-            0, 1, 4, 3, 2
-        )
+        lam, turned = lam[:, None, None, None, None], H.transpose(0, 1, 4, 3, 2)
+        K = lam * H + mu[:, None, None, None, None] * turned
         same = mu[:, None, None] * (H[:, :, 0, :, 0] + H[:, :, 1, :, 1])
         K[:, :, 0, :, 0] += same
         K[:, :, 1, :, 1] += same
@@ -210,11 +213,11 @@ def _stiffness_matrices_of_orthotropic_triangles(
     points : (2, m, q) quadrature points [m]
     """
     m, n, _, q = G.shape
-    c, s = layer.directions(points)
+    c, s = layer.unit_vectors_along_layer(points)
     turn = np.array(
         [[c * c, s * s, c * s], [s * s, c * c, -c * s], [-2 * c * s, 2 * c * s, c * c - s * s]]
     )
-    D = np.einsum("ikmq,ij,jlmq->mqkl", turn, layer.stiffness, turn)
+    D = np.einsum("ikmq,ij,jlmq->mqkl", turn, layer.elasticity_times_width, turn)
     B = np.zeros((m, q, 3, n, 2))
     B[:, :, 0, :, 0] = B[:, :, 2, :, 1] = G[:, :, 0].transpose(0, 2, 1)
     B[:, :, 1, :, 1] = B[:, :, 2, :, 0] = G[:, :, 1].transpose(0, 2, 1)
@@ -224,7 +227,10 @@ def _stiffness_matrices_of_orthotropic_triangles(
 
 
 def nodal_forces_of_heated_triangles(
-    mesh: Triangles, nodes: Nodes, layers: list[TriangleLayer], degree: int
+    mesh: TriangleMeshInBodyCoordinates,
+    nodes: NodesOfTriangleMesh,
+    layers: list[LayerOfTriangulatedBody],
+    degree: int,
 ) -> Floats:
     """Nodal forces (2N,) [N] that deform unloaded triangles by the free strains of heated layers.
 
@@ -243,13 +249,16 @@ def nodal_forces_of_heated_triangles(
         G = np.einsum("ndq,mqdc->mncq", slopes, np.linalg.inv(J))
         area = np.abs(np.linalg.det(J)) * weights
         points = np.einsum("mnc,nq->cmq", x, values)
-        # The coordinate d across the layers grows by one over the thickness of each layer.
+        # The coordinate across the layers counts layers. From the near face to the far face of this
+        # layer it grows from `number` to `number` + 1.
         through = np.einsum("mn,nq->mq", nodes.at[of, 1], values) - number
         near, far = layer.free_strains[:, :, None, None].swapaxes(0, 1)
         strains = near + (far - near) * through
         strains = np.concatenate([strains, np.zeros_like(strains[:1])])
-        along, across, shear = np.einsum("ij,jmq->imq", layer.elastic.stiffness, strains)
-        c, s = layer.elastic.directions(points)
+        along, across, shear = np.einsum(
+            "ij,jmq->imq", layer.elastic.elasticity_times_width, strains
+        )
+        c, s = layer.elastic.unit_vectors_along_layer(points)
         # The stress is transformed from the directions of the layer into the components xx, yy and
         # xy.
         xx = c * c * along + s * s * across - 2 * c * s * shear
@@ -261,7 +270,7 @@ def nodal_forces_of_heated_triangles(
 
 
 @dataclass(frozen=True)
-class Compliance:
+class ComplianceOfCondensedBody:
     """The compliance of a body that is statically condensed to n kept nodes.
 
     Attributes
@@ -276,7 +285,7 @@ class Compliance:
     work: Floats
 
 
-class PartialSchurComplement(NamedTuple):
+class CondensedStiffnessOfBodyPart(NamedTuple):
     """The stiffness of a part of a body, condensed to the unknowns that are not eliminated yet.
 
     Attributes
@@ -319,8 +328,8 @@ class _BodyToCondense(NamedTuple):
 
 
 def condense_body_to_kept_nodes(
-    K: Floats, nodes: Nodes, held: Bools, kept: Ints, loads: Floats
-) -> Compliance:
+    K: Floats, nodes: NodesOfTriangleMesh, held: Bools, kept: Ints, loads: Floats
+) -> ComplianceOfCondensedBody:
     """Condense a body statically to the nodes `kept`; returns their compliance.
 
     The set of triangles is cut into halves across its longer side, and the halves are cut again.
@@ -355,14 +364,19 @@ def condense_body_to_kept_nodes(
     compliance = inv(0.5 * (S + S.T))
     compliance = 0.5 * (compliance + compliance.T)
     loaded = compliance @ f
-    return Compliance(compliance, loaded, whole.work + f.T @ loaded)
+    return ComplianceOfCondensedBody(compliance, loaded, whole.work + f.T @ loaded)
 
 
-def _schur_complement_of_triangles(body: _BodyToCondense, members: Ints) -> PartialSchurComplement:
+def _schur_complement_of_triangles(
+    body: _BodyToCondense, members: Ints
+) -> CondensedStiffnessOfBodyPart:
     """The Schur complement of the part of the body with the triangles numbered `members`."""
     # A small part is assembled from its triangles, a larger one from its two halves.
-    if len(members) <= LEAF_TRIANGLES:
-        parts = [_triangle_as_part_of_body(body, triangle) for triangle in members.tolist()]
+    if len(members) <= MOST_TRIANGLES_ELIMINATED_WITHOUT_HALVING:
+        parts = [
+            _stiffness_of_single_triangle_as_body_part(body, triangle)
+            for triangle in members.tolist()
+        ]
     else:
         x = body.centres[members]
         # The part is cut across the longer side of its bounding box.
@@ -376,12 +390,14 @@ def _schur_complement_of_triangles(body: _BodyToCondense, members: Ints) -> Part
     return _assemble_parts_and_eliminate_inner_unknowns(body, parts)
 
 
-def _triangle_as_part_of_body(body: _BodyToCondense, triangle: int) -> PartialSchurComplement:
+def _stiffness_of_single_triangle_as_body_part(
+    body: _BodyToCondense, triangle: int
+) -> CondensedStiffnessOfBodyPart:
     """The stiffness of one triangle as a part of a body, without fixed unknowns and loads."""
     dofs = body.dofs[triangle]
     on = ~body.held[dofs]
     count, columns = int(on.sum()), body.loads.shape[1]
-    return PartialSchurComplement(
+    return CondensedStiffnessOfBodyPart(
         dofs[on],
         np.ones(count, dtype=int),
         body.K[triangle][np.ix_(on, on)],
@@ -391,8 +407,8 @@ def _triangle_as_part_of_body(body: _BodyToCondense, triangle: int) -> PartialSc
 
 
 def _assemble_parts_and_eliminate_inner_unknowns(
-    body: _BodyToCondense, parts: list[PartialSchurComplement]
-) -> PartialSchurComplement:
+    body: _BodyToCondense, parts: list[CondensedStiffnessOfBodyPart]
+) -> CondensedStiffnessOfBodyPart:
     """Assemble parts of the body and eliminate the unknowns that no other part shares."""
     dofs, where = np.unique(np.concatenate([part.dofs for part in parts]), return_inverse=True)
     triangles = np.bincount(where, np.concatenate([part.triangles for part in parts])).astype(int)
@@ -410,11 +426,13 @@ def _assemble_parts_and_eliminate_inner_unknowns(
         f[at] += part.loads
     f[:n] += body.loads[dofs[gone]]
     work = np.sum([part.work for part in parts], axis=0)
-    assembled = PartialSchurComplement(dofs[order], triangles[order], S, f, work)
-    return _eliminate_first_unknowns(assembled, n)
+    assembled = CondensedStiffnessOfBodyPart(dofs[order], triangles[order], S, f, work)
+    return _eliminate_first_unknowns_of_body_part(assembled, n)
 
 
-def _eliminate_first_unknowns(part: PartialSchurComplement, n: int) -> PartialSchurComplement:
+def _eliminate_first_unknowns_of_body_part(
+    part: CondensedStiffnessOfBodyPart, n: int
+) -> CondensedStiffnessOfBodyPart:
     """Eliminate the first n unknowns of a part of a body.
 
     The Schur complement is S22 - S21 S11^-1 S12, with the Cholesky factor L of S11 = L L^T. Raises
@@ -428,7 +446,7 @@ def _eliminate_first_unknowns(part: PartialSchurComplement, n: int) -> PartialSc
         raise NoAnswer("singular stiffness")
     Y = solve_triangular(L, np.hstack([S[:n, n:], f[:n]]), lower=True, check_finite=False)
     coupled, loaded = Y[:, : len(S) - n], Y[:, len(S) - n :]
-    return PartialSchurComplement(
+    return CondensedStiffnessOfBodyPart(
         part.dofs[n:],
         part.triangles[n:],
         S[n:, n:] - coupled.T @ coupled,

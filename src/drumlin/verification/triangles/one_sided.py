@@ -13,8 +13,8 @@ import numpy as np
 from drumlin.base.arrays import Floats
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.one_sided import (
-    LARGEST_PULL,
-    Bearing,
+    LARGEST_ROUND_OFF_PULL_OF_SUPPORT,
+    BearingFlagsOfOneSidedSupports,
     OneSidedSupport,
     divide_motions_into_held_and_free,
     do_linings_resist_free_motions,
@@ -22,28 +22,28 @@ from drumlin.brake.one_sided import (
     work_of_support_push_in_rigid_body_modes,
 )
 from drumlin.verification.triangles.equations import ContactEquations
-from drumlin.verification.triangles.face import CondensedFace
+from drumlin.verification.triangles.face import ShoeCondensedToLiningFace
 
 
-class SupportEquations(NamedTuple):
+class EquationsOfOneSidedSupportOpenings(NamedTuple):
     """The openings v = v_0 + D f + E s + V y of m one-sided supports of some shoes.
 
     Attributes
     ----------
     supports : the supports; they name shoes by positions in the list of the given shoes
     opening : (m,) v_0, openings due to clearances, loads and heat [m]
-    by_contact : (m, n) D, openings of the supports per nodal contact force [m/N]
-    by_force : (m, m) E, openings of the supports per force of a support [m/N]
-    by_motion : (m, k) V, openings of the supports per unit of a rigid-body mode
+    opening_by_contact_force : (m, n) D, openings of the supports per nodal contact force [m/N]
+    opening_by_support_force : (m, m) E, openings of the supports per force of a support [m/N]
+    opening_by_rigid_mode : (m, k) V, openings of the supports per unit of a rigid-body mode
     gap : (n, m) openings of the gaps at the nodes per force of a support [m/N]
     sizes : (k,) amount of each mode that displaces points of the brake by about 1 m
     """
 
     supports: tuple[OneSidedSupport, ...]
     opening: Floats
-    by_contact: Floats
-    by_force: Floats
-    by_motion: Floats
+    opening_by_contact_force: Floats
+    opening_by_support_force: Floats
+    opening_by_rigid_mode: Floats
     gap: Floats
     sizes: Floats
 
@@ -62,50 +62,57 @@ def one_sided_supports_of_shoes(brake: Brake, shoes: list[Shoe]) -> tuple[OneSid
     return tuple(found)
 
 
-class ShoeInEquations(NamedTuple):
+class ShoeAndItsPlacesInContactEquations(NamedTuple):
     """A shoe with its condensed face and its places in the contact equations.
 
     Attributes
     ----------
     shoe, face : the shoe, and the shoe condensed to the face of its lining
     normal : (n, 2n) matrix that gives the normal components of the displacements of the n nodes
-    pull : (2n, n) matrix that turns normal forces into nodal forces on the lining, with friction
+    nodal_forces_per_normal_force : (2n, n) matrix that turns normal forces into nodal forces on the
+        lining, with friction
     nodes, modes : positions of its nodes and of its rigid-body modes in the equations of all shoes
     """
 
     shoe: Shoe
-    face: CondensedFace
+    face: ShoeCondensedToLiningFace
     normal: Floats
-    pull: Floats
+    nodal_forces_per_normal_force: Floats
     nodes: slice
     modes: slice
 
 
 def equations_of_one_sided_support_openings(
-    supports: tuple[OneSidedSupport, ...], shoes: list[ShoeInEquations], brake: Brake
-) -> SupportEquations:
+    supports: tuple[OneSidedSupport, ...],
+    shoes: list[ShoeAndItsPlacesInContactEquations],
+    brake: Brake,
+) -> EquationsOfOneSidedSupportOpenings:
     """The equations for the openings of the one-sided supports of a brake's shoes."""
     m, n, k = len(supports), shoes[-1].nodes.stop, shoes[-1].modes.stop
     opening = np.array([support.clearance for support in supports])
-    by_contact, gap = np.zeros((m, n)), np.zeros((n, m))
-    by_force, by_motion = np.zeros((m, m)), np.zeros((m, k))
+    opening_by_contact_force, gap = np.zeros((m, n)), np.zeros((n, m))
+    opening_by_support_force, opening_by_rigid_mode = np.zeros((m, m)), np.zeros((m, k))
     for i, one in enumerate(shoes):
         face = one.face
-        # The columns of `face.pushed` belong to the supports that push this shoe, in the order of
-        # `own`.
+        # The columns of `face.displacements_under_unit_pushes` belong to the supports that push
+        # this shoe, in the order of `own`.
         own = [
-            (j, side.push)
+            (j, side.push_of_one_newton)
             for j, support in enumerate(supports)
             for side in support.sides
             if side.shoe == i
         ]
         for column, (j, push) in enumerate(own):
             opening[j] += face.push_travel[column]
-            by_contact[j, one.nodes] = face.pushed[:, column] @ one.pull
-            by_motion[j, one.modes] = work_of_support_push_in_rigid_body_modes(one.shoe, push)
-            gap[one.nodes, j] = -one.normal @ face.pushed[:, column]
+            opening_by_contact_force[j, one.nodes] = (
+                face.displacements_under_unit_pushes[:, column] @ one.nodal_forces_per_normal_force
+            )
+            opening_by_rigid_mode[j, one.modes] = work_of_support_push_in_rigid_body_modes(
+                one.shoe, push
+            )
+            gap[one.nodes, j] = -one.normal @ face.displacements_under_unit_pushes[:, column]
         at = [j for j, _ in own]
-        by_force[np.ix_(at, at)] += face.push_compliance
+        opening_by_support_force[np.ix_(at, at)] += face.push_compliance
     sizes = np.concatenate(
         [
             np.where(
@@ -116,11 +123,21 @@ def equations_of_one_sided_support_openings(
             for one in shoes
         ]
     )
-    return SupportEquations(supports, opening, by_contact, by_force, by_motion, gap, sizes)
+    return EquationsOfOneSidedSupportOpenings(
+        supports,
+        opening,
+        opening_by_contact_force,
+        opening_by_support_force,
+        opening_by_rigid_mode,
+        gap,
+        sizes,
+    )
 
 
 def contact_equations_on_supports_that_bear(
-    equations: ContactEquations, supports: SupportEquations, bearing: Bearing
+    equations: ContactEquations,
+    supports: EquationsOfOneSidedSupportOpenings,
+    bearing: BearingFlagsOfOneSidedSupports,
 ) -> ContactEquations | None:
     """The contact equations with the forces of the supports that bear as further unknowns.
 
@@ -129,18 +146,18 @@ def contact_equations_on_supports_that_bear(
     """
     A, q, B, C, _, h, weight, is_force = equations
     on = np.flatnonzero(bearing)
-    motions = divide_motions_into_held_and_free(supports.by_motion[on], supports.sizes)
+    motions = divide_motions_into_held_and_free(supports.opening_by_rigid_mode[on], supports.sizes)
     if motions is None:
         return None
     scale = float(np.linalg.norm(B * supports.sizes, axis=0).max())
     if not do_linings_resist_free_motions(B @ motions.free, scale):
         return None
-    V, E = supports.by_motion[on], supports.by_force[np.ix_(on, on)]
+    V, E = supports.opening_by_rigid_mode[on], supports.opening_by_support_force[np.ix_(on, on)]
     return ContactEquations(
         A,
         q,
         np.column_stack([B, supports.gap[:, on]]),
-        np.concatenate([C, supports.by_contact[on]]),
+        np.concatenate([C, supports.opening_by_contact_force[on]]),
         np.block([[np.zeros((len(h), len(h))), V.T], [V, E]]),
         np.concatenate([h, -supports.opening[on]]),
         weight,
@@ -149,7 +166,11 @@ def contact_equations_on_supports_that_bear(
 
 
 def do_supports_bear_as_assumed_in_triangle_solution(
-    supports: SupportEquations, bearing: Bearing, f: Floats, s: Floats, y: Floats
+    supports: EquationsOfOneSidedSupportOpenings,
+    bearing: BearingFlagsOfOneSidedSupports,
+    f: Floats,
+    s: Floats,
+    y: Floats,
 ) -> bool:
     """Whether no bearing support pulls its shoe, and no open support overlaps its shoe.
 
@@ -161,12 +182,12 @@ def do_supports_bear_as_assumed_in_triangle_solution(
     """
     parts = [
         supports.opening,
-        supports.by_contact @ f,
-        supports.by_force @ s,
-        supports.by_motion @ y,
+        supports.opening_by_contact_force @ f,
+        supports.opening_by_support_force @ s,
+        supports.opening_by_rigid_mode @ y,
     ]
     opening, on = np.sum(parts, axis=0), np.array(bearing)
     largest = max(float(np.abs(s).max()), float(f.sum()))
-    pulls = s[on] < -LARGEST_PULL * largest
-    overlaps = opening[~on] < -LARGEST_PULL * float(np.abs(parts).max())
+    pulls = s[on] < -LARGEST_ROUND_OFF_PULL_OF_SUPPORT * largest
+    overlaps = opening[~on] < -LARGEST_ROUND_OFF_PULL_OF_SUPPORT * float(np.abs(parts).max())
     return not (pulls.any() or overlaps.any())

@@ -10,43 +10,44 @@ import numpy as np
 
 from drumlin.base.arrays import Floats
 from drumlin.base.errors import BadInput
-from drumlin.brake.beam_axis import Axis, make_beam_axis
+from drumlin.brake.beam_axis import BeamAxis, make_beam_axis
 from drumlin.brake.brake import Shoe
-from drumlin.brake.components import Beam, Section
+from drumlin.brake.components import BeamBody, RectangularCrossSection
 from drumlin.brake.elasticity import ElasticLayer
 from drumlin.brake.heat import heated_layers_of_shoe
 from drumlin.verification.triangles.triangulation import (
-    PointMap,
-    TriangleLayer,
-    Triangles,
+    FunctionFromBodyCoordinatesToPoints,
+    LayerOfTriangulatedBody,
+    TriangleMeshInBodyCoordinates,
     coordinates_with_position_dependent_spacing,
     grade_mesh_towards_points,
     triangulate_grid_of_layered_body,
 )
 
-LONGEST_TRIANGLE_RATIO = 12.0
+LONGEST_TRIANGLE_OVER_THINNEST_LAYER = 12.0
 """Largest length of triangles far from all corners, relative to the thickness of the thinnest
 layer."""
 
 
-class TriangleLevel(NamedTuple):
+class DegreeAndGradingOfTriangleMesh(NamedTuple):
     """The degree and the grading of a mesh of triangles.
 
     Attributes
     ----------
     degree : polynomial degree of the triangles
     halvings : number of times that the triangles are halved towards each corner
-    steep : largest length of a triangle near a corner, relative to its distance from the corner
+    longest_over_corner_distance : largest length of a triangle near a corner, relative to its
+        distance from the corner
     size : factor on the lengths of all triangles before they are halved
     """
 
     degree: int
     halvings: int
-    steep: float
+    longest_over_corner_distance: float
     size: float
 
 
-class SingularPlaces(NamedTuple):
+class PlacesOfNonSmoothPressure(NamedTuple):
     """Places on a lining's face where the pressure is not smooth.
 
     Attributes
@@ -60,7 +61,7 @@ class SingularPlaces(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Outline:
+class OutlineOfLayeredBody:
     """A shoe or a ring as a body of layers, in the coordinates s along it and d across its layers.
 
     Layer j fills j <= d <= j + 1; the friction surface is d = 0.
@@ -81,8 +82,8 @@ class Outline:
     plates : number of layers (plates) of the shoe's body, which lies behind lining and backing
     """
 
-    place: PointMap
-    layers: list[TriangleLayer]
+    place: FunctionFromBodyCoordinatesToPoints
+    layers: list[LayerOfTriangulatedBody]
     thickness: Floats
     s: Floats
     corners: Floats
@@ -95,7 +96,7 @@ class Outline:
     plates: int = 1
 
     @property
-    def first_layer_of_body(self) -> int:
+    def number_of_first_layer_of_shoe_body(self) -> int:
         """Number of the first layer of the shoe's body; the body begins at this coordinate d."""
         return len(self.layers) - self.plates
 
@@ -108,14 +109,14 @@ class Outline:
         return min(float(self.thickness.min()), arc / 4)
 
 
-def make_shoe_outline(shoe: Shoe, R: float) -> Outline:
+def make_shoe_outline(shoe: Shoe, R: float) -> OutlineOfLayeredBody:
     """The outline of a shoe on a drum of radius R [m].
 
     Raises BadInput for a shoe that has a mesh of its own or a beam without a constant section.
     """
     if shoe.mesh is not None:
         raise BadInput(f"shoe {shoe.name!r} has a mesh of its own")
-    if isinstance(shoe.body, Beam):
+    if isinstance(shoe.body, BeamBody):
         return _outline_of_beam_shoe(shoe, R)
     lining, body = shoe.lining, shoe.body
     layers, thickness = _layers_and_thicknesses_of_arc_shoe(shoe)
@@ -131,12 +132,13 @@ def make_shoe_outline(shoe: Shoe, R: float) -> Outline:
         grip = _angles_of_gripped_part_of_arc_shoe(shoe, R)
         if grip is None:
             held, loaded = sorted(
-                (body.start, body.end), key=lambda end: abs(float(shoe.frame.phi(np.array(end))))
+                (body.start, body.end),
+                key=lambda end: abs(float(shoe.frame.phi_of_surface_coordinates(np.array(end)))),
             )
         else:
             s += grip
             corners += [(end, float(len(layers))) for end in grip]
-    return Outline(
+    return OutlineOfLayeredBody(
         place=_function_from_coordinates_to_arc_shoe_points(shoe, R, thickness),
         layers=layers,
         thickness=np.array(thickness),
@@ -159,7 +161,9 @@ def _points_at_all_pairs_of_coordinates(
     return [(along, float(across)) for along, across in product(s, d)]
 
 
-def _layers_and_thicknesses_of_arc_shoe(shoe: Shoe) -> tuple[list[TriangleLayer], list[float]]:
+def _layers_and_thicknesses_of_arc_shoe(
+    shoe: Shoe,
+) -> tuple[list[LayerOfTriangulatedBody], list[float]]:
     """The layers of a shoe on an arc, counted from the lining's face, and their thicknesses [m].
 
     Lining and backing come first, then the plates of the shoe's body; s is the angle theta.
@@ -168,7 +172,7 @@ def _layers_and_thicknesses_of_arc_shoe(shoe: Shoe) -> tuple[list[TriangleLayer]
     layers, thickness = [], list[float]()
     heated = {layer.key: layer for layer in heated_layers_of_shoe(shoe)}
 
-    def free_strains(key: str, part_thickness: float) -> Floats | None:
+    def free_thermal_strains_at_layer_faces(key: str, part_thickness: float) -> Floats | None:
         """Free strains (2, 2) of a layer, at its near and its far face; None without heat."""
         near = sum(thickness)
         faces = np.array([near, near + part_thickness])
@@ -179,15 +183,19 @@ def _layers_and_thicknesses_of_arc_shoe(shoe: Shoe) -> tuple[list[TriangleLayer]
     for key, part in (("lining", lining), ("backing", backing)):
         if part is not None:
             elastic = ElasticLayer.make_layer_in_plane_stress(part.material, lining.width)
-            strains = free_strains(key, part.thickness)
-            layers.append(TriangleLayer(lining.start, lining.end, elastic, lining.slots, strains))
+            strains = free_thermal_strains_at_layer_faces(key, part.thickness)
+            layers.append(
+                LayerOfTriangulatedBody(lining.start, lining.end, elastic, lining.slots, strains)
+            )
             thickness.append(part.thickness)
     if body is not None:
-        assert not isinstance(body, Beam)
+        assert not isinstance(body, BeamBody)
         for plate in body.plates.values():
             elastic = ElasticLayer.make_layer_in_plane_stress(plate.material, plate.width)
-            strains = free_strains("body", plate.thickness)
-            layers.append(TriangleLayer(body.start, body.end, elastic, free_strains=strains))
+            strains = free_thermal_strains_at_layer_faces("body", plate.thickness)
+            layers.append(
+                LayerOfTriangulatedBody(body.start, body.end, elastic, free_strains=strains)
+            )
             thickness.append(plate.thickness)
     return layers, thickness
 
@@ -200,13 +208,13 @@ def _angles_of_gripped_part_of_arc_shoe(shoe: Shoe, R: float) -> tuple[float, fl
     grip = shoe.interval_of_body_back_held_by_support(R)
     if grip is None:
         return None
-    first, last = sorted(shoe.frame.theta(np.array(grip)).tolist())
+    first, last = sorted(shoe.frame.surface_coordinates_of_phi(np.array(grip)).tolist())
     return first, last
 
 
 def _function_from_coordinates_to_arc_shoe_points(
     shoe: Shoe, R: float, thickness: Sequence[float]
-) -> PointMap:
+) -> FunctionFromBodyCoordinatesToPoints:
     """The function from angles and layer coordinates to points of a shoe on an arc.
 
     Parameters
@@ -219,7 +227,9 @@ def _function_from_coordinates_to_arc_shoe_points(
 
     def shoe_points_at_angles_and_layer_coordinates(s: Floats, d: Floats) -> Floats:
         """Points (..., 2) [m] of the shoe at the angles s and the layer coordinates d."""
-        r = R - shoe.sign * np.interp(d, np.arange(len(depths)), depths)
+        r = R - shoe.sign_internal_plus_external_minus * np.interp(
+            d, np.arange(len(depths)), depths
+        )
         return np.stack([r * np.cos(s), r * np.sin(s)], axis=-1)
 
     return shoe_points_at_angles_and_layer_coordinates
@@ -237,7 +247,7 @@ class _BeamShoeDimensions(NamedTuple):
     lining, beam : thickness of the lining and of the beam [m]
     """
 
-    axis: Axis
+    axis: BeamAxis
     first: float
     last: float
     low: float
@@ -252,13 +262,17 @@ class _BeamShoeDimensions(NamedTuple):
         return self.beam / 2
 
     @property
-    def smallest_block_thickness(self) -> float:
+    def smallest_thickness_between_lining_and_beam(self) -> float:
         """Smallest thickness [m] of the block between lining and beam."""
         nearest = min(math.cos(self.first), math.cos(self.last))
-        return self.axis.distance - self.distance_of_beam_face_from_axis - self.back * nearest
+        return (
+            self.axis.distance_from_drum_centre
+            - self.distance_of_beam_face_from_axis
+            - self.back * nearest
+        )
 
 
-def _outline_of_beam_shoe(shoe: Shoe, R: float) -> Outline:
+def _outline_of_beam_shoe(shoe: Shoe, R: float) -> OutlineOfLayeredBody:
     """The outline of a straight beam that carries its lining on a rectangular block.
 
     The coordinate s is the angle of a point on the lining's back, seen from the drum's centre. On
@@ -266,7 +280,7 @@ def _outline_of_beam_shoe(shoe: Shoe, R: float) -> Outline:
     the beam.
     """
     lining, backing, body = shoe.lining, shoe.backing, shoe.body
-    assert isinstance(body, Beam)
+    assert isinstance(body, BeamBody)
     section = body.section
     if section is None or backing is None:
         raise BadInput(
@@ -282,17 +296,19 @@ def _outline_of_beam_shoe(shoe: Shoe, R: float) -> Outline:
     slots = tuple(zip(ends[1:-1:2], ends[2:-1:2], strict=True))
     block = make_layer(backing.material, lining.width, axis.along)
     layers = [
-        TriangleLayer(first, last, make_layer(lining.material, lining.width), slots),
-        TriangleLayer(first, last, block, slots),
-        TriangleLayer(low, high, make_layer(section.material, section.width, axis.along)),
+        LayerOfTriangulatedBody(first, last, make_layer(lining.material, lining.width), slots),
+        LayerOfTriangulatedBody(first, last, block, slots),
+        LayerOfTriangulatedBody(low, high, make_layer(section.material, section.width, axis.along)),
     ]
     corners = [(s, d) for s in ends for d in (0.0, 1.0, 2.0)] + [
         (s, d) for s in (low, high) for d in (2.0, 3.0)
     ]
-    return Outline(
+    return OutlineOfLayeredBody(
         place=_function_from_coordinates_to_beam_shoe_points(size, R),
         layers=layers,
-        thickness=np.array([size.lining, size.smallest_block_thickness, size.beam]),
+        thickness=np.array(
+            [size.lining, size.smallest_thickness_between_lining_and_beam, size.beam]
+        ),
         s=_sorted_distinct_values([low, *ends, high]),
         corners=np.unique(corners, axis=0),
         held=low,
@@ -303,30 +319,34 @@ def _outline_of_beam_shoe(shoe: Shoe, R: float) -> Outline:
     )
 
 
-def _dimensions_of_beam_shoe(shoe: Shoe, R: float, section: Section) -> _BeamShoeDimensions:
+def _dimensions_of_beam_shoe(
+    shoe: Shoe, R: float, section: RectangularCrossSection
+) -> _BeamShoeDimensions:
     """The dimensions of a shoe with a straight beam of a `section`, on a drum of radius R [m]."""
     lining = shoe.lining
     axis = make_beam_axis(shoe.pin.xy, shoe.actuation.point.xy)
     first, last = np.sort(axis.angle(np.array([lining.start, lining.end]))).tolist()
     back = R + lining.thickness
-    low = first - (axis.foot + back * math.sin(first)) / back
-    high = last + (axis.length - axis.foot - back * math.sin(last)) / back
+    low = first - (axis.x_of_perpendicular_foot + back * math.sin(first)) / back
+    high = last + (axis.length - axis.x_of_perpendicular_foot - back * math.sin(last)) / back
     return _BeamShoeDimensions(
         axis, first, last, low, high, back, lining.thickness, section.thickness
     )
 
 
-def _function_from_coordinates_to_beam_shoe_points(size: _BeamShoeDimensions, R: float) -> PointMap:
+def _function_from_coordinates_to_beam_shoe_points(
+    size: _BeamShoeDimensions, R: float
+) -> FunctionFromBodyCoordinatesToPoints:
     """The function from coordinates (s, d) to points of a beam shoe, with drum radius R [m]."""
     axis = size.axis
 
     def beam_shoe_points_at_angles_and_layer_coordinates(s: Floats, d: Floats) -> Floats:
         """Points (..., 2) [m] of lining (d < 1), block (d < 2) and beam, in the brake's frame."""
         inside = np.clip(s, size.first, size.last)
-        along = axis.foot + size.back * (np.sin(inside) + (s - inside))
+        along = axis.x_of_perpendicular_foot + size.back * (np.sin(inside) + (s - inside))
         r = R + size.lining * np.minimum(d, 1)
-        x = np.where(d < 1, axis.foot + r * np.sin(s), along)
-        y = axis.distance - r * np.cos(inside)
+        x = np.where(d < 1, axis.x_of_perpendicular_foot + r * np.sin(s), along)
+        y = axis.distance_from_drum_centre - r * np.cos(inside)
         y = y + np.clip(d - 1, 0, 1) * (size.distance_of_beam_face_from_axis - y)
         y = np.where(d >= 2, size.distance_of_beam_face_from_axis - (d - 2) * size.beam, y)
         return axis.convert_beam_coordinates_to_brake_points(x, y)
@@ -341,7 +361,7 @@ def _sorted_distinct_values(values: Sequence[float]) -> Floats:
 
 
 def initial_grid_lines_of_body(
-    shape: Outline, size: float, wavelength: float, points: Sequence[float]
+    shape: OutlineOfLayeredBody, size: float, wavelength: float, points: Sequence[float]
 ) -> tuple[Floats, list[Floats]]:
     """Coordinates of the grid lines of a body's first mesh: s along it, and d in each layer.
 
@@ -367,7 +387,12 @@ def initial_grid_lines_of_body(
     least = min(thinnest, arc / 4) * size
     most = max(
         least,
-        min(LONGEST_TRIANGLE_RATIO * float(shape.thickness.min()), arc / 8, wavelength / 4) * size,
+        min(
+            LONGEST_TRIANGLE_OVER_THINNEST_LAYER * float(shape.thickness.min()),
+            arc / 8,
+            wavelength / 4,
+        )
+        * size,
     )
     dense = np.concatenate([shape.s, points])
     ends = (dense > face.start - 1e-9) & (dense < face.end + 1e-9)
@@ -384,7 +409,9 @@ def initial_grid_lines_of_body(
     return s, _grid_lines_across_layers(shape, size, least)
 
 
-def _grid_lines_across_layers(shape: Outline, size: float, least: float) -> list[Floats]:
+def _grid_lines_across_layers(
+    shape: OutlineOfLayeredBody, size: float, least: float
+) -> list[Floats]:
     """The coordinates d of the grid lines of a body's first mesh, for each layer.
 
     Parameters
@@ -410,7 +437,7 @@ def _grid_lines_across_layers(shape: Outline, size: float, least: float) -> list
     return d
 
 
-class DraftShoeMesh(NamedTuple):
+class ShoeMeshOfTriangleCorners(NamedTuple):
     """A shoe's mesh of triangles with corners only, before nodes on edges and inside are added.
 
     Attributes
@@ -421,15 +448,18 @@ class DraftShoeMesh(NamedTuple):
     mesh : the triangles
     """
 
-    shape: Outline
+    shape: OutlineOfLayeredBody
     s: Floats
-    sharp: SingularPlaces
-    mesh: Triangles
+    sharp: PlacesOfNonSmoothPressure
+    mesh: TriangleMeshInBodyCoordinates
 
 
 def make_graded_shoe_mesh(
-    shape: Outline, sharp: SingularPlaces, level: TriangleLevel, wavelength: float
-) -> DraftShoeMesh:
+    shape: OutlineOfLayeredBody,
+    sharp: PlacesOfNonSmoothPressure,
+    level: DegreeAndGradingOfTriangleMesh,
+    wavelength: float,
+) -> ShoeMeshOfTriangleCorners:
     """Mesh a shoe by triangles that shrink towards its corners and the places `sharp` on its face.
 
     Parameters
@@ -450,7 +480,7 @@ def make_graded_shoe_mesh(
         ]
     )
     at = shape.place(points[:, 0], points[:, 1])
-    return DraftShoeMesh(
+    return ShoeMeshOfTriangleCorners(
         shape,
         s,
         sharp,
@@ -459,6 +489,6 @@ def make_graded_shoe_mesh(
             shape.place,
             at,
             smallest,
-            level.steep,
+            level.longest_over_corner_distance,
         ),
     )

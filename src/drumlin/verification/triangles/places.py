@@ -14,13 +14,14 @@ from drumlin.brake.further_loads import ForceAtPoint
 from drumlin.verification.triangles import lagrange
 
 if TYPE_CHECKING:
-    from drumlin.verification.triangles.face import MeshedBody
+    from drumlin.verification.triangles.face import BodyMeshedByTriangles
 
-SPREAD_OVER_THICKNESS = 0.5
+FORCE_SPREAD_DEVIATION_OVER_BODY_THICKNESS = 0.5
 """Standard deviation of the length over which a force is spread, divided by the body's thickness.
 
-The finite elements that are verified spread forces over the same length, see `load_places.SPREAD`.
-With another value the triangles would solve a different load.
+The finite elements that are verified spread forces over the same length, see
+`load_places.FORCE_SPREAD_RELATIVE_TO_BODY_THICKNESS`. With another value the triangles would solve
+a different load.
 """
 
 
@@ -43,21 +44,21 @@ class _TriangleQuadraturePoints(NamedTuple):
     in_body: Bools
 
 
-def nodal_forces_of_loads_besides_actuation(body: "MeshedBody", shoe: Shoe) -> Floats:
+def nodal_forces_of_loads_besides_actuation(body: "BodyMeshedByTriangles", shoe: Shoe) -> Floats:
     """Nodal forces (2N,) [N] of all loads on an elastic shoe besides its actuation."""
     points = _quadrature_points_of_triangles(body)
     density = np.zeros_like(points.xy)
     for force in shoe.forces_at_points_besides_actuation:
-        density += _force_density_of_force_at_body_point(body, points, shoe, force, np.zeros(3))
+        density += _force_density_of_spread_point_force(body, points, shoe, force, np.zeros(3))
     if shoe.mass is not None:
-        density += _force_density_on_mass(body, points, shoe)
+        density += _force_density_of_gravity_and_rotation(body, points, shoe)
     values, _, _ = lagrange.triangle_shape_functions_gradients_and_weights(body.degree)
     forces = np.zeros_like(body.nodes.xy)
     np.add.at(forces, body.nodes.of, np.einsum("nq,mqc,mq->mnc", values, density, points.area))
     return forces.ravel()
 
 
-def _quadrature_points_of_triangles(body: "MeshedBody") -> _TriangleQuadraturePoints:
+def _quadrature_points_of_triangles(body: "BodyMeshedByTriangles") -> _TriangleQuadraturePoints:
     """The quadrature points of all triangles of a meshed shoe."""
     values, slopes, weights = lagrange.triangle_shape_functions_gradients_and_weights(body.degree)
     x = body.nodes.xy[body.nodes.of]
@@ -68,12 +69,12 @@ def _quadrature_points_of_triangles(body: "MeshedBody") -> _TriangleQuadraturePo
         s=np.einsum("mn,nq->mq", body.nodes.at[body.nodes.of, 0], values),
         area=np.abs(np.linalg.det(J)) * weights,
         width=widths[body.mesh.layer],
-        in_body=body.mesh.layer >= body.shape.first_layer_of_body,
+        in_body=body.mesh.layer >= body.shape.number_of_first_layer_of_shoe_body,
     )
 
 
-def _force_density_of_force_at_body_point(
-    body: "MeshedBody",
+def _force_density_of_spread_point_force(
+    body: "BodyMeshedByTriangles",
     points: _TriangleQuadraturePoints,
     shoe: Shoe,
     force: ForceAtPoint,
@@ -105,7 +106,7 @@ def _force_density_of_force_at_body_point(
     nodes = body.nodes.of[on]
     ends = body.nodes.at[nodes, 0] if along is None else body.nodes.xy[nodes] @ along
     span = float(np.ptp(ends)) * length
-    sigma = SPREAD_OVER_THICKNESS * float(area.sum()) / span
+    sigma = FORCE_SPREAD_DEVIATION_OVER_BODY_THICKNESS * float(area.sum()) / span
     off = (s - np.clip(place, ends.min(), ends.max())) * length / sigma
     bell = np.exp(-(off**2) / 2) * on[:, None]
     x, y = points.xy[..., 0], points.xy[..., 1]
@@ -117,20 +118,20 @@ def _force_density_of_force_at_body_point(
     return np.einsum("i,icmq,mq->mqc", factors, motions, bell)
 
 
-def _force_density_on_mass(
-    body: "MeshedBody", points: _TriangleQuadraturePoints, shoe: Shoe
+def _force_density_of_gravity_and_rotation(
+    body: "BodyMeshedByTriangles", points: _TriangleQuadraturePoints, shoe: Shoe
 ) -> Floats:
     """The force density (m, q, 2) [N/m^2] of gravity and rotation on the mass of a shoe."""
     assert shoe.mass is not None
-    loads, mass, centre = shoe.loads_of_brake, shoe.mass.mass, shoe.mass.point.xy
+    loads, mass, centre = shoe.spring_lever_and_mass_loads, shoe.mass.mass, shoe.mass.point.xy
     volume = float((points.width[:, None] * points.area).sum())
     thickness = mass / volume * points.width[:, None, None]
-    density = thickness * (np.array(loads.gravity) + loads.square_of_speed * points.xy)
+    density = thickness * (np.array(loads.gravity) + loads.squared_angular_velocity * points.xy)
     force = np.einsum("mqc,mq->c", density, points.area)
     lever = points.xy[..., 0] * density[..., 1] - points.xy[..., 1] * density[..., 0]
     moment = float((lever * points.area).sum())
-    whole = mass * (np.array(loads.gravity) + loads.square_of_speed * centre)
+    whole = mass * (np.array(loads.gravity) + loads.squared_angular_velocity * centre)
     about = centre[0] * whole[1] - centre[1] * whole[0]
     rest = np.array([*(whole - force), about - moment])
     at_centre = ForceAtPoint((0.0, 0.0), (float(centre[0]), float(centre[1])))
-    return density + _force_density_of_force_at_body_point(body, points, shoe, at_centre, rest)
+    return density + _force_density_of_spread_point_force(body, points, shoe, at_centre, rest)

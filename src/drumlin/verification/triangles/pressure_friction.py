@@ -13,16 +13,19 @@ import numpy as np
 from drumlin.base.arrays import Floats
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.verification.triangles.contact import ContactAtStart, ContactForces
-from drumlin.verification.triangles.face import CondensedFace
+from drumlin.verification.triangles.contact import (
+    ContactForcesAndRigidMotions,
+    NodesAndSupportsInContactAtStart,
+)
+from drumlin.verification.triangles.face import ShoeCondensedToLiningFace
 from drumlin.verification.triangles.solution import nodal_pressures_equivalent_to_contact_forces
 
-SETTLED_FRICTION = 1e-10
+FRICTION_CHANGE_OVER_NORMAL_FORCE_AT_END_OF_SOLVES = 1e-10
 """Change of the friction forces in a solve, relative to the normal force, at which the solves end.
 
 It is far below the error of the meshes, 1e-6 of the torque. A smaller value costs more solves.
 """
-MOST_FRICTION_SOLVES = 60
+MOST_SOLVES_AT_FIXED_NODAL_FRICTION = 60
 """Largest number of solves at fixed friction coefficients before the solver raises NoAnswer.
 
 Each solve multiplies the error of the coefficients by about p mu'(p)/mu times the amplification of
@@ -32,10 +35,13 @@ the brake by friction. If this product is 0.6, 45 solves are needed; above 1 the
 
 def solve_until_friction_fits_pressures(
     brake: Brake,
-    faces: list[CondensedFace],
-    first: ContactAtStart,
-    solve: Callable[[list[CondensedFace], ContactAtStart], tuple[list[Shoe], list[ContactForces]]],
-) -> tuple[list[Shoe], list[CondensedFace], list[ContactForces]]:
+    faces: list[ShoeCondensedToLiningFace],
+    first: NodesAndSupportsInContactAtStart,
+    solve: Callable[
+        [list[ShoeCondensedToLiningFace], NodesAndSupportsInContactAtStart],
+        tuple[list[Shoe], list[ContactForcesAndRigidMotions]],
+    ],
+) -> tuple[list[Shoe], list[ShoeCondensedToLiningFace], list[ContactForcesAndRigidMotions]]:
     """Solve a brake until the friction at each node fits the pressure there.
 
     Returns the shoes under their actuation, their faces with the friction, and the contact forces.
@@ -57,23 +63,23 @@ def solve_until_friction_fits_pressures(
     curves = [brake.friction_coefficient_curve_of_shoe(shoe) for shoe in brake.shoes]
     if all(len(curve.mu) == 1 for curve in curves):
         return shoes, faces, found
-    for _ in range(MOST_FRICTION_SOLVES):
+    for _ in range(MOST_SOLVES_AT_FIXED_NODAL_FRICTION):
         faces = [
             replace(one, friction=_friction_forces_at_pressures_of_solution(brake, shoe, one, its))
             for shoe, one, its in zip(brake.shoes, faces, found, strict=True)
         ]
         shoes, found = solve(faces, first)
         changes = [
-            _relative_change_of_friction(brake, shoe, one, its)
+            _change_of_friction_forces_over_normal_force(brake, shoe, one, its)
             for shoe, one, its in zip(brake.shoes, faces, found, strict=True)
         ]
-        if max(changes) <= SETTLED_FRICTION:
+        if max(changes) <= FRICTION_CHANGE_OVER_NORMAL_FORCE_AT_END_OF_SOLVES:
             return shoes, faces, found
     raise NoAnswer(f"friction and pressure do not agree on triangles: off by {max(changes):.1e}")
 
 
 def _friction_forces_at_pressures_of_solution(
-    brake: Brake, shoe: Shoe, one: CondensedFace, found: ContactForces
+    brake: Brake, shoe: Shoe, one: ShoeCondensedToLiningFace, found: ContactForcesAndRigidMotions
 ) -> Floats:
     """The friction forces (n, n) per unit normal force, at the nodal coefficients of a solution.
 
@@ -91,8 +97,8 @@ def _friction_forces_at_pressures_of_solution(
     return forces
 
 
-def _relative_change_of_friction(
-    brake: Brake, shoe: Shoe, one: CondensedFace, found: ContactForces
+def _change_of_friction_forces_over_normal_force(
+    brake: Brake, shoe: Shoe, one: ShoeCondensedToLiningFace, found: ContactForcesAndRigidMotions
 ) -> float:
     """The change of the friction forces from those of a face to those that fit its solution.
 

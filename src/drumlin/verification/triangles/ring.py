@@ -11,36 +11,40 @@ import numpy as np
 from drumlin.base.arrays import Floats, Ints
 from drumlin.base.errors import BadInput
 from drumlin.brake.brake import Brake
-from drumlin.brake.components import Section
+from drumlin.brake.components import RectangularCrossSection
 from drumlin.brake.elasticity import ElasticLayer
 from drumlin.verification.triangles import lagrange
-from drumlin.verification.triangles.contact import CondensedRing
+from drumlin.verification.triangles.contact import RingCondensedToLiningNodes
 from drumlin.verification.triangles.face import (
-    CondensedFace,
-    MeshedBody,
+    BodyMeshedByTriangles,
+    ShoeCondensedToLiningFace,
     gauss_points_lengths_and_shape_functions_on_curved_edges,
     node_numbers_along_edges,
     triangle_body_with_nodes_and_stiffness,
 )
-from drumlin.verification.triangles.outline import DraftShoeMesh, Outline, TriangleLevel
+from drumlin.verification.triangles.outline import (
+    DegreeAndGradingOfTriangleMesh,
+    OutlineOfLayeredBody,
+    ShoeMeshOfTriangleCorners,
+)
 from drumlin.verification.triangles.triangulation import (
-    TriangleLayer,
-    Triangles,
+    LayerOfTriangulatedBody,
+    TriangleMeshInBodyCoordinates,
     coordinates_with_position_dependent_spacing,
     grade_mesh_towards_points,
-    split_surface_edges_at_breaks,
+    halve_surface_edges_until_no_break_lies_inside,
     triangulate_grid_of_layered_body,
 )
 
-ANGLE_SLACK = 1e-12
+LARGEST_DIFFERENCE_OF_EQUAL_ANGLES = 1e-12
 """Difference [rad] up to which two angles count as equal. Round-off is some 1e-15."""
-MOST_MATCHING_ROUNDS = 20
+MOST_ROUNDS_TO_MATCH_RING_AND_LINING_EDGES = 20
 """Largest number of rounds in which edges on ring and linings are halved to make them match."""
-WHOLE_TURN = 2 * math.pi
+FULL_CIRCLE_IN_RADIANS = 2 * math.pi
 """The angle of a full circle [rad]."""
 
 
-class _LiningOnRing(NamedTuple):
+class _PlaceOfLiningFaceOnRing(NamedTuple):
     """Where the places s on the face of a lining lie on the ring.
 
     Attributes
@@ -64,8 +68,8 @@ class _LiningOnRing(NamedTuple):
 
 
 def mesh_drum_ring_and_refine_shoe_meshes_to_match(
-    brake: Brake, drafts: list[DraftShoeMesh], level: TriangleLevel
-) -> tuple[list[Triangles], MeshedBody]:
+    brake: Brake, drafts: list[ShoeMeshOfTriangleCorners], level: DegreeAndGradingOfTriangleMesh
+) -> tuple[list[TriangleMeshInBodyCoordinates], BodyMeshedByTriangles]:
     """Mesh the drum ring, and refine the shoes' meshes until their nodes lie opposite ring nodes.
 
     Returns the refined meshes of the shoes, and the meshed ring. Raises BadInput for a ring without
@@ -74,7 +78,10 @@ def mesh_drum_ring_and_refine_shoe_meshes_to_match(
     section = None if brake.ring is None else brake.ring.section
     if section is None:
         raise BadInput("its ring has no section to mesh")
-    if any(shoe.sign != brake.shoes[0].sign for shoe in brake.shoes):
+    if any(
+        shoe.sign_internal_plus_external_minus != brake.shoes[0].sign_internal_plus_external_minus
+        for shoe in brake.shoes
+    ):
         raise BadInput("shoes inside and outside of one ring")
     linings = _positions_of_linings_on_one_turn_of_ring(brake, drafts)
     shape, mesh = _ring_outline_and_mesh_graded_to_linings(brake, section, drafts, linings, level)
@@ -85,15 +92,19 @@ def mesh_drum_ring_and_refine_shoe_meshes_to_match(
 
 
 def _positions_of_linings_on_one_turn_of_ring(
-    brake: Brake, drafts: list[DraftShoeMesh]
-) -> list[_LiningOnRing]:
+    brake: Brake, drafts: list[ShoeMeshOfTriangleCorners]
+) -> list[_PlaceOfLiningFaceOnRing]:
     """Where each lining lies on the ring, with all linings on one turn."""
     first = min(shoe.lining.start for shoe in brake.shoes)
     return [
-        _LiningOnRing(
+        _PlaceOfLiningFaceOnRing(
             one.shape.origin,
             one.shape.turn,
-            WHOLE_TURN * math.floor((shoe.lining.start - first) / WHOLE_TURN + ANGLE_SLACK),
+            FULL_CIRCLE_IN_RADIANS
+            * math.floor(
+                (shoe.lining.start - first) / FULL_CIRCLE_IN_RADIANS
+                + LARGEST_DIFFERENCE_OF_EQUAL_ANGLES
+            ),
         )
         for shoe, one in zip(brake.shoes, drafts, strict=True)
     ]
@@ -101,11 +112,11 @@ def _positions_of_linings_on_one_turn_of_ring(
 
 def _ring_outline_and_mesh_graded_to_linings(
     brake: Brake,
-    section: Section,
-    drafts: list[DraftShoeMesh],
-    linings: list[_LiningOnRing],
-    level: TriangleLevel,
-) -> tuple[Outline, Triangles]:
+    section: RectangularCrossSection,
+    drafts: list[ShoeMeshOfTriangleCorners],
+    linings: list[_PlaceOfLiningFaceOnRing],
+    level: DegreeAndGradingOfTriangleMesh,
+) -> tuple[OutlineOfLayeredBody, TriangleMeshInBodyCoordinates]:
     """The outline of the ring, and its mesh graded to the points where the pressure is not smooth.
 
     These points are opposite the linings' ends, and opposite the places on the linings' faces where
@@ -137,16 +148,18 @@ def _ring_outline_and_mesh_graded_to_linings(
     )
     at = np.concatenate([ends, sharp])
     mesh = grade_mesh_towards_points(
-        triangulate_grid_of_layered_body(s, [d], shape.layers, WHOLE_TURN),
+        triangulate_grid_of_layered_body(s, [d], shape.layers, FULL_CIRCLE_IN_RADIANS),
         shape.place,
         shape.place(at, 0 * at),
         smallest,
-        level.steep,
+        level.longest_over_corner_distance,
     )
     return shape, mesh
 
 
-def _ring_angles_of_lining_ends(lining: _LiningOnRing, draft: DraftShoeMesh) -> Floats:
+def _ring_angles_of_lining_ends(
+    lining: _PlaceOfLiningFaceOnRing, draft: ShoeMeshOfTriangleCorners
+) -> Floats:
     """Angles [rad] on the ring of the ends of a shoe's linings, also of the ends at slots."""
     face = draft.shape.layers[0]
     return lining.ring_angles_at_face_coordinates(
@@ -154,20 +167,26 @@ def _ring_angles_of_lining_ends(lining: _LiningOnRing, draft: DraftShoeMesh) -> 
     )
 
 
-def _ring_angles_of_lining_grid_lines(lining: _LiningOnRing, draft: DraftShoeMesh) -> Floats:
+def _ring_angles_of_lining_grid_lines(
+    lining: _PlaceOfLiningFaceOnRing, draft: ShoeMeshOfTriangleCorners
+) -> Floats:
     """Angles [rad], growing, of a lining's grid lines, which the ring's mesh has as well."""
     face = draft.shape.layers[0]
-    within = (draft.s > face.start - ANGLE_SLACK) & (draft.s < face.end + ANGLE_SLACK)
+    within = (draft.s > face.start - LARGEST_DIFFERENCE_OF_EQUAL_ANGLES) & (
+        draft.s < face.end + LARGEST_DIFFERENCE_OF_EQUAL_ANGLES
+    )
     return np.sort(lining.ring_angles_at_face_coordinates(draft.s[within]))
 
 
-def _ring_outline(brake: Brake, section: Section, ends: Floats) -> Outline:
+def _ring_outline(
+    brake: Brake, section: RectangularCrossSection, ends: Floats
+) -> OutlineOfLayeredBody:
     """The outline of the ring as a body of one layer.
 
     The layer begins and ends at the angles `ends` (2,) [rad], which are a whole turn apart: the
     ring is closed, and both angles are the same place.
     """
-    R, sign = brake.size, brake.shoes[0].sign
+    R, sign = brake.size, brake.shoes[0].sign_internal_plus_external_minus
 
     def ring_points_at_angles_and_relative_depths(s: Floats, d: Floats) -> Floats:
         """Points (..., 2) [m] of the ring at the angles s and the fractions d of its thickness."""
@@ -175,9 +194,9 @@ def _ring_outline(brake: Brake, section: Section, ends: Floats) -> Outline:
         return np.stack([r * np.cos(s), r * np.sin(s)], axis=-1)
 
     elastic = ElasticLayer.make_layer_in_plane_stress(section.material, section.width)
-    return Outline(
+    return OutlineOfLayeredBody(
         place=ring_points_at_angles_and_relative_depths,
-        layers=[TriangleLayer(-math.inf, math.inf, elastic)],
+        layers=[LayerOfTriangulatedBody(-math.inf, math.inf, elastic)],
         thickness=np.array([section.thickness]),
         s=ends,
         corners=np.zeros((0, 2)),
@@ -190,8 +209,10 @@ def _ring_outline(brake: Brake, section: Section, ends: Floats) -> Outline:
 
 
 def _halve_edges_of_ring_and_linings_until_ends_match(
-    mesh: Triangles, meshes: list[Triangles], linings: list[_LiningOnRing]
-) -> tuple[Triangles, list[Triangles]]:
+    mesh: TriangleMeshInBodyCoordinates,
+    meshes: list[TriangleMeshInBodyCoordinates],
+    linings: list[_PlaceOfLiningFaceOnRing],
+) -> tuple[TriangleMeshInBodyCoordinates, list[TriangleMeshInBodyCoordinates]]:
     """Halve edges on the friction surface until ring and linings have the same ends of edges.
 
     Halving one edge may halve other edges, too. Therefore ring and linings are refined in turn
@@ -203,7 +224,7 @@ def _halve_edges_of_ring_and_linings_until_ends_match(
     meshes : meshes of the shoes
     linings : where the lining of each shoe lies on the ring
     """
-    for _ in range(MOST_MATCHING_ROUNDS):
+    for _ in range(MOST_ROUNDS_TO_MATCH_RING_AND_LINING_EDGES):
         before = len(mesh.layer), [len(one.layer) for one in meshes]
         above = [
             lining.ring_angles_at_face_coordinates(
@@ -211,11 +232,15 @@ def _halve_edges_of_ring_and_linings_until_ends_match(
             )
             for lining, one in zip(linings, meshes, strict=True)
         ]
-        mesh = split_surface_edges_at_breaks(mesh, np.unique(np.concatenate(above)), ANGLE_SLACK)
+        mesh = halve_surface_edges_until_no_break_lies_inside(
+            mesh, np.unique(np.concatenate(above)), LARGEST_DIFFERENCE_OF_EQUAL_ANGLES
+        )
         breaks = np.unique(mesh.end_coordinates_of_friction_surface_edges())
         meshes = [
-            split_surface_edges_at_breaks(
-                one, lining.face_coordinates_at_ring_angles(breaks), ANGLE_SLACK
+            halve_surface_edges_until_no_break_lies_inside(
+                one,
+                lining.face_coordinates_at_ring_angles(breaks),
+                LARGEST_DIFFERENCE_OF_EQUAL_ANGLES,
             )
             for lining, one in zip(linings, meshes, strict=True)
         ]
@@ -225,7 +250,7 @@ def _halve_edges_of_ring_and_linings_until_ends_match(
 
 
 def _grid_line_angles_and_depths_of_first_ring_mesh(
-    under: list[Floats], section: Section, R: float, least: float, size: float
+    under: list[Floats], section: RectangularCrossSection, R: float, least: float, size: float
 ) -> tuple[Floats, Floats]:
     """Grid lines of the ring's first mesh: angles [rad] along it, coordinates d in [0, 1] across.
 
@@ -240,7 +265,7 @@ def _grid_line_angles_and_depths_of_first_ring_mesh(
     parts = sorted(under, key=lambda part: float(part[0]))
     t = section.thickness
     lines = []
-    for part, after in zip(parts, [*parts[1:], parts[0] + WHOLE_TURN], strict=True):
+    for part, after in zip(parts, [*parts[1:], parts[0] + FULL_CIRCLE_IN_RADIANS], strict=True):
         gap = np.array([part[-1], after[0]])
 
         def angle_step_between_linings(x: float, gap: Floats = gap) -> float:
@@ -255,12 +280,12 @@ def _grid_line_angles_and_depths_of_first_ring_mesh(
     across = coordinates_with_position_dependent_spacing(
         np.array([0.0, 1.0]), lambda x: min(0.5, least * size / t + min(x, 1 - x))
     )
-    return np.concatenate([*lines, [parts[0][0] + WHOLE_TURN]]), across
+    return np.concatenate([*lines, [parts[0][0] + FULL_CIRCLE_IN_RADIANS]]), across
 
 
 def condense_ring_to_lining_nodes(
-    brake: Brake, ring: MeshedBody, faces: list[CondensedFace]
-) -> CondensedRing:
+    brake: Brake, ring: BodyMeshedByTriangles, faces: list[ShoeCondensedToLiningFace]
+) -> RingCondensedToLiningNodes:
     """A meshed ring, statically condensed to its nodes opposite the linings' nodes.
 
     The rim is the face of the ring that looks away from the linings. It is either fixed or free. On
@@ -269,12 +294,12 @@ def condense_ring_to_lining_nodes(
     """
     nodes = ring.nodes
     chosen, of = _ring_nodes_opposite_linings_and_their_positions(brake, ring, faces)
-    outer = np.flatnonzero(nodes.at[:, 1] > 1 - ANGLE_SLACK)
+    outer = np.flatnonzero(nodes.at[:, 1] > 1 - LARGEST_DIFFERENCE_OF_EQUAL_ANGLES)
     held = np.zeros((len(nodes.xy), 2), dtype=bool)
     assert brake.ring is not None
     if brake.ring.support == "fixed":
         held[outer] = True
-        return CondensedRing(
+        return RingCondensedToLiningNodes(
             lagrange.condense_body_to_kept_nodes(
                 ring.K, nodes, held.ravel(), chosen, np.zeros((held.size, 0))
             ).of,
@@ -294,13 +319,13 @@ def condense_ring_to_lining_nodes(
     share = np.linalg.solve(rigid.T @ loads, own.T)
     moved = found.of - found.loaded @ share
     mean = found.loaded.T - found.work @ share
-    return CondensedRing(moved - own @ np.linalg.solve(loads.T @ rigid, mean), of)
+    return RingCondensedToLiningNodes(moved - own @ np.linalg.solve(loads.T @ rigid, mean), of)
 
 
-def _nodal_forces_of_rigid_mode_tractions_on_rim(ring: MeshedBody) -> Floats:
+def _nodal_forces_of_rigid_mode_tractions_on_rim(ring: BodyMeshedByTriangles) -> Floats:
     """Nodal forces (2N, 3) of tractions on the rim in the shape of its three rigid-body modes."""
     nodes = ring.nodes
-    on = ring.mesh.at[..., 1] > 1 - ANGLE_SLACK
+    on = ring.mesh.at[..., 1] > 1 - LARGEST_DIFFERENCE_OF_EQUAL_ANGLES
     tri, edge = np.nonzero(on & np.roll(on, -1, axis=1))
     edges = node_numbers_along_edges(nodes, tri, edge, ring.degree)
     psi, x, ds = gauss_points_lengths_and_shape_functions_on_curved_edges(
@@ -325,7 +350,7 @@ def _displacements_of_points_by_rigid_motions(xy: Floats) -> Floats:
 
 
 def _ring_nodes_opposite_linings_and_their_positions(
-    brake: Brake, ring: MeshedBody, faces: list[CondensedFace]
+    brake: Brake, ring: BodyMeshedByTriangles, faces: list[ShoeCondensedToLiningFace]
 ) -> tuple[Ints, list[Ints]]:
     """The ring's nodes that lie opposite the nodes of the linings' faces.
 
@@ -338,7 +363,9 @@ def _ring_nodes_opposite_linings_and_their_positions(
         parts = []
         for start, end in shoe.lining.arcs:
             away = np.angle((xy[:, 0] + 1j * xy[:, 1]) * np.exp(-0.5j * (start + end)))
-            below = np.flatnonzero(np.abs(away) < 0.5 * (end - start) + ANGLE_SLACK)
+            below = np.flatnonzero(
+                np.abs(away) < 0.5 * (end - start) + LARGEST_DIFFERENCE_OF_EQUAL_ANGLES
+            )
             parts.append(below[np.argsort(away[below])])
         under = np.concatenate(parts)
         if len(under) != len(one.theta) or np.abs(xy[under] - one.xy).max() > 1e-9 * brake.size:

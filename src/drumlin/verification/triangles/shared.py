@@ -13,33 +13,33 @@ from scipy.optimize import brentq
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.verification.triangles.contact import (
-    ContactAtStart,
-    ContactForces,
+    ContactForcesAndRigidMotions,
+    NodesAndSupportsInContactAtStart,
     contact_forces_of_shoes_in_one_system,
     forces_of_drum_on_lining_nodes,
     loaded_point_displacement_along_force,
 )
-from drumlin.verification.triangles.face import CondensedFace
+from drumlin.verification.triangles.face import ShoeCondensedToLiningFace
 
 
-class _SolvedShoe(NamedTuple):
+class _SolvedShoeUnderKnownActuationForce(NamedTuple):
     """A shoe under a known actuation force, with its solution.
 
     Attributes
     ----------
     shoe : the shoe, with the known force as its actuation
     forces : its contact forces and rigid-body motion
-    tip_travel : displacement of the point at which the force acts, along the force [m]
+    load_point_travel : displacement of the point at which the force acts, along the force [m]
     """
 
     shoe: Shoe
-    forces: ContactForces
-    tip_travel: float
+    forces: ContactForcesAndRigidMotions
+    load_point_travel: float
 
 
 def solve_shoes_with_cam_or_strut_forces(
-    brake: Brake, faces: list[CondensedFace], first: ContactAtStart
-) -> tuple[list[Shoe], list[ContactForces]]:
+    brake: Brake, faces: list[ShoeCondensedToLiningFace], first: NodesAndSupportsInContactAtStart
+) -> tuple[list[Shoe], list[ContactForcesAndRigidMotions]]:
     """Find the forces of a cam or struts; returns shoes under these forces, and contact forces.
 
     The foot of a shoe presses on a strut, and the strut pushes the next shoe with the same force. A
@@ -59,7 +59,9 @@ def solve_shoes_with_cam_or_strut_forces(
     """
     names = [shoe.name for shoe in brake.shoes]
 
-    def solve_shoe(i: int, force: float) -> _SolvedShoe:
+    def solve_numbered_shoe_under_force(
+        i: int, force: float
+    ) -> _SolvedShoeUnderKnownActuationForce:
         """Solve shoe i under a force [N]."""
         return _solve_shoe_under_force(
             brake, brake.shoes[i], faces[i], first.contact_at_start_of_some_shoes([i]), force
@@ -71,14 +73,22 @@ def solve_shoes_with_cam_or_strut_forces(
     if brake.actuation is not None and brake.actuation.is_cam_or_wedge:
         a, b, total = free[0], free[1], brake.actuation.force_of_cylinder_or_sum_of_cam_forces
         force = brentq(
-            lambda force: solve_shoe(a, force).tip_travel - solve_shoe(b, total - force).tip_travel,
+            lambda force: (
+                solve_numbered_shoe_under_force(a, force).load_point_travel
+                - solve_numbered_shoe_under_force(b, total - force).load_point_travel
+            ),
             1e-3 * total,
             0.999 * total,
             xtol=1e-12 * total,
         )
-        found = {a: solve_shoe(a, force), b: solve_shoe(b, total - force)}
+        found = {
+            a: solve_numbered_shoe_under_force(a, force),
+            b: solve_numbered_shoe_under_force(b, total - force),
+        }
     else:
-        found = {i: solve_shoe(i, brake.shoes[i].actuation.force) for i in free}
+        found = {
+            i: solve_numbered_shoe_under_force(i, brake.shoes[i].actuation.force) for i in free
+        }
     left = list(brake.links)
     # Struts form a chain from shoe to shoe. The next strut to follow is one that starts at a solved
     # shoe.
@@ -87,14 +97,18 @@ def solve_shoes_with_cam_or_strut_forces(
         left.remove(link)
         source = names.index(link.source)
         force = _force_of_foot_on_strut(brake, faces[source], found[source])
-        found[names.index(link.to)] = solve_shoe(names.index(link.to), force)
+        found[names.index(link.to)] = solve_numbered_shoe_under_force(names.index(link.to), force)
     solved = [found[i] for i in range(len(names))]
     return [one.shoe for one in solved], [one.forces for one in solved]
 
 
 def _solve_shoe_under_force(
-    brake: Brake, shoe: Shoe, face: CondensedFace, first: ContactAtStart, force: float
-) -> _SolvedShoe:
+    brake: Brake,
+    shoe: Shoe,
+    face: ShoeCondensedToLiningFace,
+    first: NodesAndSupportsInContactAtStart,
+    force: float,
+) -> _SolvedShoeUnderKnownActuationForce:
     """Solve one shoe under an actuation force.
 
     Parameters
@@ -128,12 +142,14 @@ def _solve_shoe_under_force(
             failure = failure or error
             continue
         travel = loaded_point_displacement_along_force(brake, face, shoe, found, sense)
-        return _SolvedShoe(shoe, found, travel)
+        return _SolvedShoeUnderKnownActuationForce(shoe, found, travel)
     assert failure is not None
     raise failure
 
 
-def _force_of_foot_on_strut(brake: Brake, face: CondensedFace, solved: _SolvedShoe) -> float:
+def _force_of_foot_on_strut(
+    brake: Brake, face: ShoeCondensedToLiningFace, solved: _SolvedShoeUnderKnownActuationForce
+) -> float:
     """The force [N] with which the foot of a solved shoe presses on the strut behind the foot."""
     drum = forces_of_drum_on_lining_nodes(brake, solved.shoe, face, solved.forces.force)
     reaction = -drum.sum(axis=0) - solved.shoe.sum_of_forces_of_all_loads

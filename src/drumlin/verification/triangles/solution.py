@@ -7,17 +7,20 @@ import numpy as np
 
 from drumlin.base.arrays import Bools, Floats
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.brake.one_sided import SupportForce
+from drumlin.brake.one_sided import OneSidedSupportForce
 from drumlin.verification.triangles import lagrange
-from drumlin.verification.triangles.contact import ContactForces, friction_forces_per_contact_force
+from drumlin.verification.triangles.contact import (
+    ContactForcesAndRigidMotions,
+    friction_forces_per_contact_force,
+)
 from drumlin.verification.triangles.face import (
     FACE_GAUSS,
     FACE_WEIGHTS,
-    CondensedFace,
+    ShoeCondensedToLiningFace,
     edge_shape_function_values_and_derivatives,
 )
 
-SLOT_EDGE = 1e-12
+TRIANGLE_PRESSURE_DROP_LENGTH_AT_SLOT = 1e-12
 """Length [rad] of the polynomial pieces on which the pressure falls to 0 at a slot.
 
 A slot is the space between two linings of a shoe. The force on such a piece is 1e-12 of the force
@@ -52,7 +55,7 @@ class ShoeSolution:
     hinge_reaction: Floats
     arcs: Floats
     unknowns: int
-    supports: tuple[SupportForce, ...] = ()
+    supports: tuple[OneSidedSupportForce, ...] = ()
 
     @cached_property
     def _barycentric_interpolation_weights(self) -> Floats:
@@ -83,7 +86,7 @@ class ShoeSolution:
 
 
 def shoe_solution_from_contact_forces(
-    brake: Brake, shoe: Shoe, one: CondensedFace, found: ContactForces
+    brake: Brake, shoe: Shoe, one: ShoeCondensedToLiningFace, found: ContactForcesAndRigidMotions
 ) -> ShoeSolution:
     """The solution of a shoe, computed from its nodal contact forces.
 
@@ -109,7 +112,7 @@ def shoe_solution_from_contact_forces(
 
 
 def nodal_pressures_equivalent_to_contact_forces(
-    one: CondensedFace, found: ContactForces
+    one: ShoeCondensedToLiningFace, found: ContactForcesAndRigidMotions
 ) -> Floats:
     """The nodal pressures (n,) [Pa] of a face that do the same work as its contact forces.
 
@@ -122,13 +125,13 @@ def nodal_pressures_equivalent_to_contact_forces(
 
 
 def _insert_open_nodes_in_slots(
-    shoe: Shoe, one: CondensedFace, p: Floats, active: Bools
+    shoe: Shoe, one: ShoeCondensedToLiningFace, p: Floats, active: Bools
 ) -> tuple[Floats, Floats, Bools]:
     """Angles, pressures and contact (n,) of a face's nodes, with nodes added in the slots.
 
     In each slot between two linings there are three pieces. On the first piece p falls to 0, on the
     second it is 0, and on the third it rises to its value on the next lining. The first and the
-    third piece are SLOT_EDGE long. The added nodes are open.
+    third piece are TRIANGLE_PRESSURE_DROP_LENGTH_AT_SLOT long. The added nodes are open.
 
     Parameters
     ----------
@@ -139,7 +142,14 @@ def _insert_open_nodes_in_slots(
     """
     theta, points = one.theta, lagrange.lobatto_points_on_unit_interval(one.degree)
     for first, last in reversed(shoe.lining.slots):
-        ends = np.array([first, first + SLOT_EDGE, last - SLOT_EDGE, last])
+        ends = np.array(
+            [
+                first,
+                first + TRIANGLE_PRESSURE_DROP_LENGTH_AT_SLOT,
+                last - TRIANGLE_PRESSURE_DROP_LENGTH_AT_SLOT,
+                last,
+            ]
+        )
         inner = (ends[:-1, None] + np.diff(ends)[:, None] * points[:-1]).ravel()[1:]
         at = int(np.searchsorted(theta, 0.5 * (first + last)))
         theta, p = np.insert(theta, at, inner), np.insert(p, at, 0 * inner)

@@ -15,20 +15,20 @@ import numpy as np
 from drumlin.base.arrays import Bools, Floats, Ints
 from drumlin.brake.elasticity import ElasticLayer
 
-PointMap = Callable[[Floats, Floats], Floats]
+FunctionFromBodyCoordinatesToPoints = Callable[[Floats, Floats], Floats]
 """A function that returns the points (..., 2) [m] of a layered body for given s (...) and d (...).
 
 s is the coordinate along the layers. d is the depth: 0 on the friction surface, and larger by 1
 behind each layer.
 """
-MOST_BISECTION_ROUNDS = 200
+MOST_ROUNDS_OF_TRIANGLE_BISECTION = 200
 """Largest number of rounds of bisection, above which the refinement counts as endless.
 
 Two rounds halve the lengths of the triangles, and the finest meshes need some 26 halvings."""
 
 
 @dataclass(frozen=True)
-class TriangleLayer:
+class LayerOfTriangulatedBody:
     """One layer of a layered body that triangles mesh.
 
     Attributes
@@ -55,7 +55,7 @@ class TriangleLayer:
 
 
 @dataclass(frozen=True)
-class Triangles:
+class TriangleMeshInBodyCoordinates:
     """A mesh of m triangles in the coordinates s and d of a layered body.
 
     Attributes
@@ -88,8 +88,11 @@ class Triangles:
 
 
 def triangulate_grid_of_layered_body(
-    s: Floats, d: Sequence[Floats], layers: Sequence[TriangleLayer], period: float | None = None
-) -> Triangles:
+    s: Floats,
+    d: Sequence[Floats],
+    layers: Sequence[LayerOfTriangulatedBody],
+    period: float | None = None,
+) -> TriangleMeshInBodyCoordinates:
     """Mesh a layered body by a grid, each cell of which is cut into two triangles.
 
     A cell of the grid becomes no triangles if its layer has no material there.
@@ -120,12 +123,8 @@ def triangulate_grid_of_layered_body(
 
     # Neighbouring cells are cut along opposite diagonals, so that the mesh prefers no direction.
     flip = (i + j) % 2 == 1
-    quads = [
-        node_numbers_and_coordinates_of_cell_corners(0, 0),
-        node_numbers_and_coordinates_of_cell_corners(1, 0),
-        node_numbers_and_coordinates_of_cell_corners(1, 1),
-        node_numbers_and_coordinates_of_cell_corners(0, 1),
-    ]
+    corners = (0, 0), (1, 0), (1, 1), (0, 1)
+    quads = [node_numbers_and_coordinates_of_cell_corners(*corner) for corner in corners]
     numbers = np.stack([number for number, _ in quads], axis=1)
     places = np.stack([at for _, at in quads], axis=1)
     numbers[flip], places[flip] = (
@@ -133,14 +132,14 @@ def triangulate_grid_of_layered_body(
         np.roll(places[flip], -1, axis=1),
     )
     halves = [[2, 0, 1], [0, 2, 3]]
-    return Triangles(
+    return TriangleMeshInBodyCoordinates(
         np.concatenate([numbers[:, half] for half in halves]),
         np.concatenate([places[:, half] for half in halves]),
         np.concatenate([layer, layer]),
     )
 
 
-def edges_of_mesh_and_of_each_triangle(mesh: Triangles) -> tuple[Ints, Ints]:
+def edges_of_mesh_and_of_each_triangle(mesh: TriangleMeshInBodyCoordinates) -> tuple[Ints, Ints]:
     """The k edges of a mesh, and the numbers (m, 3) of the edges of each triangle.
 
     An edge (2,) is given by the numbers of its two ends, the smaller first.
@@ -154,7 +153,9 @@ def edges_of_mesh_and_of_each_triangle(mesh: Triangles) -> tuple[Ints, Ints]:
     return flat[first], number.reshape(-1, 3)
 
 
-def bisect_marked_triangles_without_hanging_nodes(mesh: Triangles, marked: Bools) -> Triangles:
+def bisect_marked_triangles_without_hanging_nodes(
+    mesh: TriangleMeshInBodyCoordinates, marked: Bools
+) -> TriangleMeshInBodyCoordinates:
     """Halve the triangles of a mesh for which `marked` (m,) is true; returns the new mesh.
 
     More triangles are halved where a new node would otherwise lie inside the edge of a triangle (a
@@ -189,12 +190,18 @@ def bisect_marked_triangles_without_hanging_nodes(mesh: Triangles, marked: Bools
             vertices.append(v[which][:, corners])
             positions.append(at[which][:, corners])
             layers.append(mesh.layer[which])
-    return Triangles(np.concatenate(vertices), np.concatenate(positions), np.concatenate(layers))
+    return TriangleMeshInBodyCoordinates(
+        np.concatenate(vertices), np.concatenate(positions), np.concatenate(layers)
+    )
 
 
 def grade_mesh_towards_points(
-    mesh: Triangles, place: PointMap, points: Floats, smallest: Floats, steep: float
-) -> Triangles:
+    mesh: TriangleMeshInBodyCoordinates,
+    place: FunctionFromBodyCoordinatesToPoints,
+    points: Floats,
+    smallest: Floats,
+    steep: float,
+) -> TriangleMeshInBodyCoordinates:
     """Halve the triangles of a mesh until they are short enough near the given points.
 
     Parameters
@@ -205,7 +212,7 @@ def grade_mesh_towards_points(
     smallest : (k,) length at each point below which triangles are not halved [m]
     steep : largest length of a triangle, relative to the distance of its centre from a point
     """
-    for _ in range(MOST_BISECTION_ROUNDS):
+    for _ in range(MOST_ROUNDS_OF_TRIANGLE_BISECTION):
         # A triangle is marked if its longest edge exceeds the length allowed at its centre.
         corners = place(mesh.at[..., 0], mesh.at[..., 1])
         size = np.hypot(*np.moveaxis(corners - np.roll(corners, -1, axis=1), 2, 0)).max(axis=1)
@@ -221,7 +228,9 @@ def grade_mesh_towards_points(
     raise AssertionError("the triangulation does not end")
 
 
-def split_surface_edges_at_breaks(first: Triangles, breaks: Floats, slack: float) -> Triangles:
+def halve_surface_edges_until_no_break_lies_inside(
+    first: TriangleMeshInBodyCoordinates, breaks: Floats, slack: float
+) -> TriangleMeshInBodyCoordinates:
     """Halve the edges of a mesh on the surface d = 0 until no break lies inside an edge.
 
     Breaks are places where edges of an opposite mesh end, so that the edges of both meshes match.
@@ -232,7 +241,7 @@ def split_surface_edges_at_breaks(first: Triangles, breaks: Floats, slack: float
     breaks : (k,) growing coordinates s of the breaks
     slack : distance in s from an end of an edge within which a break counts as lying on this end
     """
-    for _ in range(MOST_BISECTION_ROUNDS):
+    for _ in range(MOST_ROUNDS_OF_TRIANGLE_BISECTION):
         tri, _ = first.indices_of_triangle_edges_on_friction_surface
         spans = first.end_coordinates_of_friction_surface_edges()
         within = np.searchsorted(breaks, spans[:, 1] - slack) > np.searchsorted(
