@@ -131,6 +131,15 @@ def test_untouched_knobs_leave_the_brake_as_it_is(explorer):
         assert setting == slider_setting_at_brake_file_values(explorer.brake)
 
 
+def test_the_force_slider_of_a_chain_of_struts_changes_the_force_of_its_first_shoe():
+    """The struts give the forces of the other shoes, which are no keys to vary."""
+    band = drumlin.example("band")
+    (slider,) = [each for each in sliders_for_brake(band) if each.name == "force"]
+    at = slider_setting_at_brake_file_values(band).setting_with_slider_moved(slider, 3.0)
+    moved = brake_at_slider_setting(band, (slider,), at)
+    assert [shoe.actuation.force for shoe in moved.shoes] == [3000.0, 0.0, 0.0, 0.0, 0.0]
+
+
 CHANGES = {
     "friction": (0.41, {"friction": 0.41}),
     "force": (3.0, {"shoe.actuation.force": "3 kN"}),

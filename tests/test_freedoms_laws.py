@@ -10,6 +10,7 @@ from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 from pytest import approx
 
+import drumlin
 from drumlin import BadInput, Brake, NoAnswer
 from drumlin.brake.file import make_drum_brake_from_data, make_validated_brake_part, vary
 from drumlin.brake.plane_brake import FlatBrake, read_drum_or_plane_brake
@@ -465,8 +466,9 @@ def test_mirror_images_and_scaled_forces_answer_alike(brake: Brake, size: float)
             b.pressure[::-1], a.pressure, rtol=1e-7, atol=1e-9 * a.peak_pressure
         )
     drive = brake.actuation is not None
-    forces = [shoe.actuation.force * size for shoe in brake.shoes]
-    changes = of_shoes("actuation.force", forces)
+    # A strut gives its force to the shoe that it pushes.
+    own = {shoe.name: shoe.actuation.force * size for shoe in brake.shoes if shoe.actuation.force}
+    changes = {f"shoe.{name}.actuation.force": force for name, force in own.items()}
     more = vary(brake, {"actuation.force": 2000.0 * size} if drive else changes)
     for a, b in zip(response.shoes, solve_brake_by_its_rigid_shoe_law(more).shoes, strict=True):
         same(a, b, size)
@@ -541,6 +543,43 @@ def test_misuse_is_refused_in_one_line(changes: dict[str, Any], line: str) -> No
         brake_of(shoe | {"hinge": {"x": OFF, "y": -A}} | changes)
     assert line in str(refusal.value)
     assert "\n" not in str(refusal.value)
+
+
+@pytest.mark.parametrize(
+    ("name", "key", "line"),
+    [
+        ("simplex_hinged", "shoe.actuation.force", "[actuation] gives it; change actuation.pre"),
+        ("simplex_hinged", "shoe.left.actuation.force", "[actuation] gives it; change actuation.p"),
+        ("s_cam", "shoe[1].actuation.force", "[actuation] gives it; change actuation.torque"),
+        ("uni_servo", "shoe[1].actuation.force", "[actuation] gives it; change actuation.pressure"),
+    ],
+)
+def test_a_shoe_force_that_a_drive_gives_is_no_key_to_vary(name: str, key: str, line: str) -> None:
+    """Without the refusal such a sweep has the same results at all forces."""
+    brake = drumlin.example(name)
+    for question in (
+        lambda: vary(brake, {key: "5 kN"}),
+        lambda: drumlin.size(brake, key, torque=900.0, model="rigid", low=1e3, high=1e4),
+        lambda: drumlin.sweep(brake, {key: [4000.0, 5000.0]}, model="rigid"),
+    ):
+        with pytest.raises(BadInput) as refusal:
+            question()
+        assert f"{key}: has no effect, {line}" in str(refusal.value)
+
+
+def test_a_shoe_force_that_a_strut_gives_is_no_key_to_vary() -> None:
+    brake = drumlin.example("uni_servo")
+    without = vary(brake, {"actuation": None, "shoe.primary.actuation.force": F})
+    line = "a strut pushes this shoe; change shoe.primary.actuation.force"
+    with pytest.raises(BadInput) as refusal:
+        vary(without, {"shoe.secondary.actuation.force": F})
+    assert str(refusal.value) == f"shoe.secondary.actuation.force: has no effect, {line}"
+    # All shoes together include the one with a force of its own.
+    assert vary(without, {"shoe.actuation.force": 2 * F}).shoes[0].actuation.force == 2 * F
+    # A shoe has a force of its own as soon as the drive is gone.
+    simplex = drumlin.example("simplex_hinged")
+    freed = vary(simplex, {"actuation": None, "shoe.actuation.force": F})
+    assert [shoe.actuation.force for shoe in freed.shoes] == [F, F]
 
 
 def test_misuse_of_what_pushes_the_shoes_is_refused_in_one_line() -> None:

@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+import drumlin
 from conftest import partly, settled_sizes
 from drumlin import NoAnswer, vary
 from drumlin.contact import active_set, self_locking
@@ -432,6 +433,50 @@ def test_from_a_quiet_answer_at_half_of_the_friction_the_others_are_followed(
         assert share < 1 and (known[0] and known[0][0]) == (0.5 * mu if quiet else None)
     except NoAnswer as refusal:
         assert share > 1 and f"now there is one up to mu_lock = {end.friction:.4g}" in str(refusal)
+
+
+@pytest.mark.parametrize("elements", [16, 40])
+def test_a_contact_that_shrinks_to_a_point_is_followed_with_few_searches_for_singular_friction(
+    elements, monkeypatch
+):
+    """The floating shoe of a uni-servo brake has no equilibrium above a friction of tan 45 deg.
+
+    Cylinder and adjuster push along x. Along y the pressure and its friction balance only beyond
+    the angle -atan(mu), and the lining begins at -45 deg. The contact set changes at nearly all
+    steps, and the equations of each set take the time of ten steps.
+    """
+    brake = vary(drumlin.example("uni_servo"), {"friction": 1.0})
+    scene = make_prepared_model(brake, elements=elements)
+    (group,) = divide_pressed_shoes_into_groups(scene, brake, 1e6)
+    searched = []
+    search = self_locking.next_friction_with_singular_contact_equations
+
+    def noted(problem, friction, active):
+        searched.append(friction)
+        return search(problem, friction, active)
+
+    monkeypatch.setattr(self_locking, "next_friction_with_singular_contact_equations", noted)
+    end = find_largest_friction_with_equilibrium(
+        group.contact_problem_as_function_of_friction, 1.0, areas=group.contact_node_areas
+    )
+    assert end.pressure_stays_finite
+    assert end.friction == pytest.approx(math.tan(math.radians(45)), rel=1e-6)
+    # Without the wait for a second failure there are 5 and 9 searches, of which each takes longer
+    # than ten contact solves.
+    assert len(searched) <= 1
+
+
+def test_a_refused_friction_just_above_the_limit_has_the_digits_that_tell():
+    def text(friction, limit):
+        return self_locking.self_locking_error_text(
+            friction, limit, rigid_law_limit=0.7652, brake_words="now"
+        )
+
+    assert "at friction 1.0000001; now there is one up to mu_lock = 1 (rigid" in text(1.0000001, 1)
+    assert "at friction 0.85; now there is one up to mu_lock = 0.8434 (" in text(0.85, 0.843378)
+    assert "at friction 0.8433; now there is one up to mu_lock = 0.843299 (" in text(
+        0.8433, 0.8432991
+    )
 
 
 def test_a_refusal_is_not_its_own_cause(brake):

@@ -18,6 +18,7 @@ from drumlin.fem.analysis.self_locking import (
 from drumlin.fem.equilibrium.group import ShoeGroup
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.solve import solve
+from drumlin.laws import rigid
 from drumlin.models import MODELS
 
 SENSES = (1, -1)
@@ -91,6 +92,63 @@ def test_a_duo_servo_is_its_closed_form_in_both_senses(spin: int, mu: float) -> 
     # The anchor alone balances the drum's torque on the pair of shoes.
     assert anchor * PIN == pytest.approx(torque, rel=1e-9)
     assert max(response.balance.force, response.balance.moment) < 1e-9
+
+
+def wedge_determinant_by_hand(spin: int, mu: float, arcs: list[tuple[float, float]]) -> float:
+    """The determinant of the equilibria of a duo-servo brake on its strut and on both anchors.
+
+    On these supports both shoes turn by one angle, and each shoe moves along y. A lining point
+    moves towards the drum by ux cos + uy sin, where ux is PIN times the angle, and p is in
+    proportion. The unknowns are the angle, both uy, and the forces of strut and anchors. `arcs` are
+    the arcs in contact of the right and the left shoe. Where the determinant is zero, the pressures
+    may grow while the loads stay.
+    """
+    matrix = np.zeros((6, 6))
+    for k, hand in enumerate((1, -1)):
+        begin, end = arcs[k]
+        theta = begin + (end - begin) * (np.arange(20_000) + 0.5) / 20_000
+        area = WIDTH * R * (end - begin) / 20_000
+        c, s, drag = np.cos(theta), np.sin(theta), mu * spin
+        # Forces x and y and moment about O of unit pressures.
+        unit = area * np.array([-c - drag * s, -s + drag * c, np.full(theta.shape, drag * R)])
+        rows = slice(3 * k, 3 * k + 3)
+        matrix[rows, 0] = unit @ (PIN * c)
+        matrix[rows, 1 + k] = unit @ s
+        matrix[rows, 3] = hand * np.array([1.0, 0.0, -FOOT])
+        matrix[rows, 4 + k] = hand * np.array([1.0, 0.0, -PIN])
+    return float(np.linalg.det(matrix))
+
+
+@pytest.mark.parametrize(("spin", "mu"), [(1, 0.1), (-1, 0.45)])
+def test_a_rigid_duo_servo_locks_where_its_floating_shoe_meets_the_anchor(
+    spin: int, mu: float
+) -> None:
+    """Beyond, the drum wedges both shoes between strut and anchors: no friction has an answer."""
+    brake = duo_servo(spin, mu, FULL)
+    limits = [rigid.self_locking_friction_of_rigid_shoe(brake, shoe) for shoe in brake.shoes]
+    assert limits == pytest.approx([limits[0]] * 2, rel=1e-12)
+    below = drumlin.solve(vary(brake, {"friction": (1 - 1e-6) * limits[0]}), "rigid")
+    assert math.isfinite(below.torque)
+    arcs = [shoe.contact_arcs[0] for shoe in below.shoes]
+    signs = [wedge_determinant_by_hand(spin, x * limits[0], arcs) for x in (0.9999, 1.0001)]
+    assert signs[0] * signs[1] < 0
+    for beyond in (1.0001, 1.5):
+        locked = vary(brake, {"friction": beyond * limits[0]})
+        with pytest.raises(NoAnswer, match=r"self-locking, friction .* is not below mu_lock = "):
+            drumlin.solve(locked, "rigid")
+
+
+def test_a_block_between_two_anchors_locks_alike_in_both_senses() -> None:
+    """The anchors lie on one line across the free motion of the block: neither opens nor closes."""
+    for mu in (0.3, 1.0):
+        one, other = (
+            rigid.self_locking_friction_of_rigid_shoe(brake, brake.shoes[0])
+            for brake in (shoe_between_anchors(spin, mu) for spin in SENSES)
+        )
+        assert one == pytest.approx(other, rel=3e-4)
+        assert one == pytest.approx(1.65894, rel=3e-4)
+    torques = [drumlin.solve(shoe_between_anchors(spin, 0.8), "rigid").torque for spin in SENSES]
+    assert torques[0] == pytest.approx(torques[1], rel=1e-9)
 
 
 @pytest.mark.slow

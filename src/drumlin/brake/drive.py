@@ -131,6 +131,18 @@ class DriveOfAllShoes(PartOfInputFile):
             return self.efficiency * self.torque / self.radius
         return self.efficiency * (self.force or 0.0)
 
+    @property
+    def key_that_sets_forces(self) -> str:
+        """The key of a brake file that sets the forces on the shoes, such as "actuation.pressure".
+
+        Other keys, such as the diameter of the cylinder, change the forces as well.
+        """
+        if self.pressure is not None:
+            return "actuation.pressure"
+        if self.chamber is not None:
+            return "actuation.chamber.pressure"
+        return "actuation.force" if self.torque is None else "actuation.torque"
+
 
 class StrutOrStrapBetweenShoes(PartOfInputFile):
     """A strut or a strap between two shoes.
@@ -232,6 +244,22 @@ def _strut_actuations_by_shoe_index(
             f"link[{k}]", source, link, links[:k]
         )
     return lines
+
+
+def key_that_sets_actuation_force_of_shoe(brake: Any, shoe: Any) -> str | None:
+    """The key that sets the actuation force of a shoe in place of the shoe's own key `force`.
+
+    It is a key of the brake's drive; without a drive, the force of the shoe at the beginning of a
+    chain of struts. The result is None if the shoe's own key sets its force.
+    """
+    if brake.actuation is not None:
+        return str(brake.actuation.key_that_sets_forces)
+    # A strut between two shoes on anchors is a support, and gives no actuation.
+    pushers = {link.to: link.source for link in brake.links} if not shoe.anchors else {}
+    name = shoe.name
+    while name in pushers:
+        name = pushers[name]
+    return None if name == shoe.name else f"shoe.{name}.actuation.force"
 
 
 LARGEST_ANGLE_BETWEEN_STRUT_FORCES = 1e-9

@@ -18,6 +18,7 @@ from drumlin.base.files import read_text
 from drumlin.base.texts import check_toml_parses_quickly, value_as_text
 from drumlin.brake.brake import Brake
 from drumlin.brake.components import Lining
+from drumlin.brake.drive import key_that_sets_actuation_force_of_shoe
 from drumlin.brake.drum_brake import DrumBrake
 from drumlin.brake.fields import PartOfInputFile, Point, si_unit_of_field_type
 from drumlin.brake.units import quantity_in_si, quantity_with_usual_unit
@@ -210,7 +211,8 @@ def vary(brake: BrakePartTypeVariable, changes: Mapping[str, Any]) -> BrakePartT
     Raises
     ------
     BadInput
-        for a key that does not exist, or a brake that does not fit together, in one line
+        for a key that does not exist, for the force of a shoe that a cylinder, a cam or a strut
+        sets, or for a brake that does not fit together, in one line
 
     Examples
     --------
@@ -222,7 +224,24 @@ def vary(brake: BrakePartTypeVariable, changes: Mapping[str, Any]) -> BrakePartT
     data = brake.model_dump(by_alias=True)
     for key, value in changes.items():
         _set_value_of_key_in_nested_data(data, _split_dotted_key(key), value, key)
-    return make_validated_brake_part(type(brake), data)
+    varied = make_validated_brake_part(type(brake), data)
+    for key in changes:
+        if _split_dotted_key(key)[-1] == "force":
+            _refuse_force_of_shoe_that_drive_or_strut_sets(varied, key)
+    return varied
+
+
+def _refuse_force_of_shoe_that_drive_or_strut_sets(brake: Any, key: str) -> None:
+    """Raise BadInput if a key is the actuation force of shoes, and none of them has its own force.
+
+    A drive or a strut would set the force to another value.
+    """
+    parts, _ = parts_and_field_name_of_brake_key(brake, key)
+    shoes = [shoe for shoe in brake.shoes if any(part is shoe.actuation for part in parts)]
+    setting = [key_that_sets_actuation_force_of_shoe(brake, shoe) for shoe in shoes]
+    if setting and None not in setting:
+        by = "a strut pushes this shoe" if brake.actuation is None else "[actuation] gives it"
+        raise BadInput(f"{key}: has no effect, {by}; change {setting[0]}")
 
 
 def si_unit_of_brake_key(brake: PartOfInputFile, key: str) -> str | None:

@@ -188,18 +188,20 @@ def find_largest_friction_with_equilibrium(
         else known_answer
     )
     steps, step = 0, LARGEST_STEP_OF_GROWING_FRICTION
-    critical, critical_set = np.inf, np.zeros(0, dtype=bool)
+    critical_set, has_failed_before = np.zeros(0, dtype=bool), False
     while mu < largest_friction:
         steps += 1
         target = min(mu + step, largest_friction)
         after = stable_contact_continued_to_higher_friction_or_none(problem, target, found, areas)
         if after is not None:
             step = min(2 * step, LARGEST_STEP_OF_GROWING_FRICTION * max(1.0, mu))
-            found, mu = after, target
+            found, mu, has_failed_before = after, target, False
             continue
         # The step has failed. If the contact set holds up to the next friction at which its
-        # equations are singular, this friction is the limit. Otherwise the step is halved.
-        if not np.array_equal(critical_set, found.active):
+        # equations are singular, this friction is the limit. Otherwise the step is halved. The
+        # singular friction takes the time of some ten steps. It is therefore computed only after
+        # the second failure in a row: if half of the failed step succeeds, the path goes on.
+        if has_failed_before and not np.array_equal(critical_set, found.active):
             try:
                 critical = next_friction_with_singular_contact_equations(problem, mu, found.active)
             except np.linalg.LinAlgError:
@@ -208,6 +210,7 @@ def find_largest_friction_with_equilibrium(
             critical_set = found.active
             if _is_contact_set_valid_up_to_singular_friction(problem, mu, critical, found.active):
                 return LargestFrictionWithEquilibrium(critical, False, found, mu, steps)
+        has_failed_before = True
         step = 0.5 * (target - mu)
         if step < RELATIVE_RESOLUTION_OF_FRICTION_LIMIT * max(mu, 1e-3):
             return LargestFrictionWithEquilibrium(mu, True, found, mu, steps)
@@ -463,9 +466,14 @@ def self_locking_error_text(
     rigid_law_limit : mu_lock of the rigid shoe
     brake_words : words for the brake
     """
+    # The limit has four digits, or the least number of digits that tells it from the friction.
+    for digits in range(4, 13):
+        refused, largest = f"{friction:.{max(digits, 6)}g}", f"{limit:.{digits}g}"
+        if float(largest) < float(refused):
+            break
     return (
-        f"self-locking, no equilibrium at friction {friction:g}; {brake_words} there is one up to "
-        f"mu_lock = {limit:.4g} (rigid-shoe law: {rigid_law_limit:.4g})"
+        f"self-locking, no equilibrium at friction {refused}; {brake_words} there is one up to "
+        f"mu_lock = {largest} (rigid-shoe law: {rigid_law_limit:.4g})"
     )
 
 

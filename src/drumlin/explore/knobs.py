@@ -188,10 +188,12 @@ def _actuation_force_slider(brake: Brake) -> BrakeSlider | None:
     low, high = sorted([0.0, 3 * largest * 1e-3])
 
     def new_actuation_forces_at_slider_value(value: float) -> NewValuesByBrakeFileKey:
-        """New forces on all shoes, in the brake file's proportion; the largest is `value` [kN]."""
+        """New forces on the shoes, in the brake file's proportion; the largest is `value` [kN]."""
         made: NewValuesByBrakeFileKey = {}
         for i, force in enumerate(forces):
-            made[f"shoe[{i}].actuation.force"] = value * 1e3 * (force / largest)
+            # A strut pushes a shoe without force; the force of this shoe is no key to vary.
+            if force:
+                made[f"shoe[{i}].actuation.force"] = value * 1e3 * (force / largest)
         return made
 
     # The label says whether all shoes have the same force.

@@ -10,10 +10,16 @@ V y the gaps at the supports, and f the forces of the supports on the shoes:
 A support that bears (V y = 0) prevents one motion. The equilibria in the motions that remain free
 give y, and the equilibria in the prevented motions give f. Every set of bearing supports is tried.
 The clearances of supports and linings are neglected.
+
+A floating shoe moves towards its open anchor as friction grows. Where they meet, both anchors and
+the strut hold the shoes, and the drum wedges the shoes between them: above this friction no set of
+bearing supports has an equilibrium. The limit of self-locking is therefore found by following the
+equilibrium as friction grows; one set of supports alone may never lock.
 """
 
 import math
 from collections.abc import Iterator
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -59,6 +65,34 @@ MOST_FRICTION_HALVINGS = 30
 The search is for mu_lock, which depends on the supports that bear. If the friction of the brake is
 above mu_lock, there is no equilibrium that shows them. After thirty halvings the friction is 1e-9
 of its value: the brake is as good as frictionless, and more halvings would change no result.
+"""
+LARGEST_FOLLOWED_FRICTION = 10.0
+"""Friction coefficient up to which the equilibrium of rigid shoes on anchors is followed.
+
+Shoes that have an equilibrium up to there count as shoes that never lock. Linings have friction
+coefficients up to some 0.6.
+"""
+FOLLOWED_FRICTION_STEP = 0.25
+"""Step of the friction coefficient, relative to the coefficient, while an equilibrium is followed.
+
+A support that begins and ceases to bear within one step goes unnoticed. A smaller step costs time.
+"""
+FRICTION_LIMIT_RESOLUTION = 1e-7
+"""Relative error of the friction coefficient at which the equilibrium of rigid shoes ends.
+
+Messages print six digits of it.
+"""
+VANISHING_FORCE = 1e-5
+"""Force of a support, relative to the largest one, below which the support is about to open.
+
+It counts at a friction coefficient that lies FRICTION_LIMIT_RESOLUTION below the end of the
+equilibrium. A force that falls to zero there is of that order.
+"""
+NEAR_POLE = 0.01
+"""Relative distance of a friction coefficient from mu_lock within which pressures count as growing.
+
+The limit is then mu_lock of the arcs in contact. So near to it the iterations of the arcs need not
+converge. On a block between two anchors, the results for several first frictions differ by 0.02 %.
 """
 SAME_SUPPORT_FORCE_TOLERANCE = 1e-6
 """Relative difference of the support forces below which two equilibria count as the same.
@@ -206,16 +240,20 @@ class _EquilibriumInFreeMotions(NamedTuple):
 
 
 def _equilibrium_in_free_motions(
-    brake: Brake, on: _GeometryOfShoesOnAnchors, free: Floats, work: Floats
+    brake: Brake,
+    on: _GeometryOfShoesOnAnchors,
+    free: Floats,
+    work: Floats,
+    first_arcs: list[ContactArcsOfRigidShoe] | None = None,
 ) -> _EquilibriumInFreeMotions | None:
     """The equilibrium of shoes that can move only in the motions `free`; None if none is found.
 
     The arcs in contact are changed until they are those where the pressure is positive. A column of
     `free` (k, k') has the amounts of the k rigid-body modes in a motion. `work` (k,) is the work of
-    the loads on each mode.
+    the loads on each mode. The first arcs are those of the linings by default.
     """
     linings = [brake.shoes[i].lining for i in on.members]
-    arcs: list[ContactArcsOfRigidShoe] = [lining.arcs for lining in linings]
+    arcs: list[ContactArcsOfRigidShoe] = first_arcs or [lining.arcs for lining in linings]
     before: list[list[ContactArcsOfRigidShoe]] = []
     shapes = [
         face.gap_closing_factors_of_rigid_body_motions(modes.motions)
@@ -247,12 +285,16 @@ def _equilibrium_in_free_motions(
 
 
 def _solve_rigid_shoes_on_given_supports(
-    brake: Brake, on: _GeometryOfShoesOnAnchors, bearing: BearingFlagsOfOneSidedSupports
+    brake: Brake,
+    on: _GeometryOfShoesOnAnchors,
+    bearing: BearingFlagsOfOneSidedSupports,
+    first_arcs: list[ContactArcsOfRigidShoe] | None = None,
 ) -> EquilibriumOfShoesOnAnchors | None:
     """The equilibrium of shoes of which given supports bear; None if other supports must bear.
 
     Others must bear if the given supports allow no equilibrium or lock the shoes, if one of them
-    would pull, or if a support that does not bear would overlap its shoe.
+    would pull, or if a support that does not bear would overlap its shoe. The arcs in contact are
+    sought from `first_arcs` on, by default from the arcs of the linings.
     """
     motions = _rigid_body_motions_held_and_free(on, bearing)
     if motions is None:
@@ -260,7 +302,7 @@ def _solve_rigid_shoes_on_given_supports(
     work = np.concatenate(
         [modes.actuation_work + modes.work_of_further_loads for modes in on.freedoms]
     )
-    settled = _equilibrium_in_free_motions(brake, on, motions.free, work)
+    settled = _equilibrium_in_free_motions(brake, on, motions.free, work, first_arcs)
     if settled is None:
         return None
     (normal, friction), free, y = settled.matrices, motions.free, settled.y
@@ -305,10 +347,10 @@ def _do_supports_of_rigid_shoes_bear_as_assumed(
         for free in on.freedoms
     )
     largest = max(float(np.abs(forces).max()), actuation * float(on.sizes[0]))
-    parts = on.opening * y
+    largest_displacement = np.abs(y / on.sizes).max()
     pulls = (forces[bears] < -LARGEST_ROUND_OFF_PULL_OF_SUPPORT * largest).any()
     overlaps = (
-        parts.sum(axis=1)[~bears] < -LARGEST_ROUND_OFF_PULL_OF_SUPPORT * np.abs(parts).max()
+        (on.opening @ y)[~bears] < -LARGEST_ROUND_OFF_PULL_OF_SUPPORT * largest_displacement
     ).any()
     return not (pulls or overlaps)
 
@@ -352,11 +394,13 @@ def _first_equilibrium_of_shoes_on_anchors(
     raise NoAnswer(f"{names}: {ERROR_TEXT_ON_SHOE_THAT_IS_NOT_HELD}")
 
 
+# A solve asks for the limit of each shoe of a group, on each of its levels.
+@lru_cache(maxsize=8)
 def _locking_friction_of_anchored_shoe_group(brake: Brake, members: tuple[int, ...]) -> float:
     """The friction coefficient at which shoes on anchors lock; inf if they never do.
 
-    The same supports bear as at the brake's friction. If there is no equilibrium at this friction,
-    the friction is halved until there is one.
+    The equilibrium is followed from the brake's friction on. If there is no equilibrium at this
+    friction, the friction is halved until there is one.
     """
     friction = brake.friction
     for _ in range(MOST_FRICTION_HALVINGS):
@@ -367,9 +411,59 @@ def _locking_friction_of_anchored_shoe_group(brake: Brake, members: tuple[int, .
             None,
         )
         if found is not None:
-            return found.mu_lock
+            return _locking_friction_beyond_equilibrium(brake, friction, found)
         friction /= 2
     return math.inf
+
+
+def _locking_friction_beyond_equilibrium(
+    brake: Brake, friction: float, found: EquilibriumOfShoesOnAnchors
+) -> float:
+    """The friction coefficient above `friction` at which shoes lock; inf if they never do.
+
+    The shoes lock where the pressures of the equilibrium `found` grow without bound. They also lock
+    where another support begins to bear and allows no equilibrium: the drum then wedges the shoes
+    between their supports. They do not lock where a bearing support would have to pull.
+    """
+    tried = set()
+    while found.bearing not in tried:
+        tried.add(found.bearing)
+        friction, found = _largest_friction_on_same_supports(brake, friction, found)
+        if friction >= LARGEST_FOLLOWED_FRICTION:
+            return math.inf
+        beyond = brake.brake_with_new_friction_coefficient(
+            friction * (1 + 2 * FRICTION_LIMIT_RESOLUTION)
+        )
+        after = next(_equilibria_of_shoes_on_anchors(beyond, found.shoes.members), None)
+        if after is None:
+            break
+        friction, found = beyond.friction, after
+    bearing_forces = found.forces[np.array(found.bearing, dtype=bool)]
+    if bearing_forces.min(initial=math.inf) < VANISHING_FORCE * np.abs(found.forces).max(initial=0):
+        return math.inf
+    return found.mu_lock if found.mu_lock < (1 + NEAR_POLE) * friction else friction
+
+
+def _largest_friction_on_same_supports(
+    brake: Brake, friction: float, found: EquilibriumOfShoesOnAnchors
+) -> tuple[float, EquilibriumOfShoesOnAnchors]:
+    """The largest friction coefficient at which the bearing supports stay, and its equilibrium.
+
+    The search begins at `friction`, with the equilibrium `found`, and ends at
+    LARGEST_FOLLOWED_FRICTION.
+    """
+    step = FOLLOWED_FRICTION_STEP * max(friction, FOLLOWED_FRICTION_STEP)
+    while (
+        friction < LARGEST_FOLLOWED_FRICTION and step > 0.5 * FRICTION_LIMIT_RESOLUTION * friction
+    ):
+        raised = brake.brake_with_new_friction_coefficient(friction + step)
+        arcs = [found.contacts[raised.shoes[i].name].arcs for i in found.shoes.members]
+        after = _solve_rigid_shoes_on_given_supports(raised, found.shoes, found.bearing, arcs)
+        if after is None:
+            step /= 2
+        else:
+            friction, found = raised.friction, after
+    return friction, found
 
 
 def _indices_of_shoes_solved_with_shoe(brake: Brake, index: int) -> tuple[int, ...]:

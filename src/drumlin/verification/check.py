@@ -440,4 +440,4 @@ def text_lines_on_errors_of_pressure_table(
     is_within = (
         "within" if are_curve_deviations_within_tolerance(verdicts, tolerance) else "NOT within"
     )
-    return [*text, f"{is_within} {tolerance:.3g} of the reference"]
+    return [*text, f"{is_within} {number_as_text(100 * tolerance, '.3g')} % of the reference"]
