@@ -122,9 +122,9 @@ def _cross_section_or_none_if_unknown(
     if part.thickness is None:
         return None
     if EI is None:
-        known = part.width is not None and part.material is not None
-        return RectangularCrossSection(part.thickness, part.width, part.material) if known else None
-        # type: ignore[arg-type]
+        if part.width is None or part.material is None:
+            return None
+        return RectangularCrossSection(part.thickness, part.width, part.material)
     # The width and material may be arbitrary, since the width is scaled to the bending stiffness.
     section = RectangularCrossSection(
         part.thickness, part.width or 1.0, part.material or STEEL_OF_PARTS_WITHOUT_GIVEN_MATERIAL
