@@ -169,13 +169,15 @@ def validated_names_of_effects_to_include(brake: Brake, lift: Iterable[str]) -> 
 
 
 class FoundationContactProblem(NamedTuple):
-    """The contact problem of a group of shoes that load the drum's ring together.
+    """The contact problem of shoes that are solved together.
+
+    They are all shoes whose pressures bend the drum's ring together, or a single shoe.
 
     Attributes
     ----------
     posts : the shoes of the group, with stations along their beams and sectors of their linings
     ring : (n, n) [m/N], inward displacement of the ring at each of the group's n sectors per normal
-        force on each sector
+        force on each sector; zero for a rigid drum
     problem : the contact problem, whose unknowns are the normal forces [N] of the sectors
     """
 
@@ -280,11 +282,11 @@ def inward_ring_displacement_per_normal_force(
 def inward_ring_displacement_under_each_shoe(
     brake: Brake, response: Response, theta: Floats, lift: Iterable[str] = ()
 ) -> Floats:
-    """The inward displacement (shoes, k) [m] of the drum's ring under the pressure of each shoe.
+    """The inward displacement (shoes, k) [m] of the drum's ring that each shoe causes.
 
-    The result has a row for each shoe. With "all-modes" in `lift`, the displacement under all shoes
-    is the sum of the rows. Otherwise a row is the displacement under the shoe and an equal shoe
-    that is assumed opposite it.
+    The result has a row for each shoe. With "all-modes" in `lift`, the displacement that all shoes
+    cause is the sum of the rows. Without "all-modes", each row is the displacement that the shoe
+    and an equal shoe on the opposite side of the drum cause together.
 
     Parameters
     ----------
@@ -462,8 +464,8 @@ def _solve_contact_of_shoe_group(
         return contact_problem_of_shoe_group(other, group, sections, names).problem
 
     # `law` is the lowest friction at which a shoe of the group would lock itself if it were rigid.
-    # Only below this friction the solver may take a solution that it has not followed from zero
-    # friction.
+    # Only below this friction may the solver accept a solution that it finds at once. At higher
+    # friction the solver follows the solution in steps of growing friction.
     limits = []
     for i in group:
         own = self_locking_friction_of_hinged_shoe(brake, brake.shoes[i])

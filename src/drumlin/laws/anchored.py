@@ -2,8 +2,10 @@
 
 Each shoe has three rigid-body motions y: the turn about its pin and two translations. Its lining
 has the stiffness E/t per area, so that the pressure is E/t times the closing of the gap. The
-matrices N and F are those of `equilibrium_matrices_of_rigid_shoe`, Q is the work of the actuation,
-V y the gaps at the supports, and f the forces of the supports on the shoes:
+matrices N and F are those of `equilibrium_matrices_of_rigid_shoe`. Q is the work of the actuation
+and of other loads on the motions, mu the friction coefficient, and s = +1 or -1 the sense in which
+drum or plane moves. V y are the gaps at the supports, and f the forces of the supports on the
+shoes:
 
     E/t (N - mu s F) y = Q + V^T f,    V y >= 0,  f >= 0,  f V y = 0
 
@@ -56,13 +58,15 @@ from drumlin.laws.shoe_contact import (
 MOST_FRICTION_HALVINGS = 30
 """Largest number of times that the friction is halved in search of an equilibrium.
 
-The search is for mu_lock, which depends on the supports that bear. If the friction of the brake is
-above mu_lock, there is no equilibrium that shows them. After thirty halvings the friction is 1e-9
-of its value: the brake is as good as frictionless, and more halvings would change no result.
+The self-locking friction mu_lock depends on which supports bear. An equilibrium shows which of them
+bear, but above mu_lock there is no equilibrium. The search therefore lowers the friction. After
+thirty halvings the friction is 1e-9 of its value: the brake is as good as frictionless, and more
+halvings would change no result.
 """
 SAME_SUPPORT_FORCE_TOLERANCE = 1e-6
-"""Relative difference of the support forces below which two equilibria count as the same.
+"""Difference of support forces below which two equilibria count as the same.
 
+The difference is relative to the largest support force of one of the two equilibria.
 A support may touch its shoe with zero force: the sets of bearing supports with and without it then
 have the same equilibrium. The value lies far above round-off, and far below the difference of two
 real equilibria.
@@ -173,8 +177,8 @@ def _rigid_body_motions_held_and_free(
 ) -> HeldAndFreeRigidBodyMotions | None:
     """The motions that the bearing supports prevent, and the motions that they leave free.
 
-    The result is None if a free motion closes no gap, so that no pressure resists it, and if one of
-    the supports is redundant.
+    The result is None if one of the supports is redundant. It is None as well if a free motion
+    closes no gap, because no pressure then resists this motion.
     """
     motions = divide_motions_into_held_and_free(on.opening[np.array(bearing, dtype=bool)], on.sizes)
     if motions is None:
@@ -189,12 +193,12 @@ def _rigid_body_motions_held_and_free(
 
 
 class _EquilibriumInFreeMotions(NamedTuple):
-    """The equilibrium of shoes that can move in given ways, on arcs with positive pressure.
+    """The equilibrium of shoes that can move only in the motions that the supports leave free.
 
     Attributes
     ----------
-    matrices : N and F of the shoes on these arcs
-    y : (k,) rigid-body motions, times E/t of the first lining
+    matrices : N and F of the shoes on the arcs in contact
+    y : (k,) amounts of the rigid-body modes, times E/t of the first lining
     c : for each shoe the factors (2,) [Pa] of the face's two shape functions in its pressure
     arcs : arcs in contact of each shoe
     """
@@ -210,9 +214,9 @@ def _equilibrium_in_free_motions(
 ) -> _EquilibriumInFreeMotions | None:
     """The equilibrium of shoes that can move only in the motions `free`; None if none is found.
 
-    The arcs in contact are changed until they are those where the pressure is positive. A column of
-    `free` (k, k') has the amounts of the k rigid-body modes in a motion. `work` (k,) is the work of
-    the loads on each mode.
+    The function changes the arcs in contact until the pressure is positive on these arcs and
+    nowhere else. A column of `free` (k, k') has the amounts of the k rigid-body modes in a motion.
+    `work` (k,) is the work of the loads on each mode.
     """
     linings = [brake.shoes[i].lining for i in on.members]
     arcs: list[ContactArcsOfRigidShoe] = [lining.arcs for lining in linings]
@@ -249,10 +253,11 @@ def _equilibrium_in_free_motions(
 def _solve_rigid_shoes_on_given_supports(
     brake: Brake, on: _GeometryOfShoesOnAnchors, bearing: BearingFlagsOfOneSidedSupports
 ) -> EquilibriumOfShoesOnAnchors | None:
-    """The equilibrium of shoes of which given supports bear; None if other supports must bear.
+    """The equilibrium of shoes with given bearing supports; None if other supports must bear.
 
-    Others must bear if the given supports allow no equilibrium or lock the shoes, if one of them
-    would pull, or if a support that does not bear would overlap its shoe.
+    Other supports must bear in three cases: the shoes have no equilibrium on the given supports or
+    lock themselves on them, a given support would have to pull, or a support that is not among the
+    given ones would overlap its shoe.
     """
     motions = _rigid_body_motions_held_and_free(on, bearing)
     if motions is None:
@@ -296,7 +301,7 @@ def _do_supports_of_rigid_shoes_bear_as_assumed(
     ----------
     on : the shoes
     bearing : whether each of the m supports bears
-    y : (k,) rigid-body motions of the shoes
+    y : (k,) amounts of the shoes' rigid-body modes
     forces : (m,) forces of the supports [N]
     """
     bears = np.array(bearing, dtype=bool)
@@ -355,8 +360,9 @@ def _first_equilibrium_of_shoes_on_anchors(
 def _locking_friction_of_anchored_shoe_group(brake: Brake, members: tuple[int, ...]) -> float:
     """The friction coefficient at which shoes on anchors lock; inf if they never do.
 
-    The same supports bear as at the brake's friction. If there is no equilibrium at this friction,
-    the friction is halved until there is one.
+    The function assumes that the supports that bear at the brake's friction also bear at the
+    friction at which the shoes lock. If there is no equilibrium at the brake's friction, the
+    function halves the friction until there is an equilibrium.
     """
     friction = brake.friction
     for _ in range(MOST_FRICTION_HALVINGS):

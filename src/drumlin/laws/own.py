@@ -39,7 +39,8 @@ differs from a smooth peak by 1e-6 of the peak.
 LARGEST_NEGLIGIBLE_NEGATIVE_PRESSURE = 1e-12
 """Negative pressure, relative to the largest pressure, that counts as zero.
 
-A user's function that is zero at an end of the lining may be as negative there by round-off.
+A user's function that is zero at an end of the lining may return so small a negative pressure there
+because of round-off.
 """
 
 

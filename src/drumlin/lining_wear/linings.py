@@ -75,8 +75,7 @@ class WornLining(NamedTuple):
     order : degree of the interpolation of pressure and worn depth between the nodes
     across : (m,) [m], distances of the nodes across the width from the mid-plane; m = 1 in plane
         stress. The lining has n m unknowns, ordered by angle and then by distance.
-    shares : (m,) fraction of the width that each node across the width is_consistent_with_solution
-        for; the sum is 1
+    shares : (m,) fraction of the width that belongs to each node across the width; the sum is 1
     """
 
     shoe: int
@@ -154,7 +153,8 @@ class WearSetup(NamedTuple):
         """The stiffness K = E/t [Pa/m] of the first worn lining: pressure divided by compression.
 
         E is the modulus through the lining's thickness t. With the wear coefficient k, 1/(k K) is
-        the sliding distance over which wear changes the pressure by a factor e.
+        the sliding distance over which wear reduces the difference of the pressure from its final
+        value by a factor e, for a rigid shoe on independent springs.
         """
         lining = self.brake.shoes[self.surfaces[0].shoe].lining
         return lining.material.E_through / lining.thickness
@@ -233,9 +233,11 @@ def wear_setup_by_finite_elements(
 
 
 def _pulls_of_unworn_brake(scene: PreparedModel, brake: Brake, penalty: float) -> tuple[float, ...]:
-    """The pull [N] of each spring, of which those without preload need a sign.
+    """The pull [N] of each spring on the brake with unworn linings.
 
-    They are the preloads if all springs with a rate have one.
+    If all springs with a rate have a preload, the result is the preload of each spring. If a spring
+    with a rate has no preload, the sign of its pull is unknown, and the function solves the brake
+    to find the pulls.
     """
     if all(spring.preload or not spring.rate for spring in brake.springs):
         return tuple(spring.preload for spring in brake.springs)
@@ -340,8 +342,8 @@ def _find_friction_case_and_contact_of_worn_lining_group(
     ----------
     ways : the group of shoes, once for each case of friction at the abutments; the search starts
         from the first case
-    further : number of unknowns of springs after the contact unknowns, which count as in contact;
-        the search is made under the preloads of the springs
+    further : number of the unknowns of springs, which follow the contact unknowns and count as in
+        contact; the search assumes that the springs pull with their preloads
     depth : worn depth (n,) [m] at the contact unknowns
 
     Raises
@@ -409,8 +411,8 @@ def _contact_problem_in_newtons(
 ) -> ContactProblem:
     """The contact problem of a group of shoes at a friction coefficient, with loads in newtons.
 
-    The group itself has its largest actuation force as the unit of force. The forces of `springs`
-    with a rate are the last unknowns.
+    The methods of the group, in contrast, measure forces in units of the group's largest actuation
+    force. The forces of `springs` with a rate are the last unknowns.
     """
     if springs is None:
         size = group.largest_actuation_force

@@ -702,7 +702,7 @@ def report_lines_of_wear_run(
 
 
 def _lines_on_spring_pulls_of_wear_run(brake: Brake, states: Sequence[WearState]) -> list[str]:
-    """A line for each spring whose pull changes in a wear run; the law then has the last pulls."""
+    """A line of text for each spring whose pull changes in a wear run, with first and last pull."""
     lines = []
     for i, (first, last) in enumerate(zip(states[0].pulls, states[-1].pulls, strict=True)):
         if first != last:
@@ -773,7 +773,7 @@ def _notes_on_difference_of_wear_end_from_law(
 
 
 def _fraction_of_lining_life_as_text(share: float) -> str:
-    """A fraction of the linings' life as text; `share` is inf if it is longer than the run."""
+    """A fraction of the linings' life as text; inf stands for more than the whole wear run."""
     if math.isinf(share):
         return "all of this run"
     return number_as_text(share, ".1%") if share <= 1 else f"all of it ({share:.3g} lives)"
