@@ -203,8 +203,9 @@ def mesh_shoes_for_peer_program(
     Raises
     ------
     BadInput
-        for a brake with an elastic ring, with heated shoes or without friction, because the drum of
-        the peers is rigid and slips
+        for a brake with an elastic ring or without friction, because the drum of the peers is rigid
+        and slips; for shoes on anchors, heated shoes, springs with a rate, and friction that
+        depends on the pressure
     """
     if brake.ring is not None:
         raise BadInput("drum.ring: the peers get a rigid drum; leave out [drum.ring]")
@@ -299,8 +300,8 @@ def mesh_hinged_shoes_under_actuation(
     """The hinged shoes of a brake, meshed by drumlin's mesher, each under its own actuation.
 
     `elements` and `kind` are the number of elements along each lining and their kind, and `mesher`
-    is a function that meshes a shoe (None for drumlin's mesher). Raises BadInput for a brake with
-    an elastic ring or without friction, and for a shoe without a hinge.
+    is a function that meshes a shoe (None for drumlin's mesher). Raises BadInput for a brake on a
+    plane, for a shoe without a hinge, and for a brake that `mesh_shoes_for_peer_program` refuses.
     """
     if brake.surface.is_plane_and_not_drum:
         raise BadInput("CalculiX takes brakes on a drum: its shoes press on a plane")
@@ -398,10 +399,11 @@ def _imbalance_of_peer_forces(
 ) -> ForceAndMomentImbalance:
     """The relative imbalance of a peer's forces on a shoe.
 
-    `force` of the result is the sum of the forces. `moment` is the sum of their moments about the
-    origin, or the imbalance of the shoe's rigid holder, whichever is larger. The holder is in
-    balance if its forces on the shoe and the loads on the holder do the same work on each test
-    mode. `load` (3,) is the force of the actuation [N] and its moment about the pin [N m].
+    `force` of the result is the magnitude of the sum of all forces, relative to the largest force.
+    `moment` is the sum of all moments about the origin, or the imbalance of the shoe's rigid
+    holder, whichever is larger; both are relative, too. The holder is in balance if its forces on
+    the shoe and the loads on the holder do the same work on each test mode. `load` (3,) is the
+    force of the actuation [N] and its moment about the pin [N m].
     """
     pin, tests = loaded.shoe.pin_position_in_shoe_frame, loaded.tests
     push = loaded.resultant_about_pin_of_loads_at_places

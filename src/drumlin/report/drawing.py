@@ -326,10 +326,10 @@ def _point_of_lever_nearest_to_given_point(hinge: Floats, load: Floats, point: F
 def _point_where_force_is_drawn(shoe: Shoe, R: float) -> Floats:
     """The point (2,) [mm] where the force on a shoe is drawn.
 
-    For an external shoe this is the force's point in the brake file, if it lies outside the drum.
-    Otherwise it is the point of the line of action that is nearest to the shoe's end away from the
-    pin. For a rigid external shoe it is then the point near this end where the line of action cuts
-    the arc of the shoe's back.
+    On an external shoe it is the force's point in the brake file if this point lies outside the
+    drum. On all other shoes it is the point of the force's line of action that is nearest to the
+    far end, the shoe's end away from the pin. If the other shoe is rigid and external, it is the
+    point near the far end where the line of action cuts the arc of the shoe's back.
     """
     point = shoe.actuation.point.xy * MM_PER_M
     if shoe.sign_internal_plus_external_minus < 0 and np.linalg.norm(point) > R:

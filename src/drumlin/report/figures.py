@@ -40,7 +40,10 @@ Matplotlib draws exponents and indices of formulas at 0.7 of the size of the for
 """
 
 PLAIN_NUMBERS = 1e-3, 1e4
-"""Least and largest power of ten that is written with all digits; others are written like 1e-7."""
+"""Smallest and largest number that is written with all digits at the ticks of an axis.
+
+Numbers outside this range are written like 1e-7.
+"""
 
 LINE_HEIGHT_OF_TITLE, GAP_AROUND_TITLE = 0.16, 0.09
 """Height of each line of a picture's title, and the gaps above and below it together [inches].
@@ -115,8 +118,8 @@ PressurePanel = tuple[str, Mapping[str, ShoeResponse]]
 def make_figure_for_print(height: float, width: float = FULL_WIDTH) -> Figure:
     """An empty figure of a height and a width [inches]; its text has TEXT_SIZE at this width.
 
-    `width` is FULL_WIDTH or COLUMN_WIDTH. The figure is filled within
-    `mpl.rc_context(MATPLOTLIB_SETTINGS_FOR_PRINT)`.
+    `width` is FULL_WIDTH or COLUMN_WIDTH. The text gets its size if callers draw into the figure
+    within `mpl.rc_context(MATPLOTLIB_SETTINGS_FOR_PRINT)`.
     """
     return Figure(figsize=(width, height), layout="constrained")
 
@@ -141,7 +144,7 @@ def plain_number(value: float) -> str:
 
 
 def number_logarithmic_axes_plainly(figure: Figure) -> None:
-    """Write plain numbers at the ticks of all axes that have powers of ten with exponents."""
+    """Write plain numbers like 1e-7 at the ticks of all logarithmic axes of a figure."""
     for axes in figure.axes:
         for axis in (axes.xaxis, axes.yaxis):
             if isinstance(axis.get_major_formatter(), LogFormatterMathtext):
@@ -344,8 +347,8 @@ def evenly_spaced_pressure_curve_of_shoe(
 ) -> tuple[Floats, Floats]:
     """The pressure curve of a shoe: angles (n,) [rad; on a plane m] and pressures (n,) [Pa].
 
-    The angles are evenly spread. Near both ends of the lining, the response's nodes are added to
-    them.
+    The angles are evenly spread. Near both ends of the lining, the curve also has points at the
+    nodes of the response.
     """
     even = np.linspace(shoe.theta[0], shoe.theta[-1], points)
     spacing = even[1] - even[0]

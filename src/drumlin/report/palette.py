@@ -45,7 +45,7 @@ COLOR_AND_LINE_STYLE_BY_MODEL: dict[str, tuple[str, Any]] = {
 
 
 def color_of_model(model: str) -> str:
-    """The colour of a model's curves in all figures; that of axes for an unknown model."""
+    """The colour of a model's curves in all figures; the colour of axes for an unknown model."""
     return (
         COLOR_AND_LINE_STYLE_BY_MODEL[model][0]
         if model in COLOR_AND_LINE_STYLE_BY_MODEL

@@ -101,7 +101,7 @@ def moments_that_scale_imbalance_on_guide(force: float, length: float) -> list[f
 
     Parameters
     ----------
-    force : actuation force [N]
+    force : largest force of any load on the shoe [N]
     length : length of the lining [m]
     """
     return [0.5 * force * length, -0.5 * force * length]

@@ -444,7 +444,7 @@ class FiguresOfMeritOnDrum(NamedTuple):
     mechanical_advantage : eta = T/M = 1/(m - double_delta n)
     m : moment of the normal pressure about the hinge, divided by T
     n : moment of the friction about the hinge, divided by the moment of the friction about O
-    double_delta : sign of n in the formula of eta
+    double_delta : sign dD of the UWA notes, +1 or -1, by which n is multiplied in the formula of eta
     sensitivity_at_fixed_shape : sensitivity (mu/eta) d eta/d mu = m eta, if the shape of the
         pressure did not change with mu
     """
