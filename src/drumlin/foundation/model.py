@@ -137,8 +137,9 @@ def reason_against_foundation_model(brake: Brake) -> str | None:
 def validated_names_of_effects_to_include(brake: Brake, lift: Iterable[str]) -> frozenset[str]:
     """The names of the effects that a solve includes, from the values of --lift.
 
-    The value "all" stands for all effects for which the brake file has data. Raises BadInput for an
-    unknown name, and for an effect for which the brake file lacks data.
+    The value "all" stands for all effects that the brake file allows. Raises BadInput for an
+    unknown name, and for an effect that the brake file does not allow, because it lacks data or
+    gives a lining its own friction.
     """
     names = set(lift)
     unknown = sorted(names - set(INCLUDABLE_EFFECTS) - {"all"})
@@ -508,7 +509,7 @@ def response_of_post_brake_shoe(
     """
     shoe, R = brake.shoes[index], brake.size
     pressure = N / (shoe.lining.width * R * p.sector)
-    # The displacement w of the beam is the sum of its turn about the hinge and its bending.
+    # The displacement w of the beam is the sum of the displacements by its turn and by its bending.
     moment = p.loaded - (p.pressed + p.drag * p.dragged) @ N
     bent = np.maximum(np.subtract.outer(p.x, p.x), 0.0) @ (p.station_weights / p.EI * moment)
     w = turn * p.x + bent

@@ -171,10 +171,12 @@ def _weights_of_beam_stations(x: Floats) -> Floats:
 def _levers_along_and_across_beam_of_sectors_about_stations(
     x: Floats, under: Ints, angles: list[Floats], depth: Floats
 ) -> tuple[Floats, Floats]:
-    """Two arrays (m, n) [m]: levers of n sectors about m stations, along and normal to the beam.
+    """The lever arms of n sectors about m stations, as two arrays (m, n) [m].
+
+    The first array has the arms along the beam, the second the arms normal to the beam.
 
     Only forces farther from the hinge than a station bend the beam at this station. Sectors that
-    are nearer to the hinge than the station therefore have levers of 0 about it.
+    are nearer to the hinge than a station therefore have arms of 0 about this station.
 
     Parameters
     ----------

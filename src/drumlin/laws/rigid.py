@@ -114,7 +114,8 @@ def self_locking_friction_of_rigid_shoe(brake: Brake, shoe: Shoe) -> float:
 def self_locking_by_rigid_shoe_law(brake: Brake) -> SelfLocking:
     """The brake's friction, and the friction at which its first shoe locks by the rigid-shoe law.
 
-    Both are friction coefficients of the brake, to which those of the linings are proportional.
+    Both are friction coefficients of the brake. The coefficient of a lining with its own friction
+    is assumed to grow in proportion to the coefficient of the brake.
     """
     limits = []
     for shoe in brake.shoes:

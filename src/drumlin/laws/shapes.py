@@ -196,7 +196,7 @@ def _integrals_of_uniform_pressure_on_arc_part(
 
 
 def _friction_factor_of_one_for_each_arc(arc: ShoeAnglesAndRadii) -> Floats:
-    """The factor on mu of a law that does not change it: 1, in the shape of the arc's angles."""
+    """The factor 1 on mu, for laws that do not change mu, in the shape of the arc's angles."""
     return np.ones(np.shape(arc.half_of_lining_arc))
 
 

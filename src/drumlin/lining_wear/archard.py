@@ -205,7 +205,7 @@ class WearContactProblem(NamedTuple):
     def abutment_friction_cases(self) -> tuple[AbutmentFrictionCase, ...]:
         """All cases of friction at the abutments, each with its contact problem.
 
-        The first case has the contact problem `problem`, the further cases are `others`.
+        The first case has the contact problem `problem`; `others` are the other cases.
         """
         return (
             AbutmentFrictionCase(
@@ -1034,7 +1034,7 @@ class _WearStepper:
     def _norm_of_pressure_difference_from_euler_step(
         self, state: WearState, ds: float, p: Floats
     ) -> float:
-        """The L2 norm of the difference between p after a step and p of one implicit Euler step.
+        """The L2 norm of the pressure p after a step minus the pressure of one implicit Euler step.
 
         The norm measures the error of a step during which nodes come into contact or leave it. The
         derivative of the pressure by the worn depth cannot measure this error, because it is valid
@@ -1219,8 +1219,8 @@ def wear_linings_by_explicit_euler(
 ) -> list[WearState]:
     """Wear linings by explicit Euler steps; returns the states before and after each step.
 
-    This common method needs very short steps, or else the pressure alternates from node to node.
-    The implicit method is compared with it.
+    This common method needs very short steps, or else the pressure alternates from node to node. It
+    serves only as a comparison for the implicit method of `wear_linings_over_sliding_distance`.
 
     Parameters
     ----------

@@ -1,7 +1,7 @@
 """Make the contact problems of a brake's linings, for the wear steps of `archard`.
 
-The contact problems come from finite elements or from the foundation model. All supports and
-actuations of shoes are allowed.
+The contact problems come from finite elements, with all supports and actuations of shoes, or from
+the foundation model of post brakes.
 """
 
 import math
@@ -272,7 +272,7 @@ def _wear_contact_problem_of_shoe_group(
     torque = group.brake.friction * group.torque_of_each_shoe_per_nodal_pressure.sum(axis=1)
     friction = None
     if _depends_friction_of_group_on_pressure(group):
-        # The torque is then that of friction stresses, not of pressures.
+        # `torque` is then the torque per friction stress, and not per pressure.
         torque = np.concatenate(list(map(attrgetter("lever"), couplings)))
         friction = partial(_friction_of_linings_and_spring_nodes, group, further)
     area = np.concatenate(list(map(attrgetter("areas_of_contact_nodes"), couplings)))
@@ -320,8 +320,8 @@ def _abutment_friction_case_of_group(
     problem = _contact_problem_in_newtons(group, group.brake.friction, springs)
     if not _depends_friction_of_group_on_pressure(group):
         return AbutmentFrictionCase(problem, is_consistent_with_solution)
-    # At the friction coefficient 1 of every node the terms with friction can be scaled by the
-    # coefficient of each node.
+    # `unit` has the friction coefficient 1 at every node. Its terms with friction can therefore be
+    # multiplied by the real coefficient of each node later.
     unit = replace(group, node_frictions_over_brake_friction=np.ones(len(group.contact_node_areas)))
     over_friction = FrictionDependentProblem.linear_function_of_friction_from_two_problems(
         _contact_problem_in_newtons(unit, 0.0, springs),

@@ -7,7 +7,7 @@ m the exponent of the wear law. For m = 1 the pressure is proportional to sin(ph
 with phi from the hinge, and to cos(phi) on a guided shoe, with phi from the direction of the guide.
 On a shoe with a pivot on a lever it is A cos(phi) + B sin(phi). The elasticity then influences only
 the worn shape of the lining. `brake_with_worn_linings` returns a brake whose linings have this
-shape as their clearance. Every model can solve this brake.
+shape as their clearance, which the models with elastic linings can solve.
 """
 
 import math

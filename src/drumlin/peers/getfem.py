@@ -176,8 +176,8 @@ class _GetfemCosts(NamedTuple):
     ----------
     steps : largest number of Newton steps of a shoe
     seconds_of_first_solve : processor time [s] of a solve from the beginning
-    seconds_of_further_load_case : processor time [s] of a further load case, which reuses mesh and
-        stiffness
+    seconds_of_further_load_case : processor time [s] of the second load case, which reuses mesh and
+        stiffness of the first
     process : processor time [s] of one solve with the start of its processes
     unknowns : largest number of unknowns of a run
     version : version of GetFEM; "" if no shoe is pressed on the drum

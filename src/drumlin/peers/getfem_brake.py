@@ -47,7 +47,7 @@ The drum must move much farther than the lining, so that the lining slips everyw
 
 NAMES_OF_GETFEM_UNKNOWNS = ("u", "hold", "p")
 """Unknowns of a GetFEM model: the displacement, the traction of the support on the shoe, and the
-pressure or traction of the contact. The coordinates of the rigid-body modes are further unknowns.
+pressure or traction of the contact. The coordinates of the rigid-body modes are unknowns, too.
 """
 
 MOST_NEWTON_STEPS_OF_GETFEM = 60

@@ -83,8 +83,8 @@ class PeerResult(NamedTuple):
     response : response of the brake
     seconds : time of the peer's computation [s], without the start of its process if it is known
     process_seconds : time of all processes for one solve [s]
-    further_seconds : time [s] of a further load case, which is the same brake with another friction
-        coefficient; the peer reuses earlier results if it can
+    further_seconds : time [s] of a second load case, which is the same brake with another friction
+        coefficient; a peer that can reuse results of the first load case does so
     unknowns : number of unknowns of all systems; equal shoes that share a system count once
     notes : lines of text about the solve
     """

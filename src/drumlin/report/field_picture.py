@@ -53,11 +53,15 @@ stresses are larger. The value is a judgement by eye.
 LARGEST_DRAWN_DISPLACEMENT_OVER_RADIUS = 0.04
 """Largest length of an enlarged displacement, relative to the drum's radius.
 
-Longer displacements would hide the shape of the shoes. The value is a judgement by eye.
+Longer displacements would hide the shape of the shoes. The value is a judgement by eye. On a plane,
+half the length of the brake takes the place of the drum's radius.
 """
 
 LONGEST_PRESSURE_ARROW_OVER_RADIUS = 0.2
-"""Length of the longest pressure arrows, relative to the drum's radius."""
+"""Length of the longest pressure arrows, relative to the drum's radius.
+
+On a plane, half the length of the brake takes the place of the drum's radius.
+"""
 
 PERCENTAGE_OF_PROPORTIONAL_ARROWS = 90
 """Percentage of the pressure arrows whose length is in proportion to the pressure.
@@ -67,16 +71,28 @@ therefore shortened to one length.
 """
 
 FORCE_ARROW_LENGTH_OVER_RADIUS = 0.28
-"""Length of each force's arrow, relative to the drum's radius."""
+"""Length of each force's arrow, relative to the drum's radius.
+
+On a plane, half the length of the brake takes the place of the drum's radius.
+"""
 
 PRESSURE_ARROW_SPACING_OVER_RADIUS = math.radians(2.5)
-"""Distance of the pressure arrows along the friction surface, relative to the drum's radius."""
+"""Distance between neighbouring pressure arrows, relative to the drum's radius.
+
+On a plane, half the length of the brake takes the place of the drum's radius.
+"""
 
 DRAWN_PIN_RADIUS_OVER_DRUM_RADIUS = 0.035
-"""Radius of the disc of a pin, relative to the drum's radius."""
+"""Radius of the disc that shows a pin, relative to the drum's radius.
+
+On a plane, half the length of the brake takes the place of the drum's radius.
+"""
 
 PICTURE_MARGIN_OVER_RADIUS = 0.03
-"""Blank margin around the brake and all arrows, relative to the drum's radius."""
+"""Blank margin around the brake and all arrows, relative to the drum's radius.
+
+On a plane, half the length of the brake takes the place of the drum's radius.
+"""
 
 PRESSURE_SHAFT_WIDTH, FORCE_SHAFT_WIDTH = 0.0022, 0.0045
 """Widths of the shafts of pressure and force arrows, relative to the width of matplotlib's axes."""

@@ -30,7 +30,8 @@ COLUMN_WIDTH, FULL_WIDTH = 85 / 25.4, 170 / 25.4
 TEXT_SIZE, SMALL_TEXT_SIZE = 8.0, 7.0
 """Sizes [points] of text in a figure that is printed at its own width.
 
-Journals ask for at least 6 to 7 points. Numbers in the fields of a map have the small size.
+Journals ask for at least 6 to 7 points. Numbers in the cells of a coloured table have the small
+size.
 """
 
 FORMULA_TEXT_SIZE = SMALL_TEXT_SIZE / 0.7
