@@ -1,4 +1,4 @@
-"""The rigid-shoe law of shoes on one-sided supports: anchors, and struts between two such shoes.
+"""The rigid-shoe law of shoes on one-sided supports: anchors, and struts between shoes on anchors.
 
 Each shoe has three rigid-body motions y: the turn about its pin and two translations. Its lining
 has the stiffness E/t per area, so that the pressure is E/t times the closing of the gap. The
@@ -66,10 +66,9 @@ halvings would change no result.
 SAME_SUPPORT_FORCE_TOLERANCE = 1e-6
 """Difference of support forces below which two equilibria count as the same.
 
-The difference is relative to the largest support force of one of the two equilibria.
-A support may touch its shoe with zero force: the sets of bearing supports with and without it then
-have the same equilibrium. The value lies far above round-off, and far below the difference of two
-real equilibria.
+The difference is relative to the largest support force. A support may touch its shoe with zero
+force. The sets of bearing supports with and without this support then have the same equilibrium.
+The value lies far above round-off, and far below the difference of two real equilibria.
 """
 
 

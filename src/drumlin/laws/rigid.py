@@ -571,7 +571,9 @@ def solve_brake_by_rigid_shoe_law(
 
 
 def notes_on_cam_force_of_unlike_linings(brake: Brake) -> tuple[str, ...]:
-    """A note on how a cam divides its force if its two linings have different E/t; else no note.
+    """A note on how a cam divides its force, if the linings of its two shoes have different E/t.
+
+    If the linings have equal E/t, or if there is no cam, the result has no note.
 
     The cam moves the loaded ends of both shoes equally. New linings allow this by the compression
     p t/E, which depends on E/t. Worn-in linings allow it by wear, which is proportional to the

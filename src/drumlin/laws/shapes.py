@@ -10,7 +10,8 @@ the hinge's distance from O, and dD a sign (see `ShoeAnglesAndRadii`):
     M = b R p_0 (M_N - dD mu M_F),      M_N = a I_s,      M_F = R I - a I_c,
     T = mu b R^2 p_0 I,                 mu_lock = M_N / (dD M_F)
 
-All formulas take arrays that broadcast, so that one call can solve many brakes.
+The law "block" has mu times the factor `PressureLawOfHingedShoe.friction` in place of mu. All
+formulas take arrays that broadcast, so that one call can solve many brakes.
 """
 
 from collections.abc import Callable

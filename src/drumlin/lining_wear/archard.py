@@ -215,7 +215,7 @@ class WearContactProblem(NamedTuple):
         )
 
     def quantities_per_torque_arm(self, p: Floats) -> Floats:
-        """The values (n,) [Pa] that `torque` multiplies, at pressures p (n,).
+        """The values (n,) [Pa] whose scalar product with `torque` is the torque, at pressures p.
 
         They are the pressures, or the friction stresses if friction depends on the pressure.
         """
@@ -226,7 +226,8 @@ class WearContactProblem(NamedTuple):
     ) -> ContactProblem:
         """The contact problem of a friction case, with the tangent of the friction stress at p.
 
-        Without friction that depends on the pressures p (n,) it is the problem of the case itself.
+        If friction does not depend on the pressures p (n,), the result is the problem of the case
+        itself.
         """
         if self.friction is None or footing.over_friction is None:
             return footing.problem
@@ -624,9 +625,9 @@ def solve_steady_wear(interface: WearContactProblem, law: WearLaw) -> SteadyWear
             failure = failure or error
             continue
         # After a long sliding distance the motion by wear is far larger than the elastic motion,
-        # and alone decides in which direction a foot slides. It is therefore scaled to
-        # STEADY_WEAR_MOTION_OVER_ELASTIC_MOTION times the elastic motion before the friction is
-        # checked.
+        # and alone decides in which direction a foot slides. For the check of the friction, the
+        # motion by wear is therefore scaled to STEADY_WEAR_MOTION_OVER_ELASTIC_MOTION times the
+        # elastic motion.
         elastic = float(np.abs(np.diagonal(footing.problem.A)).max())
         scale = STEADY_WEAR_MOTION_OVER_ELASTIC_MOTION * float(
             elastic / np.abs(compliance_of_wear).max()

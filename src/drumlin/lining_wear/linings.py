@@ -356,7 +356,8 @@ def _find_friction_case_and_contact_of_worn_lining_group(
         settled, contact = solve_shoe_group_with_lining_friction(worn)
     except NoAnswer:
         # The search without a first guess may miss an equilibrium. The contact of very soft linings
-        # is easy to find. Following it as the linings become stiffer gives a first guess.
+        # is easy to find. From there the contact is followed as the linings become stiffer, which
+        # gives a first guess.
         active = find_contact_set_from_soft_linings(
             worn.contact_problem_of_group, worn.mass_matrix_of_contact_nodes
         )

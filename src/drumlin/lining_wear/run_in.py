@@ -36,7 +36,9 @@ from drumlin.response.response import (
 from drumlin.response.resultants import polynomial_values_at_gauss_points
 
 DEFAULT_WEAR_COEFFICIENT = 1e-14
-"""Wear coefficient k [1/Pa] if the user gives none: 1e-5 mm^3/(N m), the order of organic linings.
+"""Wear coefficient k [1/Pa] if the user gives none.
+
+The value is 1e-5 mm^3/(N m), the order of magnitude of the wear of organic linings.
 
 Sliding distances in units of 1/(k E/t), with the lining's stiffness E/t, do not depend on k, nor do
 fractions of a lining's life."""
@@ -319,9 +321,10 @@ def _require_loads_and_friction_that_allow_a_kept_torque(setup: WearSetup) -> No
 
 
 def _require_that_wear_settles(setup: WearSetup, *, both_ways: bool) -> None:
-    """Raise BadInput for a wear run without a distance that does not settle.
+    """Raise BadInput for a brake whose pressure never stops changing by wear.
 
-    `both_ways` is whether the drum turns both ways.
+    A wear run of such a brake must be given a distance. `both_ways` tells whether the drum turns
+    both ways.
     """
     if setup.springs is not None:
         i = int(setup.springs.numbers[0])
@@ -453,7 +456,8 @@ def compute_life_of_linings(
     for surface in setup.surfaces:
         allowed = part * setup.brake.shoes[surface.shoe].lining.thickness
         deepest = _largest_worn_depth_in_each_state(surface, states)
-        # A lining that is not worn out in the run wears on at the rate of the final pressure.
+        # A lining that is not worn out in the run is assumed to go on wearing at the rate of the
+        # final pressure.
         if deepest[-1] >= allowed:
             end = min(end, float(np.interp(allowed, deepest, s)))
         elif law.coefficient > 0:

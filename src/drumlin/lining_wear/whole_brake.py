@@ -31,7 +31,7 @@ from drumlin.lining_wear.run_in import (
 )
 
 NAMES_OF_MODELS_WITH_WEAR = ("fem", "solid", "foundation")
-"""The names of the models whose linings can wear."""
+"""The names of the models that can compute wear."""
 
 
 @dataclass(frozen=True)

@@ -4,8 +4,8 @@ All elements are plane stress elements CPS8 or CPS6 of the same small thickness,
 elements of CalculiX are not exactly in plane stress. All forces are proportional to this thickness.
 A layer that is wider than the lining has a larger modulus in place of a larger thickness.
 Multi-point constraints let the nodes at the hinge rotate about the pin as a rigid line. The drum is
-an arc of elements with prescribed displacements at all nodes, which reaches past the lining's ends.
-Contact is face-to-face with a penalty and friction.
+an arc of elements that reaches past the lining's ends. The displacements of all nodes of the drum
+are prescribed. Contact is face-to-face with a penalty and friction.
 """
 
 import math

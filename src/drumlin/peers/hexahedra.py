@@ -240,7 +240,7 @@ def nodes_of_boundary_over_width_of_part(
 
 
 def solid_nodes_that_move_with_pin(solid: HalfSolidShoeMesh, shoe: Shoe) -> Ints:
-    """Nodes at the hinge, across the whole width, which move rigidly with the pin.
+    """Numbers of the nodes of the half shoe at the hinge, which move rigidly with the pin.
 
     They are the nodes of the body's edge at the hinge. In a rigid shoe they are the nodes on the
     back of the backing, or on the back of the lining if there is no backing.

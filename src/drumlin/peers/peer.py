@@ -1,4 +1,4 @@
-"""Code that both peers use: shoes in their own frames, responses from forces, runs of processes.
+"""Code that both peers use: it sets up shoes, makes responses from forces, and runs processes.
 
 A peer is another public finite-element program, CalculiX or GetFEM.
 """
@@ -146,7 +146,7 @@ class MeshedShoeUnderActuation:
 
     @property
     def virtual_work_of_loads_on_rigid_holder(self) -> Floats:
-        """Work (k,) of the loads on the shoe's rigid holder on the test modes.
+        """Work (k,), on the test modes, of the loads that act on the shoe's rigid holder.
 
         The rigid holder is the part of the shoe that the support guides.
         """

@@ -291,7 +291,8 @@ def _rigid_shoe_lines(shoe: Shoe, R: float) -> list[Floats]:
     """The lines (n, 2) [mm] that stand for a rigid shoe on a drum.
 
     The first line is an arc behind the lining. For a shoe with a lever, two more lines are the
-    lever and its connection to the arc. For other shoes they join the arc to hinge and force.
+    lever and its connection to the arc. For other shoes, two more lines join the arc to the hinge
+    and to the force.
     """
     angles = np.linspace(shoe.lining.start, shoe.lining.end, 80)
     back = _radius_of_rigid_shoe_back(shoe, R) * np.column_stack([np.cos(angles), np.sin(angles)])

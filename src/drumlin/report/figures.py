@@ -160,7 +160,7 @@ def save_figure(figure: Figure, path: Path) -> Path:
     Logarithmic axes get plain numbers, because exponents are too small in print.
 
     The ending of the path chooses the format. Equal figures give identical files. A character that
-    the font does not have is drawn as a box. A figure for print says its width in the file.
+    the font does not have is drawn as a box. The file of a figure for print states the width.
     """
     number_logarithmic_axes_plainly(figure)
     metadata: dict[str, str | None] = {}
@@ -247,7 +247,8 @@ def draw_legend_below_figure(figure: Figure, axes: Axes, **more: Any) -> None:
     """
     handles, labels = axes.get_legend_handles_labels()
     handle_of = dict(zip(labels, handles, strict=True))
-    # A column of the legend is some 22 letters and a line wide, 2.2 inches at 10 points.
+    # A column of the legend is as wide as a sample of the curve's line and some 22 letters. This
+    # is 2.2 inches at 10 points.
     width = 0.22 * mpl.rcParams["font.size"]
     columns = min(len(handle_of), max(2, int(figure.get_figwidth() / width)))
     options = {"loc": "outside lower center", "ncols": columns} | more

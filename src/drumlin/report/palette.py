@@ -8,7 +8,7 @@ from typing import Any
 
 BLUE, RED, GREEN, OCHRE, PURPLE = "#0072b2", "#d55e00", "#00c663", "#feaa00", "#7d1fce"
 SKY, GREY, BROWN, INK = "#77bbe2", "#828890", "#635135", "#1d2733"
-"""The colours of curves, nine together with the line above.
+"""The colours of curves; with the five colours from BLUE to PURPLE there are nine.
 
 INK is also the colour of text and outlines.
 """

@@ -40,8 +40,8 @@ outside the zones at the lining's ends.
 LARGEST_PRESSURE_CURVE_STEP_IN_RADIANS = math.radians(0.2)
 """Longest step [rad] between two points of a pressure curve that is drawn or written to a file.
 
-With it a lining of 100 degrees has 500 points, about as many as a plot can show. The spacing does
-not change the answer of a model.
+With this step the curve of a lining of 100 degrees has 500 points, about as many as a plot can
+show. The spacing does not change the answer of a model.
 """
 
 LEAST_ANGLE_FROM_LINING_END_TO_PRESSURE_CURVE_POINT = 1e-9
