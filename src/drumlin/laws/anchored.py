@@ -294,7 +294,7 @@ def _do_supports_of_rigid_shoes_bear_as_assumed(
     y: Floats,
     forces: Floats,
 ) -> bool:
-    """Whether no bearing support pulls its shoe, and no open support overlaps its shoe.
+    """Whether the supports act as assumed: bearing ones do not pull, open ones do not overlap.
 
     Parameters
     ----------

@@ -170,7 +170,10 @@ SHORT_SHOE_LAW_ON_PLANE = PressureLawOfFlatShoe(
 
 
 def distances_of_lining_ends_from_hinge_foot(shoe: Shoe) -> tuple[float, float]:
-    """Distances (x_min, x_max) [m] of the lining's two ends from the hinge's foot on the plane."""
+    """Distances (x_min, x_max) [m] of the lining's two ends from the hinge's foot on the plane.
+
+    The hinge's foot is the point of the plane below the hinge.
+    """
     ends = shoe.frame.distances_along_surface_from_pin(
         np.array([shoe.lining.start, shoe.lining.end])
     )

@@ -138,7 +138,7 @@ class WearSetup(NamedTuple):
         return any(interface.friction is not None for interface in self.interfaces)
 
     def state_with_spring_pulls_apart(self, state: WearState) -> WearState:
-        """A state whose arrays hold the linings' values only, and which has the springs' pulls.
+        """A copy of a state, with the springs' values moved from its arrays to its `pulls`.
 
         Raises NoAnswer if a spring is slack in this state.
         """
@@ -302,7 +302,10 @@ def _depends_friction_of_group_on_pressure(group: ShoeGroup) -> bool:
 def _friction_of_linings_and_spring_nodes(
     group: ShoeGroup, further: int, p: Floats
 ) -> NodalFrictionAndSlope:
-    """The friction at pressures p (n + further,) [Pa]; 0 at the `further` unknowns of springs."""
+    """The friction coefficients of linings at pressures p (n + further,) [Pa], and their slopes.
+
+    The last `further` entries of p and of the result belong to springs. The result is 0 there.
+    """
     found = friction_and_its_slopes_at_nodes_of_group(group, p[: len(p) - further])
     nothing = np.zeros(further)
     return NodalFrictionAndSlope(

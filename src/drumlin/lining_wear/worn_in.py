@@ -133,7 +133,7 @@ def brake_with_worn_in_clearances(scene: PreparedModel, brake: Brake) -> Brake:
 
 
 def _contact_unknowns_of_each_shoe(surfaces: Sequence[WornLining]) -> list[slice]:
-    """The slices of each shoe's contact unknowns among the unknowns of one contact problem.
+    """For each shoe, the slice of its contact unknowns among the unknowns of a contact problem.
 
     A slice spans all linings of a shoe, which move together. `surfaces` are the linings of the
     contact problem, ordered by shoe.

@@ -175,7 +175,10 @@ def export_calculix_deck_of_each_shoe(
 
 
 class ShoeWithDeckText(NamedTuple):
-    """A shoe under its actuation, and a function from the name of its deck to the deck's text."""
+    """A shoe under its actuation, and a function that writes its deck.
+
+    The function takes the name of the deck and returns the text of the deck.
+    """
 
     loaded: MeshedShoeUnderActuation
     text: Callable[[str], str]

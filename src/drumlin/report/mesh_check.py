@@ -41,8 +41,9 @@ MESH_GROUP_COLORS = {
     "hinge": BLUE,
     "actuation": GREEN,
 }
-"""The colour of each group of a mesh: of areas for groups of elements, of lines for groups of
-edges.
+"""The colour of each group of a mesh, by the name of the group.
+
+Groups of elements are drawn as areas, groups of edges as lines.
 """
 MICROMETRES_PER_METRE = 1e6
 """Micrometres in a metre."""

@@ -94,7 +94,7 @@ class PressureDifference:
 
     @property
     def indices_of_elements_that_contain_pieces(self) -> Ints:
-        """The numbers (pieces,) of the elements of response b that contain the pieces."""
+        """For each piece, the number of the element of response b that contains it: (pieces,)."""
         ends, starts = self.b.theta[:: self.b.order], self.theta[:, 0]
         return np.asarray(np.searchsorted(ends, starts, side="right") - 1)
 
