@@ -95,7 +95,7 @@ def inward_ring_displacement_per_radial_force(
     d : angles from the force [rad], any shape; the result has the same shape
     twin : whether an equal force acts on the opposite side of the ring
     sign : +1 if the ring lies outside the friction surface, -1 if it lies inside
-    thick : whether the ring is thick
+    thick : whether to compute the ring as thick, with hoop and shear deformation
     """
     series = (
         deflection_series_of_two_opposite_forces if twin else deflection_series_of_one_radial_force

@@ -328,7 +328,8 @@ def run_calculix_to_state_and_rotation_of_full_slip(
     brake : the brake
     loaded : the shoe under its actuation
     setting : parameters of the first deck
-    posed : how the shoe is written as a deck; None: in plane stress
+    posed : functions that write the shoe as a deck and pick out its contact forces; None: the
+        functions for a shoe in plane stress
 
     Raises
     ------
@@ -361,7 +362,8 @@ def write_deck_of_shoe_and_run_calculix(
     brake : the brake
     loaded : the shoe under its actuation
     setting : parameters of the deck
-    posed : how the shoe is written as a deck; None: in plane stress
+    posed : functions that write the shoe as a deck and pick out its contact forces; None: the
+        functions for a shoe in plane stress
 
     Raises
     ------
@@ -448,7 +450,8 @@ def read_calculix_state(
     brake : the brake
     loaded : the shoe under its actuation
     setting : parameters of the deck
-    posed : how the shoe is written as a deck; None: in plane stress
+    posed : functions that write the shoe as a deck and pick out its contact forces; None: the
+        functions for a shoe in plane stress
 
     Raises
     ------

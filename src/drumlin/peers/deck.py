@@ -69,9 +69,9 @@ class CalculixDeckParameters(NamedTuple):
     ----------
     rotation : rotation of the drum [rad]
     thickness : thickness of all elements, relative to the lining's width
-    penalty : normal contact stiffness, relative to the lining's Young's modulus divided by its
-        thickness
-    tangential_penalty : tangential stiffness of a sticking contact, relative to the same quotient
+    penalty : normal contact stiffness, relative to E/t, Young's modulus of the lining divided by
+        the thickness of the lining
+    tangential_penalty : tangential stiffness of a sticking contact, relative to E/t
     steps : smallest number of increments of the load step
     accuracy : CalculiX's relative tolerance of the residual forces
     """

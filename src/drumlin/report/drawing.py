@@ -513,7 +513,9 @@ class _ForceLabel(NamedTuple):
 def _label_of_force_arrow(
     actuation: Actuation, tip: Floats, unit: float, *, inside: bool = False
 ) -> _ForceLabel:
-    """The label with the size of a force, placed above the force's arrow or at its right.
+    """The label with the size of a force, placed beside the force's arrow.
+
+    The label stands above the arrow or at its right, or towards the drum's centre with `inside`.
 
     Parameters
     ----------
