@@ -595,7 +595,7 @@ def _find_friction_case_and_contact_of_all_worn_linings(
 
 
 class SteadyWearContactSolution(NamedTuple):
-    """The contact in steady wear, the final state of linings with a constant pressure.
+    """The contact of linings in steady wear, in which the pressure no longer changes.
 
     Attributes
     ----------
