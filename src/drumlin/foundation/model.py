@@ -137,8 +137,9 @@ def reason_against_foundation_model(brake: Brake) -> str | None:
 def validated_names_of_effects_to_include(brake: Brake, lift: Iterable[str]) -> frozenset[str]:
     """The names of the effects that a solve includes, from the values of --lift.
 
-    The value "all" stands for all effects for which the brake file has data. Raises BadInput for an
-    unknown name, and for an effect for which the brake file lacks data.
+    The value "all" stands for all effects that the brake file allows. Raises BadInput for an
+    unknown name, and for an effect that the brake file does not allow, because it lacks data or
+    gives a lining its own friction.
     """
     names = set(lift)
     unknown = sorted(names - set(INCLUDABLE_EFFECTS) - {"all"})
@@ -169,13 +170,15 @@ def validated_names_of_effects_to_include(brake: Brake, lift: Iterable[str]) -> 
 
 
 class FoundationContactProblem(NamedTuple):
-    """The contact problem of a group of shoes that load the drum's ring together.
+    """The contact problem of shoes that are solved together.
+
+    They are all shoes whose pressures bend the drum's ring together, or a single shoe.
 
     Attributes
     ----------
     posts : the shoes of the group, with stations along their beams and sectors of their linings
     ring : (n, n) [m/N], inward displacement of the ring at each of the group's n sectors per normal
-        force on each sector
+        force on each sector; zero for a rigid drum
     problem : the contact problem, whose unknowns are the normal forces [N] of the sectors
     """
 
@@ -280,11 +283,11 @@ def inward_ring_displacement_per_normal_force(
 def inward_ring_displacement_under_each_shoe(
     brake: Brake, response: Response, theta: Floats, lift: Iterable[str] = ()
 ) -> Floats:
-    """The inward displacement (shoes, k) [m] of the drum's ring under the pressure of each shoe.
+    """The inward displacement (shoes, k) [m] of the drum's ring that each shoe causes.
 
-    The result has a row for each shoe. With "all-modes" in `lift`, the displacement under all shoes
-    is the sum of the rows. Otherwise a row is the displacement under the shoe and an equal shoe
-    that is assumed opposite it.
+    The result has a row for each shoe. With "all-modes" in `lift`, the displacement that all shoes
+    cause is the sum of the rows. Without "all-modes", each row is the displacement that the shoe
+    and an equal shoe on the opposite side of the drum cause together.
 
     Parameters
     ----------
@@ -462,8 +465,8 @@ def _solve_contact_of_shoe_group(
         return contact_problem_of_shoe_group(other, group, sections, names).problem
 
     # `law` is the lowest friction at which a shoe of the group would lock itself if it were rigid.
-    # Only below this friction the solver may take a solution that it has not followed from zero
-    # friction.
+    # Only below this friction may the solver accept a solution that it finds at once. At higher
+    # friction the solver follows the solution in steps of growing friction.
     limits = []
     for i in group:
         own = self_locking_friction_of_hinged_shoe(brake, brake.shoes[i])
@@ -506,7 +509,7 @@ def response_of_post_brake_shoe(
     """
     shoe, R = brake.shoes[index], brake.size
     pressure = N / (shoe.lining.width * R * p.sector)
-    # The displacement w of the beam is the sum of its turn about the hinge and its bending.
+    # The displacement w of the beam is the sum of the displacements by its turn and by its bending.
     moment = p.loaded - (p.pressed + p.drag * p.dragged) @ N
     bent = np.maximum(np.subtract.outer(p.x, p.x), 0.0) @ (p.station_weights / p.EI * moment)
     w = turn * p.x + bent

@@ -37,7 +37,8 @@ class ShoeInStationsAndSectors(NamedTuple):
     station_weights : (m,) [m], weights of the trapezoidal rule over the stations, 0 at the hinge
     EI : (m,) [N m^2], bending stiffness of the beam at the stations
     under : (n,), index of the station of each sector
-    theta : (n,) [rad], angles of the sectors in the beam's coordinates, see `beam_axis`
+    theta : (n,) [rad], angles of the sectors in the beam's coordinates, see
+        `drumlin.brake.beam_axis`
     sector : (n,) [rad], angles that the sectors cover
     k : (n,) [N/m], stiffnesses of the sectors: force per compression of lining and block
     gap : (n,) [m], clearance Delta between the unloaded lining and the drum at the sectors
@@ -170,10 +171,12 @@ def _weights_of_beam_stations(x: Floats) -> Floats:
 def _levers_along_and_across_beam_of_sectors_about_stations(
     x: Floats, under: Ints, angles: list[Floats], depth: Floats
 ) -> tuple[Floats, Floats]:
-    """The levers (m, n) [m] of n sectors about m stations, along the beam and towards the drum.
+    """The lever arms of n sectors about m stations, as two arrays (m, n) [m].
 
-    Only forces farther from the hinge than a station bend the beam at this station. Sectors nearer
-    to the hinge therefore have the levers 0.
+    The first array has the arms along the beam, the second the arms normal to the beam.
+
+    Only forces farther from the hinge than a station bend the beam at this station. Sectors that
+    are nearer to the hinge than a station therefore have arms of 0 about this station.
 
     Parameters
     ----------

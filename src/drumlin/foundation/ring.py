@@ -84,9 +84,9 @@ def inward_ring_displacement_per_radial_force(
     A thin ring bends at the radius of the friction surface. A thick ring bends at the radius r of
     its section's middle, and it has hoop and shear deformation as well. Let I be the second moment
     and A the area of its section, and e = I/(A r^2). The displacement of a thick ring in the mode n
-    is 1 + 3 e + n^2 e E/(kappa G) times the displacement of a thin ring. The mean of the load
-    stretches or compresses a thick ring. The factor follows from the energy of a curved bar
-    (Timoshenko: Strength of Materials II, with moment M = -r H and hoop force H in modes n >= 2).
+    is 1 + 3 e + n^2 e E/(kappa G) times the displacement of a thin ring. This ratio follows from
+    the energy of a curved bar (Timoshenko: Strength of Materials II, with moment M = -r H and hoop
+    force H in modes n >= 2). The mean of the load stretches or compresses a thick ring.
 
     Parameters
     ----------
@@ -95,7 +95,7 @@ def inward_ring_displacement_per_radial_force(
     d : angles from the force [rad], any shape; the result has the same shape
     twin : whether an equal force acts on the opposite side of the ring
     sign : +1 if the ring lies outside the friction surface, -1 if it lies inside
-    thick : whether the ring is thick
+    thick : whether to compute the ring as thick, with hoop and shear deformation
     """
     series = (
         deflection_series_of_two_opposite_forces if twin else deflection_series_of_one_radial_force

@@ -1,10 +1,11 @@
-"""Laws of rigid shoes on a rigid drum: the pressure is proportional to the lining's compression.
+"""Pressure laws of rigid shoes on a rigid drum or plane.
 
-The module `rigid` solves a brake with any rigid shoes, and `face` describes the drum or the plane
-on which they press. The modules `shapes`, `pivoted` and `flat` hold closed-form laws as formulas on
-arrays. The modules `hinged` and `flat` solve a brake by laws that assume how the pressure varies
-along the lining. The module `naming` tells under which name the rigid-shoe law applies to a brake.
-The module `simscape` has the formulas of the Double-Shoe Brake block of Simscape Driveline.
+By the rigid-shoe law the pressure is proportional to the lining's compression. The module `rigid`
+solves a brake by this law, and `face` describes the drum or the plane on which the shoes press. The
+modules `shapes`, `pivoted` and `flat` hold closed-form laws as formulas on arrays. The modules
+`hinged` and `flat` solve a brake by laws that assume how the pressure varies along the lining. The
+module `naming` tells under which name the rigid-shoe law applies to a brake. The module `simscape`
+has the formulas of the Double-Shoe Brake block of Simscape Driveline.
 """
 
 from typing import TYPE_CHECKING

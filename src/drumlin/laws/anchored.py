@@ -1,9 +1,11 @@
-"""The rigid-shoe law of shoes on one-sided supports: anchors, and struts between two such shoes.
+"""The rigid-shoe law of shoes on one-sided supports: anchors, and struts between shoes on anchors.
 
 Each shoe has three rigid-body motions y: the turn about its pin and two translations. Its lining
 has the stiffness E/t per area, so that the pressure is E/t times the closing of the gap. The
-matrices N and F are those of `equilibrium_matrices_of_rigid_shoe`, Q is the work of the actuation,
-V y the gaps at the supports, and f the forces of the supports on the shoes:
+matrices N and F are those of `equilibrium_matrices_of_rigid_shoe`. Q is the work of the actuation
+and of other loads on the motions, mu the friction coefficient, and s = +1 or -1 the sense in which
+drum or plane moves. V y are the gaps at the supports, and f the forces of the supports on the
+shoes:
 
     E/t (N - mu s F) y = Q + V^T f,    V y >= 0,  f >= 0,  f V y = 0
 
@@ -62,9 +64,10 @@ from drumlin.laws.shoe_contact import (
 MOST_FRICTION_HALVINGS = 30
 """Largest number of times that the friction is halved in search of an equilibrium.
 
-The search is for mu_lock, which depends on the supports that bear. If the friction of the brake is
-above mu_lock, there is no equilibrium that shows them. After thirty halvings the friction is 1e-9
-of its value: the brake is as good as frictionless, and more halvings would change no result.
+The self-locking friction mu_lock depends on which supports bear. An equilibrium shows which of them
+bear, but above mu_lock there is no equilibrium. The search therefore lowers the friction. After
+thirty halvings the friction is 1e-9 of its value: the brake is as good as frictionless, and more
+halvings would change no result.
 """
 LARGEST_FOLLOWED_FRICTION = 10.0
 """Friction coefficient up to which the equilibrium of rigid shoes on anchors is followed.
@@ -95,11 +98,11 @@ The limit is then mu_lock of the arcs in contact. So near to it the iterations o
 converge. On a block between two anchors, the results for several first frictions differ by 0.02 %.
 """
 SAME_SUPPORT_FORCE_TOLERANCE = 1e-6
-"""Relative difference of the support forces below which two equilibria count as the same.
+"""Difference of support forces below which two equilibria count as the same.
 
-A support may touch its shoe with zero force: the sets of bearing supports with and without it then
-have the same equilibrium. The value lies far above round-off, and far below the difference of two
-real equilibria.
+The difference is relative to the largest support force. A support may touch its shoe with zero
+force. The sets of bearing supports with and without this support then have the same equilibrium.
+The value lies far above round-off, and far below the difference of two real equilibria.
 """
 
 
@@ -207,8 +210,8 @@ def _rigid_body_motions_held_and_free(
 ) -> HeldAndFreeRigidBodyMotions | None:
     """The motions that the bearing supports prevent, and the motions that they leave free.
 
-    The result is None if a free motion closes no gap, so that no pressure resists it, and if one of
-    the supports is redundant.
+    The result is None if one of the supports is redundant. It is None as well if a free motion
+    closes no gap, because no pressure then resists this motion.
     """
     motions = divide_motions_into_held_and_free(on.opening[np.array(bearing, dtype=bool)], on.sizes)
     if motions is None:
@@ -223,12 +226,12 @@ def _rigid_body_motions_held_and_free(
 
 
 class _EquilibriumInFreeMotions(NamedTuple):
-    """The equilibrium of shoes that can move in given ways, on arcs with positive pressure.
+    """The equilibrium of shoes that can move only in the motions that the supports leave free.
 
     Attributes
     ----------
-    matrices : N and F of the shoes on these arcs
-    y : (k,) rigid-body motions, times E/t of the first lining
+    matrices : N and F of the shoes on the arcs in contact
+    y : (k,) amounts of the rigid-body modes, times E/t of the first lining
     c : for each shoe the factors (2,) [Pa] of the face's two shape functions in its pressure
     arcs : arcs in contact of each shoe
     """
@@ -248,9 +251,10 @@ def _equilibrium_in_free_motions(
 ) -> _EquilibriumInFreeMotions | None:
     """The equilibrium of shoes that can move only in the motions `free`; None if none is found.
 
-    The arcs in contact are changed until they are those where the pressure is positive. A column of
-    `free` (k, k') has the amounts of the k rigid-body modes in a motion. `work` (k,) is the work of
-    the loads on each mode. The first arcs are those of the linings by default.
+    The function changes the arcs in contact until the pressure is positive on these arcs and
+    nowhere else. A column of `free` (k, k') has the amounts of the k rigid-body modes in a motion.
+    `work` (k,) is the work of the loads on each mode.
+    The first arcs are those of the linings by default.
     """
     linings = [brake.shoes[i].lining for i in on.members]
     arcs: list[ContactArcsOfRigidShoe] = first_arcs or [lining.arcs for lining in linings]
@@ -290,11 +294,12 @@ def _solve_rigid_shoes_on_given_supports(
     bearing: BearingFlagsOfOneSidedSupports,
     first_arcs: list[ContactArcsOfRigidShoe] | None = None,
 ) -> EquilibriumOfShoesOnAnchors | None:
-    """The equilibrium of shoes of which given supports bear; None if other supports must bear.
+    """The equilibrium of shoes with given bearing supports; None if other supports must bear.
 
-    Others must bear if the given supports allow no equilibrium or lock the shoes, if one of them
-    would pull, or if a support that does not bear would overlap its shoe. The arcs in contact are
-    sought from `first_arcs` on, by default from the arcs of the linings.
+    Other supports must bear in three cases: the shoes have no equilibrium on the given supports or
+    lock themselves on them, a given support would have to pull, or a support that is not among the
+    given ones would overlap its shoe.
+    The function seeks the arcs in contact from `first_arcs` on, by default from those of the linings.
     """
     motions = _rigid_body_motions_held_and_free(on, bearing)
     if motions is None:
@@ -332,13 +337,13 @@ def _do_supports_of_rigid_shoes_bear_as_assumed(
     y: Floats,
     forces: Floats,
 ) -> bool:
-    """Whether no bearing support pulls its shoe, and no open support overlaps its shoe.
+    """Whether the supports act as assumed: bearing ones do not pull, open ones do not overlap.
 
     Parameters
     ----------
     on : the shoes
     bearing : whether each of the m supports bears
-    y : (k,) rigid-body motions of the shoes
+    y : (k,) amounts of the shoes' rigid-body modes
     forces : (m,) forces of the supports [N]
     """
     bears = np.array(bearing, dtype=bool)
@@ -399,8 +404,8 @@ def _first_equilibrium_of_shoes_on_anchors(
 def _locking_friction_of_anchored_shoe_group(brake: Brake, members: tuple[int, ...]) -> float:
     """The friction coefficient at which shoes on anchors lock; inf if they never do.
 
-    The equilibrium is followed from the brake's friction on. If there is no equilibrium at this
-    friction, the friction is halved until there is one.
+    The function follows the equilibrium from the brake's friction on. If there is no equilibrium at
+    this friction, the function halves the friction until there is one.
     """
     friction = brake.friction
     for _ in range(MOST_FRICTION_HALVINGS):

@@ -38,15 +38,17 @@ class DrumFrictionSurface(NamedTuple):
     sign: int
 
     def gap_closing_factors_of_rigid_body_motions(self, motions: Floats) -> Floats:
-        """Factors (k, 2) of cos and sin in the closing of the gap [m] by k rigid-body motions.
+        """Factors (k, 2) of cos theta and sin theta by which k rigid-body motions close the gap.
 
+        The gap closes by the first factor times cos theta plus the second factor times sin theta.
         A row of `motions` (k, 3) holds dx [m], dy [m] and the turn [rad] of the shoe.
         """
         return self.sign * motions[:, :2]
 
     def slide_factors_of_rigid_body_motions(self, motions: Floats) -> Floats:
-        """Factors (k, 3) of cos, sin and 1 in the slide [m] along the drum by k rigid-body motions.
+        """Factors (k, 3) of cos theta, sin theta and 1 in the slide by k rigid-body motions.
 
+        The slide [m] along the drum is the sum of these three functions times their factors.
         A row of `motions` (k, 3) holds dx [m], dy [m] and the turn [rad] of the shoe.
         """
         dx, dy, turn = motions.T
@@ -57,7 +59,7 @@ class DrumFrictionSurface(NamedTuple):
         return np.array([np.cos(place), np.sin(place), np.ones(np.shape(place))])
 
     def integrals_of_shape_products(self, arcs: ContactArcsOfRigidShoe) -> Floats:
-        """Integrals (3, 2) [m] of products of shape functions over the length of arcs.
+        """Integrals (3, 2) [m], over the length of arcs, of products of two shape functions.
 
         Row i belongs to the factor cos, sin or 1, and column j to the factor cos or sin.
         """
@@ -154,8 +156,9 @@ class PlaneFrictionSurface(NamedTuple):
     """
 
     def gap_closing_factors_of_rigid_body_motions(self, motions: Floats) -> Floats:
-        """Factors (k, 2) of 1 and x in the closing of the gap [m] by k rigid-body motions.
+        """Factors (k, 2) of 1 and x by which k rigid-body motions close the gap.
 
+        The gap [m] closes by the first factor plus the second factor times x.
         A row of `motions` (k, 3) holds dx [m], dy [m] and the turn [rad] of the shoe.
         """
         return -motions[:, 1:]
@@ -163,6 +166,8 @@ class PlaneFrictionSurface(NamedTuple):
     def slide_factors_of_rigid_body_motions(self, motions: Floats) -> Floats:
         """Factors (k, 3) of 1, x and 0 in the slide [m] along +x by k rigid-body motions.
 
+        The slide is the first factor, since a turn about the origin moves no point of the plane
+        y = 0 along x.
         A row of `motions` (k, 3) holds dx [m], dy [m] and the turn [rad] of the shoe.
         """
         return np.column_stack([motions[:, 0], np.zeros((len(motions), 2))])
@@ -172,7 +177,7 @@ class PlaneFrictionSurface(NamedTuple):
         return np.array([np.ones(np.shape(place)), place, np.zeros(np.shape(place))])
 
     def integrals_of_shape_products(self, arcs: ContactArcsOfRigidShoe) -> Floats:
-        """Integrals (3, 2) of products of shape functions over the length of arcs.
+        """Integrals (3, 2), over the length of arcs, of products of two shape functions.
 
         Row i belongs to the factor 1, x or 0, and column j to the factor 1 or x.
         """

@@ -10,8 +10,8 @@ mu_lock:
 
     M = w p_0 (X + s' mu h F),    mu_lock = -X / (s' h F)
 
-Here F is the integral of f over the lining, and X is the integral of f x. `FlatPressureIntegrals`
-holds them as `total` and `x`.
+Here F is the integral of f over the lining, and X is the integral of f times x.
+`FlatPressureIntegrals` holds F as `total` and X as `x`.
 """
 
 from collections.abc import Callable
@@ -33,12 +33,12 @@ from drumlin.response.response import Response, ShoeResponse, response_of_shoe_w
 
 
 class FlatPressureIntegrals(NamedTuple):
-    """Integrals of the pressure f(x) of amplitude 1 over a lining on a plane.
+    """Integrals over a lining on a plane of f(x), the pressure divided by its amplitude p_0.
 
     Attributes
     ----------
     total : integral of f [m]
-    x : integral of f x [m^2]
+    x : integral of f times x [m^2]
     """
 
     total: Floats
@@ -54,7 +54,8 @@ class FlatShoeLengths(NamedTuple):
     ----------
     x_min, x_max : distances of the lining's begin and end from the hinge's foot [m]
     h : height of the hinge above the plane [m]
-    s : sign s', +1 if the body drags the lining away from the hinge, -1 if towards the hinge
+    s : sign s', +1 if the sliding body drags the lining away from the hinge, -1 if it drags the
+        lining towards the hinge
     """
 
     x_min: NumberOrArray
@@ -131,7 +132,7 @@ class PressureLawOfFlatShoe:
     def sensitivity_of_braking_effect_to_friction(
         self, mu: NumberOrArray, pad: FlatShoeLengths
     ) -> Floats:
-        """Sensitivity S = (mu/F) dF/dmu of the braking force F at fixed actuation.
+        """Sensitivity S = (mu/B) dB/dmu of the braking force B at fixed actuation.
 
         S is nan if the shoe locks itself.
         """
@@ -139,7 +140,7 @@ class PressureLawOfFlatShoe:
         return self.load(pad).x / np.where(resistance > 0, resistance, np.nan)
 
     def self_locking_friction(self, pad: FlatShoeLengths) -> Floats:
-        """Friction coefficient mu_lock from which the shoe locks itself.
+        """Friction coefficient mu_lock at and above which the shoe locks itself.
 
         It is inf if friction does not help the actuation.
         """
@@ -169,7 +170,10 @@ SHORT_SHOE_LAW_ON_PLANE = PressureLawOfFlatShoe(
 
 
 def distances_of_lining_ends_from_hinge_foot(shoe: Shoe) -> tuple[float, float]:
-    """Distances (x_min, x_max) [m] of the lining's two ends from the hinge's foot on the plane."""
+    """Distances (x_min, x_max) [m] of the lining's two ends from the hinge's foot on the plane.
+
+    The hinge's foot is the point of the plane below the hinge.
+    """
     ends = shoe.frame.distances_along_surface_from_pin(
         np.array([shoe.lining.start, shoe.lining.end])
     )

@@ -151,9 +151,9 @@ def _notes_on_shoe_response(
 ) -> list[str]:
     """Notes for the user on the response of shoe `index` by a law.
 
-    A note says that the shoe does not touch, or repeats the law's remark. For a law that lumps the
-    contact force at the lining's middle, it compares this force with the resultant of the same
-    pressure spread over the arc.
+    A note says that the shoe does not touch, or repeats the law's remark. Some laws let the whole
+    contact force act at the lining's middle. For these laws a note compares the force with the
+    resultant of the same pressure, distributed over the arc.
     """
     said = f"shoe {response.name!r}:"
     if not response.contact_arcs:

@@ -25,7 +25,7 @@ def name_of_rigid_shoe_law(brake: Brake) -> str:
 def reason_why_brake_has_no_law_named_rigid(brake: Brake) -> str | None:
     """The reason why the rigid-shoe law of a brake is not named "rigid"; None if it is.
 
-    It is not if the law has a closed form with a name of its own for this brake, such as "sine".
+    The law has another name, such as "sine", if a closed-form law applies to this brake.
     """
     name = name_of_rigid_shoe_law(brake)
     return None if name == "rigid" else f"on this brake it is the same as the law {name!r}"

@@ -32,14 +32,15 @@ INTEGRATION_PIECES_OF_LINING = 20
 NUMBER_OF_ANGLES_SEARCHED_FOR_PEAK_PRESSURE = 2001
 """Number of equally spaced angles among which the largest pressure is sought.
 
-On a lining of 120 degrees they are 0.06 degrees apart, and the largest of the pressures there
-differs from a smooth peak by 1e-6 of the peak.
+On a lining of 120 degrees the angles are 0.06 degrees apart. The largest of the pressures at these
+angles is below a smooth peak by less than 1e-6 of the peak.
 """
 
 LARGEST_NEGLIGIBLE_NEGATIVE_PRESSURE = 1e-12
 """Negative pressure, relative to the largest pressure, that counts as zero.
 
-A user's function that is zero at an end of the lining may be as negative there by round-off.
+A user's function that is zero at an end of the lining may return so small a negative pressure there
+because of round-off.
 """
 
 

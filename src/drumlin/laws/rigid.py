@@ -2,10 +2,11 @@
 
 The rigid-body mode k of a shoe moves its lining by u_k and closes the gap by f_k = n.u_k, with the
 lining's normal n. The pressure is p = sum of a_k f_k where the sum is positive, and 0 elsewhere.
-The factors a_k follow from one equilibrium of moments or forces for each test mode v_j, of which
-there are as many as modes. The equilibria contain the friction coefficient mu, the sense s of the
-motion, the direction t along the surface, the width w of the lining, and the work Q_j of the
-actuation on the test mode v_j (see `drumlin.brake.support`):
+There are as many test modes v_j as rigid-body modes, and each test mode gives one equilibrium of
+moments or forces. The factors a_k follow from these equilibria. They contain the friction
+coefficient mu, the sense s = +1 or -1 of the motion, the direction t along the surface, the width w
+of the lining, and the work Q_j of the actuation on the test mode v_j (see
+`drumlin.brake.support`):
 
     w Int p (n.v_j - mu s t.v_j) ds = Q_j     over the part of the lining where p > 0
 
@@ -113,7 +114,8 @@ def self_locking_friction_of_rigid_shoe(brake: Brake, shoe: Shoe) -> float:
 def self_locking_by_rigid_shoe_law(brake: Brake) -> SelfLocking:
     """The brake's friction, and the friction at which its first shoe locks by the rigid-shoe law.
 
-    Both are friction coefficients of the brake, to which those of the linings are proportional.
+    Both are friction coefficients of the brake. The coefficient of a lining with its own friction
+    is assumed to grow in proportion to the coefficient of the brake.
     """
     limits = []
     for shoe in brake.shoes:
@@ -204,7 +206,8 @@ def _find_contact_for_friction_sense(
 ) -> RigidShoeContact:
     """Find the contact of a rigid shoe for a given sense of the friction at its abutment.
 
-    The arcs in contact are changed until they are those where the pressure is positive.
+    The function changes the arcs in contact until the pressure is positive on these arcs and
+    nowhere else.
 
     Parameters
     ----------
@@ -338,13 +341,12 @@ def response_of_rigid_shoe(
 
 
 def _friction_work_minus_round_off_threshold(drag: float, found: RigidShoeContact) -> float:
-    """Work of the friction in the motion of a shoe, minus what counts as neutral.
+    """Work of the friction in the motion of a shoe, minus the largest work that counts as zero.
 
-    Neutral is LARGEST_NEUTRAL_FRICTION_OVER_PRESSURE_WORK times the work of the pressure.
-
-    The result is positive if friction is self-energising. The small second term keeps the result
-    from being positive by round-off if friction does no work, as with a guide square to the
-    surface. `drag` is the friction stress on the lining divided by the pressure.
+    The largest work that counts as zero is LARGEST_NEUTRAL_FRICTION_OVER_PRESSURE_WORK times the
+    work of the pressure. Without this term round-off could make the result positive where friction
+    does no work, as with a guide square to the surface. The result is positive if friction is
+    self-energising. `drag` is the friction stress on the lining divided by the pressure.
     """
     a = found.rigid_body_mode_factors
     systems = equilibrium_matrices_of_rigid_shoe(found.face, found.freedoms, 1.0, found.arcs)
@@ -569,7 +571,9 @@ def solve_brake_by_rigid_shoe_law(
 
 
 def notes_on_cam_force_of_unlike_linings(brake: Brake) -> tuple[str, ...]:
-    """A note on how a cam divides its force if its two linings have different E/t; else no note.
+    """A note on how a cam divides its force, if the linings of its two shoes have different E/t.
+
+    If the linings have equal E/t, or if there is no cam, the result has no note.
 
     The cam moves the loaded ends of both shoes equally. New linings allow this by the compression
     p t/E, which depends on E/t. Worn-in linings allow it by wear, which is proportional to the

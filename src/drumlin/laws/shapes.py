@@ -1,17 +1,17 @@
 """Pressure laws p = p_0 f(phi) of rigid shoes on a drum, as formulas on arrays.
 
 The angle phi is measured at the drum's centre O from the hinge, in the shoe's own frame. Forces and
-moments of a shoe follow from three integrals of f over the lining's arc, which are its
-`PressureIntegrals`. With these integrals the equations of every law have the form that the UWA
-notes give for the short shoe (eq. 6a). Here M is the actuation moment about the hinge, T the
-torque, b the lining's width, R the drum's radius, a the hinge's radius, and dD a sign (see
-`ShoeAnglesAndRadii`):
+moments of a shoe follow from three integrals over the lining's arc: I of f, I_c of f cos phi, and
+I_s of f sin phi. `PressureIntegrals` holds them as `total`, `cos` and `sin`. With these integrals
+the equations of every law have the form that the UWA notes give for the short shoe (eq. 6a). Here M
+is the actuation moment about the hinge, T the torque, b the lining's width, R the drum's radius, a
+the hinge's distance from O, and dD a sign (see `ShoeAnglesAndRadii`):
 
-    M = b R p_0 (M_N - dD mu M_F),   M_N = a PressureIntegrals.sin,   M_F = R
-    PressureIntegrals.total - a PressureIntegrals.cos T = mu b R^2 p_0 PressureIntegrals.total,
-    mu_lock = M_N / (dD M_F)
+    M = b R p_0 (M_N - dD mu M_F),      M_N = a I_s,      M_F = R I - a I_c,
+    T = mu b R^2 p_0 I,                 mu_lock = M_N / (dD M_F)
 
-All formulas take arrays that broadcast, so that one call solves a million brakes.
+The law "block" has mu times the factor `PressureLawOfHingedShoe.friction` in place of mu. All
+formulas take arrays that broadcast, so that one call can solve many brakes.
 """
 
 from collections.abc import Callable
@@ -24,13 +24,16 @@ from drumlin.base.arrays import Floats, NumberOrArray
 
 
 class PressureIntegrals(NamedTuple):
-    """Integrals over the angle phi of a pressure f(phi) of amplitude 1 on the lining's arc.
+    """Integrals over the lining's arc of f(phi), the pressure divided by its amplitude p_0.
+
+    Times p_0, the lining's width and the drum's radius, the integrals are forces.
 
     Attributes
     ----------
-    total : integral of f, the sum of all normal forces
-    cos : integral of f cos phi, along the radius of the hinge
-    sin : integral of f sin phi, at right angles to the radius of the hinge
+    total : integral of f; gives the sum of the magnitudes of all normal forces
+    cos : integral of f cos phi; gives the component of the resultant along the line from the drum's
+        centre to the hinge
+    sin : integral of f sin phi; gives the component of the resultant at right angles to this line
     """
 
     total: Floats
@@ -47,7 +50,7 @@ class ShoeAnglesAndRadii(NamedTuple):
     ----------
     phi_1, phi_2 : angles of the lining's begin and end from the hinge [rad]
     R : radius of the drum [m]
-    a : radius of the hinge [m]
+    a : distance of the hinge from the drum's centre [m]
     dD : double delta of the UWA notes: +1 for an external shoe whose lining the drum drags away
         from the hinge, and for an internal shoe whose lining the drum drags towards the hinge;
         otherwise -1
@@ -63,7 +66,7 @@ class ShoeAnglesAndRadii(NamedTuple):
 
     @property
     def linings(self) -> "list[ShoeAnglesAndRadii]":
-        """A layout for each lining of the shoe alone, by growing angle from the hinge."""
+        """The angles and radii of each lining on its own, in order of the angle from the hinge."""
         ends = [self.phi_1, *(end for slot in self.slots for end in slot), self.phi_2]
         pairs = zip(ends[::2], ends[1::2], strict=True)
         return [self._replace(phi_1=first, phi_2=last, slots=()) for first, last in pairs]
@@ -194,7 +197,7 @@ def _integrals_of_uniform_pressure_on_arc_part(
 
 
 def _friction_factor_of_one_for_each_arc(arc: ShoeAnglesAndRadii) -> Floats:
-    """The factor on mu of a law that does not change it: 1, in the shape of the arc's angles."""
+    """The factor 1 on mu, for laws that do not change mu, in the shape of the arc's angles."""
     return np.ones(np.shape(arc.half_of_lining_arc))
 
 
@@ -245,7 +248,7 @@ class PressureLawOfHingedShoe:
         """The angle phi [rad] of the largest pressure on a shoe with one or several linings.
 
         The pressure of every law has one peak. If this angle lies in a slot, the pressure is
-        largest at an edge of the slot. The layout must hold numbers, not arrays.
+        largest at an edge of the slot. `arc` must hold numbers, not arrays.
         """
         top = float(self.angle_of_largest_pressure(arc))
         if not arc.slots:
@@ -350,7 +353,7 @@ def short_shoe_pressure_and_friction_moments_over_torque(
     mu : friction coefficient
     theta_m : angle of the shoe from the hinge [rad]
     r : radius at which the friction acts [m]
-    a : radius of the hinge [m]
+    a : distance of the hinge from the drum's centre [m]
     """
     m = a / (mu * r) * np.sin(theta_m)
     n = 1 - a / r * np.cos(theta_m)

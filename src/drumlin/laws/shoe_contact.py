@@ -55,9 +55,10 @@ def equilibrium_matrices_of_rigid_shoe(
 ) -> tuple[Floats, Floats]:
     """Matrices N and F (k, k) of the equilibria (N - mu s F) a = Q of a rigid shoe.
 
-    Column i of N has the work, on each test mode, of the pressure by the rigid-body mode i. F has
-    the work of the friction at mu = 1. The unknowns a are the factors of the k rigid-body modes in
-    the pressure. Q is the work of the actuation and other loads on the test modes.
+    The entry of N in row j and column i is the work, on the test mode j, of the pressure that the
+    rigid-body mode i causes. F has the work of the friction at mu = 1 in the same way. The unknowns
+    a are the factors of the k rigid-body modes in the pressure. Q is the work of the actuation and
+    other loads on the test modes, and s is the sense of the motion, +1 or -1.
 
     Parameters
     ----------

@@ -2,7 +2,9 @@
 
 Every point of a lining slides on the drum and loses depth where it is pressed. The contact problem
 of the lining has the unknowns x, from which the pressure p = D x follows, and the rigid-body
-motions y of the shoe. The unknowns open the weighted gap w between lining and drum by A x + B y.
+motions y of the shoe. The vector w is the gap between lining and drum at each node, weighted: on
+finite elements it holds the integrals of the gap times the shape function of each node. The
+foundation model has the gap itself at each sector. The unknowns open the weighted gap by A x + B y.
 The weighted gap of the unloaded lining is q, and C x = h_load are the equilibria of the shoe. The
 worn depth h opens the weighted gap by G h, and s is the sliding distance:
 
@@ -11,8 +13,8 @@ worn depth h opens the weighted gap by G h, and s is the sliding distance:
 For the exponent 1 of the wear law the rate is k p. The equations are stiff: ripples of the pressure
 from element to element settle some thousand times faster than the bending of the shoe. In an
 implicit step of the length ds the wear depth depends on the unknown pressure. The wear therefore
-acts as an additional compliance of the lining, A + gamma ds G k D, and each of the two stages of a
-step is one contact problem. The method is the diagonally implicit Runge-Kutta method of order 2
+acts as an additional compliance gamma ds G k D of the lining. A step has two stages, and each stage
+is one contact problem. The method is the diagonally implicit Runge-Kutta method of order 2
 with gamma = 1 - 1/sqrt(2), which is L-stable and stiffly accurate (Alexander 1977, SIAM J. Numer.
 Anal. 14, 1006). It is stable for any length of step, and the pressure does not alternate from node
 to node. The difference from a first-order method with the same stages measures the error. All
@@ -36,9 +38,9 @@ is the end of wear on the given mesh. As the mesh is refined this solution conve
 rigid-shoe law.
 
 If the friction coefficient mu(p) depends on the pressure, A and C depend on p. Newton's method then
-replaces the friction stress mu(p) p by its tangent, as in contact.pressure_friction, in each stage
-together with the wear rate. The pull of a spring whose points move with the shoes is a further
-unknown in x. It does not wear, so that its rows and columns of G are zero.
+replaces the friction stress mu(p) p by its tangent, as in `drumlin.contact.pressure_friction`, in
+each stage together with the wear rate. The pull of a spring whose points move with the shoes is an
+additional unknown in x. This unknown does not wear, so that its row and its column of G are zero.
 
 The module knows nothing of brakes. The module `linings` makes contact problems from a brake.
 """
@@ -203,7 +205,7 @@ class WearContactProblem(NamedTuple):
     def abutment_friction_cases(self) -> tuple[AbutmentFrictionCase, ...]:
         """All cases of friction at the abutments, each with its contact problem.
 
-        The first case has the contact problem `problem`, the further cases are `others`.
+        The first case has the contact problem `problem`; `others` are the other cases.
         """
         return (
             AbutmentFrictionCase(
@@ -213,7 +215,7 @@ class WearContactProblem(NamedTuple):
         )
 
     def quantities_per_torque_arm(self, p: Floats) -> Floats:
-        """The values (n,) [Pa] that `torque` multiplies, at pressures p (n,).
+        """The values (n,) [Pa] whose scalar product with `torque` is the torque, at pressures p.
 
         They are the pressures, or the friction stresses if friction depends on the pressure.
         """
@@ -224,7 +226,8 @@ class WearContactProblem(NamedTuple):
     ) -> ContactProblem:
         """The contact problem of a friction case, with the tangent of the friction stress at p.
 
-        Without friction that depends on the pressures p (n,) it is the problem of the case itself.
+        If friction does not depend on the pressures p (n,), the result is the problem of the case
+        itself.
         """
         if self.friction is None or footing.over_friction is None:
             return footing.problem
@@ -302,7 +305,7 @@ class WearState:
 
 
 WearContactProblemsOfAllGroups = Sequence[WearContactProblem]
-"""The groups of linings of a brake; the groups do not influence each other."""
+"""The contact problems of a brake's groups of linings, which do not influence each other."""
 
 
 def wear_linings_over_sliding_distance(
@@ -402,8 +405,9 @@ class _WearRunInProgress:
         self._next_turn = reverse
         self.states = [forward.wear_state_of_unworn_linings()]
         self._step = forward.length_of_first_wear_step(self.last_wear_state, tolerance)
-        # The pressure changes fast at the start and after a reversal. The first step after each
-        # reversal therefore gets the length that suited the last step of this kind.
+        # The pressure changes fast at the start and after a reversal. The first step after a
+        # reversal therefore gets the length that suited the first step after the reversal before,
+        # or after the start.
         self._opening_step = self._step
         self._just_turned = True
 
@@ -418,7 +422,7 @@ class _WearRunInProgress:
         return self.last_wear_state.s >= self._distance * (1 - 1e-12)
 
     def try_wear_step_and_append_state(self) -> None:
-        """Try a step: append the state after it, or shorten the next try if its error is too large.
+        """Try a step: append the state at its end or, if the error is too large, shorten the step.
 
         Raises NoAnswer if the step has no solution or becomes too short.
         """
@@ -591,7 +595,7 @@ def _find_friction_case_and_contact_of_all_worn_linings(
 
 
 class SteadyWearContactSolution(NamedTuple):
-    """Steady wear, the final state of a lining, in which the pressure no longer changes.
+    """The contact of linings in steady wear, in which the pressure no longer changes.
 
     Attributes
     ----------
@@ -621,9 +625,9 @@ def solve_steady_wear(interface: WearContactProblem, law: WearLaw) -> SteadyWear
             failure = failure or error
             continue
         # After a long sliding distance the motion by wear is far larger than the elastic motion,
-        # and alone decides in which direction a foot slides. It is therefore scaled to
-        # STEADY_WEAR_MOTION_OVER_ELASTIC_MOTION times the elastic motion before the friction is
-        # checked.
+        # and alone decides in which direction a foot slides. For the check of the friction, the
+        # motion by wear is therefore scaled to STEADY_WEAR_MOTION_OVER_ELASTIC_MOTION times the
+        # elastic motion.
         elastic = float(np.abs(np.diagonal(footing.problem.A)).max())
         scale = STEADY_WEAR_MOTION_OVER_ELASTIC_MOTION * float(
             elastic / np.abs(compliance_of_wear).max()
@@ -1031,7 +1035,7 @@ class _WearStepper:
     def _norm_of_pressure_difference_from_euler_step(
         self, state: WearState, ds: float, p: Floats
     ) -> float:
-        """The L2 norm of the difference between p after a step and p of one implicit Euler step.
+        """The L2 norm of the pressure p after a step minus the pressure of one implicit Euler step.
 
         The norm measures the error of a step during which nodes come into contact or leave it. The
         derivative of the pressure by the worn depth cannot measure this error, because it is valid
@@ -1199,9 +1203,10 @@ class _WearStepper:
     def _first_guess_of_pressure(self, i: int, problem: ContactProblem) -> Floats:
         """The pressure (n,) [Pa] from which Newton's method starts, for lining group `i`.
 
-        It is the pressure of the linings without the wear of this stage. For the exponent 1 of the
-        wear law the equations are linear and need no first guess, so that zeros are returned. If
-        friction depends on the pressure, the pressures of the last stage are returned.
+        For an exponent of the wear law other than 1, it is the pressure of the linings without the
+        wear of this stage. For the exponent 1 it is the pressure of the last stage if friction
+        depends on the pressure. If friction does not, the equations are linear and need no first
+        guess, so that zeros are returned.
         """
         if self.law.exponent == 1:
             return self.pressures[i] if self.interfaces[i].friction else np.zeros(len(problem.q))
@@ -1215,8 +1220,8 @@ def wear_linings_by_explicit_euler(
 ) -> list[WearState]:
     """Wear linings by explicit Euler steps; returns the states before and after each step.
 
-    This common method needs very short steps, or else the pressure alternates from node to node.
-    The implicit method is compared with it.
+    This common method needs very short steps, or else the pressure alternates from node to node. It
+    serves only as a comparison for the implicit method of `wear_linings_over_sliding_distance`.
 
     Parameters
     ----------

@@ -1,7 +1,7 @@
 """Make the contact problems of a brake's linings, for the wear steps of `archard`.
 
-The contact problems come from finite elements or from the foundation model. All supports and
-actuations of shoes are allowed.
+The contact problems come from finite elements, with all supports and actuations of shoes, or from
+the foundation model of post brakes.
 """
 
 import math
@@ -75,8 +75,7 @@ class WornLining(NamedTuple):
     order : degree of the interpolation of pressure and worn depth between the nodes
     across : (m,) [m], distances of the nodes across the width from the mid-plane; m = 1 in plane
         stress. The lining has n m unknowns, ordered by angle and then by distance.
-    shares : (m,) fraction of the width that each node across the width is_consistent_with_solution
-        for; the sum is 1
+    shares : (m,) fraction of the width that belongs to each node across the width; the sum is 1
     """
 
     shoe: int
@@ -139,7 +138,7 @@ class WearSetup(NamedTuple):
         return any(interface.friction is not None for interface in self.interfaces)
 
     def state_with_spring_pulls_apart(self, state: WearState) -> WearState:
-        """A state whose arrays hold the linings' values only, and which has the springs' pulls.
+        """A copy of a state, with the springs' values moved from its arrays to its `pulls`.
 
         Raises NoAnswer if a spring is slack in this state.
         """
@@ -154,7 +153,8 @@ class WearSetup(NamedTuple):
         """The stiffness K = E/t [Pa/m] of the first worn lining: pressure divided by compression.
 
         E is the modulus through the lining's thickness t. With the wear coefficient k, 1/(k K) is
-        the sliding distance over which wear changes the pressure by a factor e.
+        the sliding distance over which wear reduces the difference of the pressure from its final
+        value by a factor e, for a rigid shoe on independent springs.
         """
         lining = self.brake.shoes[self.surfaces[0].shoe].lining
         return lining.material.E_through / lining.thickness
@@ -231,9 +231,11 @@ def wear_setup_by_finite_elements(
 
 
 def _pulls_of_unworn_brake(scene: PreparedModel, brake: Brake, penalty: float) -> tuple[float, ...]:
-    """The pull [N] of each spring, of which those without preload need a sign.
+    """The pull [N] of each spring on the brake with unworn linings.
 
-    They are the preloads if all springs with a rate have one.
+    If all springs with a rate have a preload, the result is the preload of each spring. If a spring
+    with a rate has no preload, the sign of its pull is unknown, and the function solves the brake
+    to find the pulls.
     """
     if all(spring.preload or not spring.rate for spring in brake.springs):
         return tuple(spring.preload for spring in brake.springs)
@@ -268,7 +270,7 @@ def _wear_contact_problem_of_shoe_group(
     torque = group.brake.friction * group.torque_of_each_shoe_per_nodal_pressure.sum(axis=1)
     friction = None
     if _depends_friction_of_group_on_pressure(group):
-        # The torque is then that of friction stresses, not of pressures.
+        # `torque` is then the torque per friction stress, and not per pressure.
         torque = np.concatenate(list(map(attrgetter("lever"), couplings)))
         friction = partial(_friction_of_linings_and_spring_nodes, group, further)
     area = np.concatenate(list(map(attrgetter("areas_of_contact_nodes"), couplings)))
@@ -298,7 +300,10 @@ def _depends_friction_of_group_on_pressure(group: ShoeGroup) -> bool:
 def _friction_of_linings_and_spring_nodes(
     group: ShoeGroup, further: int, p: Floats
 ) -> NodalFrictionAndSlope:
-    """The friction at pressures p (n + further,) [Pa]; 0 at the `further` unknowns of springs."""
+    """The friction coefficients of linings at pressures p (n + further,) [Pa], and their slopes.
+
+    The last `further` entries of p and of the result belong to springs. The result is 0 there.
+    """
     found = friction_and_its_slopes_at_nodes_of_group(group, p[: len(p) - further])
     nothing = np.zeros(further)
     return NodalFrictionAndSlope(
@@ -316,8 +321,8 @@ def _abutment_friction_case_of_group(
     problem = _contact_problem_in_newtons(group, group.brake.friction, springs)
     if not _depends_friction_of_group_on_pressure(group):
         return AbutmentFrictionCase(problem, is_consistent_with_solution)
-    # At the friction coefficient 1 of every node the terms with friction can be scaled by the
-    # coefficient of each node.
+    # `unit` has the friction coefficient 1 at every node. Its terms with friction can therefore be
+    # multiplied by the real coefficient of each node later.
     unit = replace(group, node_frictions_over_brake_friction=np.ones(len(group.contact_node_areas)))
     over_friction = FrictionDependentProblem.linear_function_of_friction_from_two_problems(
         _contact_problem_in_newtons(unit, 0.0, springs),
@@ -338,8 +343,8 @@ def _find_friction_case_and_contact_of_worn_lining_group(
     ----------
     ways : the group of shoes, once for each case of friction at the abutments; the search starts
         from the first case
-    further : number of unknowns of springs after the contact unknowns, which count as in contact;
-        the search is made under the preloads of the springs
+    further : number of the unknowns of springs, which follow the contact unknowns and count as in
+        contact; the search assumes that the springs pull with their preloads
     depth : worn depth (n,) [m] at the contact unknowns
 
     Raises
@@ -352,7 +357,8 @@ def _find_friction_case_and_contact_of_worn_lining_group(
         settled, contact = solve_shoe_group_with_lining_friction(worn)
     except NoAnswer:
         # The search without a first guess may miss an equilibrium. The contact of very soft linings
-        # is easy to find. Following it as the linings become stiffer gives a first guess.
+        # is easy to find. From there the contact is followed as the linings become stiffer, which
+        # gives a first guess.
         active = find_contact_set_from_soft_linings(
             worn.contact_problem_of_group, worn.mass_matrix_of_contact_nodes
         )
@@ -407,8 +413,8 @@ def _contact_problem_in_newtons(
 ) -> ContactProblem:
     """The contact problem of a group of shoes at a friction coefficient, with loads in newtons.
 
-    The group itself has its largest actuation force as the unit of force. The forces of `springs`
-    with a rate are the last unknowns.
+    The methods of the group, in contrast, measure forces in units of the group's largest actuation
+    force. The forces of `springs` with a rate are the last unknowns.
     """
     if springs is None:
         size = group.largest_actuation_force

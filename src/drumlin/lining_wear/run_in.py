@@ -7,7 +7,7 @@ m the exponent of the wear law. For m = 1 the pressure is proportional to sin(ph
 with phi from the hinge, and to cos(phi) on a guided shoe, with phi from the direction of the guide.
 On a shoe with a pivot on a lever it is A cos(phi) + B sin(phi). The elasticity then influences only
 the worn shape of the lining. `brake_with_worn_linings` returns a brake whose linings have this
-shape as their clearance. Every model can solve this brake.
+shape as their clearance, which the models with elastic linings can solve.
 """
 
 import math
@@ -36,7 +36,9 @@ from drumlin.response.response import (
 from drumlin.response.resultants import polynomial_values_at_gauss_points
 
 DEFAULT_WEAR_COEFFICIENT = 1e-14
-"""Wear coefficient k [1/Pa] if the user gives none: 1e-5 mm^3/(N m), the order of organic linings.
+"""Wear coefficient k [1/Pa] if the user gives none.
+
+The value is 1e-5 mm^3/(N m), the order of magnitude of the wear of organic linings.
 
 Sliding distances in units of 1/(k E/t), with the lining's stiffness E/t, do not depend on k, nor do
 fractions of a lining's life."""
@@ -319,9 +321,10 @@ def _require_loads_and_friction_that_allow_a_kept_torque(setup: WearSetup) -> No
 
 
 def _require_that_wear_settles(setup: WearSetup, *, both_ways: bool) -> None:
-    """Raise BadInput for a wear run without a distance that does not settle.
+    """Raise BadInput for a brake whose pressure never stops changing by wear.
 
-    `both_ways` is whether the drum turns both ways.
+    A wear run of such a brake must be given a distance. `both_ways` tells whether the drum turns
+    both ways.
     """
     if setup.springs is not None:
         i = int(setup.springs.numbers[0])
@@ -453,7 +456,8 @@ def compute_life_of_linings(
     for surface in setup.surfaces:
         allowed = part * setup.brake.shoes[surface.shoe].lining.thickness
         deepest = _largest_worn_depth_in_each_state(surface, states)
-        # A lining that is not worn out in the run wears on at the rate of the final pressure.
+        # A lining that is not worn out in the run is assumed to go on wearing at the rate of the
+        # final pressure.
         if deepest[-1] >= allowed:
             end = min(end, float(np.interp(allowed, deepest, s)))
         elif law.coefficient > 0:
@@ -702,7 +706,7 @@ def report_lines_of_wear_run(
 
 
 def _lines_on_spring_pulls_of_wear_run(brake: Brake, states: Sequence[WearState]) -> list[str]:
-    """A line for each spring whose pull changes in a wear run; the law then has the last pulls."""
+    """A line of text for each spring whose pull changes in a wear run, with first and last pull."""
     lines = []
     for i, (first, last) in enumerate(zip(states[0].pulls, states[-1].pulls, strict=True)):
         if first != last:
@@ -773,7 +777,7 @@ def _notes_on_difference_of_wear_end_from_law(
 
 
 def _fraction_of_lining_life_as_text(share: float) -> str:
-    """A fraction of the linings' life as text; `share` is inf if it is longer than the run."""
+    """A fraction of the linings' life as text; inf stands for more than the whole wear run."""
     if math.isinf(share):
         return "all of this run"
     return number_as_text(share, ".1%") if share <= 1 else f"all of it ({share:.3g} lives)"

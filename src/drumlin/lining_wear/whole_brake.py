@@ -31,7 +31,7 @@ from drumlin.lining_wear.run_in import (
 )
 
 NAMES_OF_MODELS_WITH_WEAR = ("fem", "solid", "foundation")
-"""The names of the models whose linings can wear."""
+"""The names of the models that can compute wear."""
 
 
 @dataclass(frozen=True)
@@ -46,7 +46,8 @@ class WearRun:
     target : pressure [Pa] and torque [N m] to which wear tends
     step_tolerance : largest error of the pressure in a step of the wear (L2, relative)
     start_error : estimated relative errors of the unworn state, with the keys of `Response.error`;
-        None on elements of the user's choice and at a held torque, for which no error is estimated
+        None where no error is estimated: for the models "solid" and "foundation", on elements of
+        the user's choice, and at a held torque
     """
 
     setup: WearSetup
@@ -179,7 +180,7 @@ def sliding_distance_from_option(option: str, given: float | str, unit: float) -
     option : name of the option, for an error message
     given : number of metres, or a text such as "20 km"; a text without a unit is a multiple of
         `unit`
-    unit : the distance 1/(k K) [m] over which wear changes the pressure by a factor e
+    unit : distance 1/(k K) [m], see `sliding_distance_of_e_fold_pressure_change`
 
     Raises
     ------
@@ -235,8 +236,8 @@ def wear_linings_of_whole_brake(
         options["distance"] = sliding_distance_from_option("--distance", distance, unit)
     states = wear_brake_linings_until_worn_in(setup, law, backward=backward, **options)
     require_linings_not_worn_through(setup, states)
-    # Wear tends to the pressure that belongs to the pulls of the springs. These still change, and
-    # those of the last state count.
+    # The final pressure depends on the pulls of the springs. The pulls still change in the last
+    # state, and the final pressure is computed for the pulls of this state.
     if setup.at_constant_pulls is not None:
         setup = setup.at_constant_pulls(states[-1].pulls)
     goal = final_wear_pressure_and_torque_by_rigid_shoe_law(setup, law, torque)

@@ -8,9 +8,9 @@ per sliding distance, the opening w' of the gap and the loads h it satisfies
     w' = M p + B y' >= 0,   p >= 0,   p w' = 0,   C p = h
 
 The matrix M turns nodal gaps into gaps weighted by the shape functions of the elements
-(fem.substructure.interface). Friction at the abutments opposes y'. This module seeks the gap g
-between the unloaded linings and the drum with which the brake has the same pressure p under its
-load. The gap g must satisfy, for some motions y of the shoe,
+(`drumlin.fem.substructure.interface`). Friction at the abutments opposes y'. This module seeks the
+gap g between the unloaded linings and the drum with which the brake has the same pressure p under
+its load. The gap g must satisfy, for some motions y of the shoe,
 
     w = M g + q + A p + B y >= 0,   p w = 0
 
@@ -21,7 +21,8 @@ choice
     g = a p - c - M^-1 B y0,   y = y0 + a y'   gives   w = a (M p + B y') = a w'
 
 This w is 0 where the lining is in contact, and not negative elsewhere, so that the pressure is p.
-The factor a and the motions y0 are free. The module chooses them by these rules:
+The factor a and the motions y0 can be chosen. The code calls a `depth_per_pressure`, c `opened` and
+y0 `rest`, and follows these rules:
 
 - a > 0 is the depth of even wear per pressure. A negative a would push the part of the lining that
   is not in contact into the drum. A small depth is enough, see
@@ -81,9 +82,9 @@ LARGEST_ADDED_STEADY_WEAR_OVER_ELASTIC_GAP = 1e-3
 
 The elastic gap is the largest opening of the gap under load that no motion of the shoe closes. The
 added wear lifts the part of the lining that is not in contact off the drum, and lets feet on rough
-abutments slide as in steady wear. For both it must be far above round-off, 1e-12. A value of 1
-would make soft shoes turn further than they need to. A judgement; the pressure does not depend on
-it."""
+abutments slide as in steady wear. For both purposes the value must be far above the round-off of
+1e-12. A value of 1 would make soft shoes turn more than they need to. A judgement; the pressure
+does not depend on it."""
 
 
 def solve_worn_in_brake(
@@ -132,7 +133,7 @@ def brake_with_worn_in_clearances(scene: PreparedModel, brake: Brake) -> Brake:
 
 
 def _contact_unknowns_of_each_shoe(surfaces: Sequence[WornLining]) -> list[slice]:
-    """The slices of each shoe's contact unknowns among the unknowns of one contact problem.
+    """For each shoe, the slice of its contact unknowns among the unknowns of a contact problem.
 
     A slice spans all linings of a shoe, which move together. `surfaces` are the linings of the
     contact problem, ordered by shoe.

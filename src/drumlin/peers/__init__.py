@@ -30,7 +30,7 @@ def solve_brake_by_calculix_or_getfem(name: str, brake: Brake, **options: Any) -
     ----------
     name : "calculix" for hinged shoes of a drum brake, "getfem" for all kinds of shoes
     brake : the brake
-    options : `elements`, `kind` and `mesher` of the mesh, and further options of the peer
+    options : `elements`, `kind` and `mesher` of the mesh, and other options of the peer
 
     Raises
     ------

@@ -1,10 +1,10 @@
 """CalculiX as a peer: write an input deck for each shoe, run `ccx` and check the results.
 
-The nodes of the drum move along their tangents, and the torque is the moment of their forces at
-their undisplaced positions. The results are then proportional to load and rotation, as in the
-theory of small displacements. If the nodes moved on circles, the results would change by some 0.1
-%. The moment that CalculiX prints refers to the displaced surface and is wrong by some 0.1 %, too,
-so it is not used.
+Each node of the drum moves in a straight line along the drum's tangent. The torque is the moment of
+the nodal forces at the undisplaced positions of the nodes. The results are then proportional to
+load and rotation, as in the theory of small displacements. If the nodes moved on circles, the
+results would change by some 0.1 %. The moment that CalculiX prints is not used: it refers to the
+displaced surface and is wrong by some 0.1 %, too.
 
 CalculiX sometimes ends normally although its state is no equilibrium. A state is accepted only
 under three conditions: forces and moments balance, enough of the lining touches the drum, and the
@@ -88,9 +88,9 @@ LONGEST_CALCULIX_SECONDS = 3600
 
 
 class DeckWriterAndContactForceReader(NamedTuple):
-    """How a shoe is written as a CalculiX deck, and how the contact forces are read back.
+    """Two functions: one writes a shoe as a CalculiX deck, one picks out the contact forces.
 
-    Shoes in plane stress and three-dimensional shoes need different decks.
+    Shoes in plane stress and three-dimensional shoes need different functions.
 
     Attributes
     ----------
@@ -175,7 +175,10 @@ def export_calculix_deck_of_each_shoe(
 
 
 class ShoeWithDeckText(NamedTuple):
-    """A shoe under its actuation, and a function from the name of its deck to the deck's text."""
+    """A shoe under its actuation, and a function that writes its deck.
+
+    The function takes the name of the deck and returns the text of the deck.
+    """
 
     loaded: MeshedShoeUnderActuation
     text: Callable[[str], str]
@@ -232,7 +235,7 @@ def solve_brake_by_calculix(
     PeerMissing
         if CalculiX is not installed
     BadInput
-        for a brake with a ring, without friction or with a clearance
+        for a brake that `mesh_hinged_shoes_under_actuation` refuses, and for a clearance
     NoAnswer
         if CalculiX fails, or ends on a state that is no equilibrium
     """
@@ -298,7 +301,7 @@ class CollectedCalculixResults:
 def plane_stress_deck_writer_and_force_reader(
     brake: Brake, loaded: MeshedShoeUnderActuation
 ) -> DeckWriterAndContactForceReader:
-    """How a shoe in plane stress is written as a deck, and how forces on the drum are read back."""
+    """The functions that write a shoe in plane stress as a deck and pick out its contact forces."""
     count = len(angles_of_drum_nodes(loaded))
     # The deck lists the drum's nodes from the inner to the outer arc. The friction surface is the
     # inner arc for an internal shoe, the outer arc for an external shoe.
@@ -325,7 +328,8 @@ def run_calculix_to_state_and_rotation_of_full_slip(
     brake : the brake
     loaded : the shoe under its actuation
     setting : parameters of the first deck
-    posed : how the shoe is written as a deck; None: in plane stress
+    posed : functions that write the shoe as a deck and pick out its contact forces; None: the
+        functions for a shoe in plane stress
 
     Raises
     ------
@@ -358,7 +362,8 @@ def write_deck_of_shoe_and_run_calculix(
     brake : the brake
     loaded : the shoe under its actuation
     setting : parameters of the deck
-    posed : how the shoe is written as a deck; None: in plane stress
+    posed : functions that write the shoe as a deck and pick out its contact forces; None: the
+        functions for a shoe in plane stress
 
     Raises
     ------
@@ -445,7 +450,8 @@ def read_calculix_state(
     brake : the brake
     loaded : the shoe under its actuation
     setting : parameters of the deck
-    posed : how the shoe is written as a deck; None: in plane stress
+    posed : functions that write the shoe as a deck and pick out its contact forces; None: the
+        functions for a shoe in plane stress
 
     Raises
     ------

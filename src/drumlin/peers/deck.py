@@ -4,8 +4,8 @@ All elements are plane stress elements CPS8 or CPS6 of the same small thickness,
 elements of CalculiX are not exactly in plane stress. All forces are proportional to this thickness.
 A layer that is wider than the lining has a larger modulus in place of a larger thickness.
 Multi-point constraints let the nodes at the hinge rotate about the pin as a rigid line. The drum is
-an arc of elements with prescribed displacements at all nodes, which reaches past the lining's ends.
-Contact is face-to-face with a penalty and friction.
+an arc of elements that reaches past the lining's ends. The displacements of all nodes of the drum
+are prescribed. Contact is face-to-face with a penalty and friction.
 """
 
 import math
@@ -69,9 +69,9 @@ class CalculixDeckParameters(NamedTuple):
     ----------
     rotation : rotation of the drum [rad]
     thickness : thickness of all elements, relative to the lining's width
-    penalty : normal contact stiffness, relative to the lining's Young's modulus divided by its
-        thickness
-    tangential_penalty : tangential stiffness of a sticking contact, relative to the same quotient
+    penalty : normal contact stiffness, relative to E/t, Young's modulus of the lining divided by
+        the thickness of the lining
+    tangential_penalty : tangential stiffness of a sticking contact, relative to E/t
     steps : smallest number of increments of the load step
     accuracy : CalculiX's relative tolerance of the residual forces
     """

@@ -61,7 +61,7 @@ NAMES_OF_GETFEM_CONTACT_FORMULATIONS = ("full slip", "coulomb")
 """The two formulations of contact with friction, which getfem_brake.py describes."""
 
 FRICTION_RATIO_OF_TIMED_LOAD_CASE = 0.9
-"""Friction of the further load case whose time is measured, relative to the brake's friction."""
+"""Friction of the second load case, whose time is measured, relative to the brake's friction."""
 
 LEAST_SLIPPING_SHEAR_RATIO = 0.99
 """Ratio of the shear force on a lining to its full friction, below which the lining sticks.
@@ -173,8 +173,8 @@ class _GetfemCosts(NamedTuple):
     ----------
     steps : largest number of Newton steps of a shoe
     seconds_of_first_solve : processor time [s] of a solve from the beginning
-    seconds_of_further_load_case : processor time [s] of a further load case, which reuses mesh and
-        stiffness
+    seconds_of_further_load_case : processor time [s] of the second load case, which reuses mesh and
+        stiffness of the first
     process : processor time [s] of one solve with the start of its processes
     unknowns : largest number of unknowns of a run
     version : version of GetFEM; "" if no shoe is pressed on the drum
@@ -242,7 +242,7 @@ class _GetfemScriptRunner:
     def _median_seconds_summed_over_all_runs(self, case: int) -> float:
         """The time [s] of a load case: the median of the repeats, summed over all runs.
 
-        `case` is 0 for the brake itself, and 1 for the further load case with less friction.
+        `case` is 0 for the brake itself, and 1 for the second load case with less friction.
         """
         medians = []
         for ran in self._runs:
@@ -359,9 +359,10 @@ def _solve_shoes_trying_abutment_friction_senses(
 ) -> dict[str, GetfemShoeResult]:
     """Solve some shoes; returns their results by name.
 
-    The friction at an abutment may act in several senses. They are tried in turn until the abutment
-    pushes the foot of the shoe and the friction on the foot opposes its slide, or holds it. `shoes`
-    are given by their number in the brake. Raises NoAnswer if no sense fulfils this.
+    The friction at an abutment may act in several senses, which are tried in turn. A sense is right
+    if the abutment pushes the foot of the shoe, and if the friction on the foot opposes the slide
+    of the foot or holds the foot. The keys of `shoes` are the numbers of the shoes in the brake.
+    Raises NoAnswer if no sense is right.
     """
     answers: dict[str, GetfemShoeResult] = {}
     left = dict(shoes)

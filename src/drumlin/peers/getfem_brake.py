@@ -47,14 +47,16 @@ The drum must move much farther than the lining, so that the lining slips everyw
 
 NAMES_OF_GETFEM_UNKNOWNS = ("u", "hold", "p")
 """Unknowns of a GetFEM model: the displacement, the traction of the support on the shoe, and the
-pressure or traction of the contact. The coordinates of the rigid-body modes are further unknowns.
+pressure or traction of the contact. The coordinates of the rigid-body modes are unknowns, too.
 """
 
 MOST_NEWTON_STEPS_OF_GETFEM = 60
 """Number of Newton steps after which a solve counts as not converged, chosen by judgement."""
 
 NEWTON_RESIDUAL_TOLERANCE_OF_GETFEM = 1e-11
-"""Residual at which Newton's method ends; smaller residuals are round-off."""
+"""Residual of the script's scaled equations at which Newton's method ends.
+
+Smaller residuals are round-off."""
 
 
 class GetfemCellKind(NamedTuple):
@@ -178,13 +180,13 @@ class GetfemBody:
     def _add_elastic_stiffness(self, constants: Any, straight: Any, numbers: Any) -> None:
         """Add the elastic stiffness to the model: plane stress, isotropic or orthotropic.
 
-        It is an isotropic stiffness with the Lame constants lambda and mu. In an orthotropic layer
-        two further stiffnesses are added, against strain along the layer and against strain through
-        it.
+        It is an isotropic stiffness with the Lame constants lambda and mu. An orthotropic layer has
+        two additional stiffnesses: one against strain along the layer, one against strain through
+        the layer.
 
         Parameters
         ----------
-        constants : lambda, mu and the two further stiffnesses of each cell (4, cells), as
+        constants : lambda, mu and the two additional stiffnesses of each cell (4, cells), as
             drumlin.fem.substructure.elasticity.isotropic_and_orthotropic_elastic_constants returns
             them
         straight : direction along the layer of each cell (2, cells); (0, 0) in a layer that is
@@ -198,7 +200,7 @@ class GetfemBody:
         self.model.add_initialized_fem_data("lam", constant, constants[0][place])
         self.model.add_initialized_fem_data("shear", constant, constants[1][place])
         self.model.add_isotropic_linearized_elasticity_brick(self.inside, "u", "lam", "shear")
-        # If all layers are isotropic, the two further stiffnesses are zero.
+        # If all layers are isotropic, the two additional stiffnesses are zero.
         if not constants[2:].any():
             return
         # `straight` holds unit vectors along straight layers, and zeros in curved layers. The

@@ -66,8 +66,8 @@ class HalfSolidShoeMesh:
     section, plane : mesh of the shoe's section, and its scalar finite-element basis
     mesh, basis : mesh of hexahedra, and its scalar finite-element basis
     z : (m,) growing coordinates [m] across the width at which there are nodes, from 0 on
-    node : (n, m), number of the hexahedral mesh's node at the x, y of the section's node i and at
-        z[j]; -1 if the shoe is not that wide there
+    node : (n, m), entry i, j is the number of the hexahedral mesh's node that has x and y of the
+        section's node i and the coordinate z[j]; -1 where the shoe does not reach to z[j]
     half : half the width of each subdomain [m]
     """
 
@@ -240,7 +240,7 @@ def nodes_of_boundary_over_width_of_part(
 
 
 def solid_nodes_that_move_with_pin(solid: HalfSolidShoeMesh, shoe: Shoe) -> Ints:
-    """Nodes at the hinge, across the whole width, which move rigidly with the pin.
+    """Numbers of the nodes of the half shoe at the hinge, which move rigidly with the pin.
 
     They are the nodes of the body's edge at the hinge. In a rigid shoe they are the nodes on the
     back of the backing, or on the back of the lining if there is no backing.
@@ -252,10 +252,11 @@ def solid_nodes_that_move_with_pin(solid: HalfSolidShoeMesh, shoe: Shoe) -> Ints
 
 
 def nodal_forces_of_unit_loads_on_solid_end(solid: HalfSolidShoeMesh) -> Floats:
-    """Nodal forces (nodes, 3, 3) of the unit loads on the loaded end of the whole width.
+    """Nodal forces (nodes, 3, 3) on the loaded end of the half shoe, which add up to unit loads.
 
     The second axis counts the components x, y, z of a nodal force, the last axis the unit loads:
-    force x, force y and couple. The loads are uniform across the width.
+    force x, force y and couple. The loads are uniform across the width. Half of a load on the whole
+    shoe acts on the half shoe; the caller halves the forces.
     """
     edges = solid.section.boundaries["actuation"]
     line, _ = nodal_forces_of_unit_end_loads_and_end_centre(solid.plane, edges)

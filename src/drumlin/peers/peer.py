@@ -1,4 +1,4 @@
-"""Code that both peers use: shoes in their own frames, responses from forces, runs of processes.
+"""Code that both peers use: it sets up shoes, makes responses from forces, and runs processes.
 
 A peer is another public finite-element program, CalculiX or GetFEM.
 """
@@ -83,8 +83,8 @@ class PeerResult(NamedTuple):
     response : response of the brake
     seconds : time of the peer's computation [s], without the start of its process if it is known
     process_seconds : time of all processes for one solve [s]
-    further_seconds : time [s] of a further load case, which is the same brake with another friction
-        coefficient; the peer reuses earlier results if it can
+    further_seconds : time [s] of a second load case, which is the same brake with another friction
+        coefficient; a peer that can reuse results of the first load case does so
     unknowns : number of unknowns of all systems; equal shoes that share a system count once
     notes : lines of text about the solve
     """
@@ -146,7 +146,7 @@ class MeshedShoeUnderActuation:
 
     @property
     def virtual_work_of_loads_on_rigid_holder(self) -> Floats:
-        """Work (k,) of the loads on the shoe's rigid holder on the test modes.
+        """Work (k,), on the test modes, of the loads that act on the shoe's rigid holder.
 
         The rigid holder is the part of the shoe that the support guides.
         """
@@ -203,8 +203,9 @@ def mesh_shoes_for_peer_program(
     Raises
     ------
     BadInput
-        for a brake with an elastic ring, with heated shoes or without friction, because the drum of
-        the peers is rigid and slips
+        for a brake with an elastic ring or without friction, because the drum of the peers is rigid
+        and slips; for shoes on anchors, heated shoes, springs with a rate, and friction that
+        depends on the pressure
     """
     if brake.ring is not None:
         raise BadInput("drum.ring: the peers get a rigid drum; leave out [drum.ring]")
@@ -297,8 +298,8 @@ def mesh_hinged_shoes_under_actuation(
     """The hinged shoes of a brake, meshed by drumlin's mesher, each under its own actuation.
 
     `elements` and `kind` are the number of elements along each lining and their kind, and `mesher`
-    is a function that meshes a shoe (None for drumlin's mesher). Raises BadInput for a brake with
-    an elastic ring or without friction, and for a shoe without a hinge.
+    is a function that meshes a shoe (None for drumlin's mesher). Raises BadInput for a brake on a
+    plane, for a shoe without a hinge, and for a brake that `mesh_shoes_for_peer_program` refuses.
     """
     if brake.surface.is_plane_and_not_drum:
         raise BadInput("CalculiX takes brakes on a drum: its shoes press on a plane")
@@ -396,10 +397,11 @@ def _imbalance_of_peer_forces(
 ) -> ForceAndMomentImbalance:
     """The relative imbalance of a peer's forces on a shoe.
 
-    `force` of the result is the sum of the forces. `moment` is the sum of their moments about the
-    origin, or the imbalance of the shoe's rigid holder, whichever is larger. The holder is in
-    balance if its forces on the shoe and the loads on the holder do the same work on each test
-    mode. `load` (3,) is the force of the actuation [N] and its moment about the pin [N m].
+    `force` of the result is the magnitude of the sum of all forces, relative to the largest force.
+    `moment` is the sum of all moments about the origin, or the imbalance of the shoe's rigid
+    holder, whichever is larger; both are relative, too. The holder is in balance if its forces on
+    the shoe and the loads on the holder do the same work on each test mode. `load` (3,) is the
+    force of the actuation [N] and its moment about the pin [N m].
     """
     pin, tests = loaded.shoe.pin_position_in_shoe_frame, loaded.tests
     push = loaded.resultant_about_pin_of_loads_at_places

@@ -1,9 +1,9 @@
 """Half a three-dimensional shoe against its drum as an input deck for CalculiX; mm, N, MPa.
 
-The mesh of `peers.hexahedra` is used without the nodes in the middle of faces and cells. Its cells
-are then CalculiX's hexahedra with 20 nodes and reduced integration (C3D20R). The mid-plane is a
-plane of symmetry: its nodes are fixed along z, and all forces are halved. Everything else in the
-deck is as in the deck of a shoe in plane stress.
+The mesh of `drumlin.peers.hexahedra` is used without the nodes in the middle of faces and cells.
+Its cells are then CalculiX's hexahedra with 20 nodes and reduced integration (C3D20R). The
+mid-plane is a plane of symmetry: its nodes are fixed along z, and all forces are halved. Everything
+else in the deck is as in the deck of a shoe in plane stress.
 """
 
 from functools import partial
@@ -59,14 +59,14 @@ from drumlin.peers.peer import (
 )
 
 DRUM_ROTATION_IN_SOLID_DECK = 4e-3
-"""Rotation of the drum [rad].
+"""Rotation of the drum [rad] in the first deck of a three-dimensional shoe.
 
 Friction acts in the direction of slip. A pressed lining also expands by some ten micrometres across
 its width. The displacement of the drum must be much larger, so that the slip and the friction are
 along the drum's circumference."""
 
 MODELLED_FRACTION_OF_WIDTH = 0.5
-"""Fraction of the shoe's width that the deck models, the thickness in its parameters."""
+"""Fraction of the shoe's width that the deck models, see `CalculixDeckParameters.thickness`."""
 
 HEXAHEDRON_FACES = [
     (0, 1, 2, 3),

@@ -76,7 +76,7 @@ def draw_stress_fields(
     endings: Sequence[str] = ("svg",),
     **options: Any,
 ) -> None:
-    """Draw the von Mises stress in the deformed shoes, with pressures and forces, as NAME.svg.
+    """Write files of the von Mises stress in the deformed shoes, such as a picture NAME.svg.
 
     An HTML page can show the picture by the macro `fields` of its template.
 
@@ -86,8 +86,8 @@ def draw_stress_fields(
     response : response of the brake by finite elements
     folder : folder in which the files are written
     name : name of the files, without ending
-    endings : the files that are written: "svg" and "png" hold the picture, "vtu" the displacements,
-        stresses and pressures for ParaView
+    endings : endings of the files to write: "svg" and "png" hold the picture of stresses, pressures
+        and forces, "vtu" holds displacements, stresses and pressures for ParaView
     options : options of the mesh (elements, kind)
     """
     # The modules take long to load, and most commands draw no stress fields.
@@ -111,8 +111,8 @@ def draw_stress_fields(
 def comparisons_as_json(comparisons: Sequence[ModelComparison[Any]], **more: Any) -> str:
     """All results of some comparisons as JSON text, with the versions of the software.
 
-    The computing time [s] of each model is the median of its repeated runs. `more` holds further
-    keys of the JSON object.
+    The computing time [s] of each model is the median of its repeated runs. `more` holds additional
+    keys and values for the JSON object.
     """
     cases = list(map(_comparison_as_plain_data, comparisons))
     return json.dumps({"versions": software_versions(), "cases": cases, **more}, indent=1) + "\n"

@@ -291,7 +291,8 @@ def _rigid_shoe_lines(shoe: Shoe, R: float) -> list[Floats]:
     """The lines (n, 2) [mm] that stand for a rigid shoe on a drum.
 
     The first line is an arc behind the lining. For a shoe with a lever, two more lines are the
-    lever and its connection to the arc. For other shoes they join the arc to hinge and force.
+    lever and its connection to the arc. For other shoes, two more lines join the arc to the hinge
+    and to the force.
     """
     angles = np.linspace(shoe.lining.start, shoe.lining.end, 80)
     back = _radius_of_rigid_shoe_back(shoe, R) * np.column_stack([np.cos(angles), np.sin(angles)])
@@ -326,10 +327,10 @@ def _point_of_lever_nearest_to_given_point(hinge: Floats, load: Floats, point: F
 def _point_where_force_is_drawn(shoe: Shoe, R: float) -> Floats:
     """The point (2,) [mm] where the force on a shoe is drawn.
 
-    For an external shoe this is the force's point in the brake file, if it lies outside the drum.
-    Otherwise it is the point of the line of action that is nearest to the shoe's end away from the
-    pin. For a rigid external shoe it is then the point near this end where the line of action cuts
-    the arc of the shoe's back.
+    On an external shoe it is the force's point in the brake file if this point lies outside the
+    drum. On all other shoes it is the point of the force's line of action that is nearest to the
+    far end, the shoe's end away from the pin. If the other shoe is rigid and external, it is the
+    point near the far end where the line of action cuts the arc of the shoe's back.
     """
     point = shoe.actuation.point.xy * MM_PER_M
     if shoe.sign_internal_plus_external_minus < 0 and np.linalg.norm(point) > R:
@@ -512,7 +513,9 @@ class _ForceLabel(NamedTuple):
 def _label_of_force_arrow(
     actuation: Actuation, tip: Floats, unit: float, *, inside: bool = False
 ) -> _ForceLabel:
-    """The label with the size of a force, placed above the force's arrow or at its right.
+    """The label with the size of a force, placed beside the force's arrow.
+
+    The label stands above the arrow or at its right, or towards the drum's centre with `inside`.
 
     Parameters
     ----------

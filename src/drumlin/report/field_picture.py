@@ -37,7 +37,10 @@ from drumlin.response.balance import brake_with_forces_of_response
 from drumlin.response.response import Response
 
 ROUND_UPPER_ENDS_OF_COLOUR_BAR = 1, 1.2, 1.6, 2, 2.4, 3.2, 4, 6, 8, 10
-"""Allowed upper ends of the colour bar, times any power of ten; a quarter of each is round."""
+"""Allowed upper ends of the colour bar, times any power of ten.
+
+The colour bar has labels at quarters of its length. The quarters of these numbers are round, too.
+"""
 
 PERCENTAGE_OF_PLANE_NODES_WITHIN_COLOUR_BAR = 99.5
 """Percentage of the nodes whose stress is within the colour bar.
@@ -50,11 +53,15 @@ stresses are larger. The value is a judgement by eye.
 LARGEST_DRAWN_DISPLACEMENT_OVER_RADIUS = 0.04
 """Largest length of an enlarged displacement, relative to the drum's radius.
 
-Longer displacements would hide the shape of the shoes. The value is a judgement by eye.
+Longer displacements would hide the shape of the shoes. The value is a judgement by eye. On a plane,
+half the length of the brake takes the place of the drum's radius.
 """
 
 LONGEST_PRESSURE_ARROW_OVER_RADIUS = 0.2
-"""Length of the longest pressure arrows, relative to the drum's radius."""
+"""Length of the longest pressure arrows, relative to the drum's radius.
+
+On a plane, half the length of the brake takes the place of the drum's radius.
+"""
 
 PERCENTAGE_OF_PROPORTIONAL_ARROWS = 90
 """Percentage of the pressure arrows whose length is in proportion to the pressure.
@@ -64,19 +71,31 @@ therefore shortened to one length.
 """
 
 FORCE_ARROW_LENGTH_OVER_RADIUS = 0.28
-"""Length of each force's arrow, relative to the drum's radius."""
+"""Length of each force's arrow, relative to the drum's radius.
+
+On a plane, half the length of the brake takes the place of the drum's radius.
+"""
 
 PRESSURE_ARROW_SPACING_OVER_RADIUS = math.radians(2.5)
-"""Distance of the pressure arrows along the friction surface, relative to the drum's radius."""
+"""Distance between neighbouring pressure arrows, relative to the drum's radius.
+
+On a plane, half the length of the brake takes the place of the drum's radius.
+"""
 
 DRAWN_PIN_RADIUS_OVER_DRUM_RADIUS = 0.035
-"""Radius of the disc of a pin, relative to the drum's radius."""
+"""Radius of the disc that shows a pin, relative to the drum's radius.
+
+On a plane, half the length of the brake takes the place of the drum's radius.
+"""
 
 PICTURE_MARGIN_OVER_RADIUS = 0.03
-"""Blank margin around the brake and the arrows' heads, relative to the drum's radius."""
+"""Blank margin around the brake and all arrows, relative to the drum's radius.
+
+On a plane, half the length of the brake takes the place of the drum's radius.
+"""
 
 PRESSURE_SHAFT_WIDTH, FORCE_SHAFT_WIDTH = 0.0022, 0.0045
-"""Widths of the shafts of the arrows of pressures and forces, relative to that of the picture."""
+"""Widths of the shafts of pressure and force arrows, relative to the width of matplotlib's axes."""
 
 ARROW_HEAD_WIDTH_OVER_SHAFT_WIDTH = 4
 """Width of an arrow's head, relative to the width of its shaft."""
@@ -95,7 +114,9 @@ SAMPLES_PER_PIXEL_SIDE = 2
 """Number of samples in each direction that are averaged for a pixel of the stress colours."""
 
 LARGEST_CELL_SAMPLE_SPACING_IN_PIXELS = 0.7
-"""Largest distance of the sampled places of a cell [pixels]; above 1 pixels would be left out."""
+"""Largest distance [pixels] between neighbouring sampled places of a cell.
+
+With distances of more than one pixel, some pixels within a cell would get no sample."""
 
 
 class _DrawnFrictionSurface(NamedTuple):
@@ -169,7 +190,7 @@ def _figure_that_shows_all_points(
     Parameters
     ----------
     places : points (n, 2) [mm] that the axes must show, with a margin for the heads of arrows
-    size : the drum's radius [mm]
+    size : the drum's radius [mm]; on a plane, half the length of the brake [mm]
     title : lines of the title, for which the figure has room above the axes
     """
     low, high = places.min(axis=0), places.max(axis=0)
@@ -196,7 +217,10 @@ def _figure_that_shows_all_points(
 
 
 def _draw_arrows(axes: Axes, arrows: Floats, color: str, width: float) -> None:
-    """Draw arrows from tails to tips (n, 2, 2) [mm]; `width` is relative to that of the axes."""
+    """Draw arrows from tails to tips (n, 2, 2) [mm].
+
+    `width` is the width of the arrows' shafts, relative to the width of the axes.
+    """
     tails, tips = arrows[:, 0], arrows[:, 1]
     axes.quiver(
         *tails.T,
@@ -261,10 +285,11 @@ def draw_colour_bar_of_stress(bar: Axes, colours: ScalarMappable, *, beyond: boo
 
 
 def _colours_with_smooth_edges(fine: Any, colours: ScalarMappable) -> Any:
-    """The colours (rows, columns, 3), from 0 to 255, of a picture from finer samples of its values.
+    """The colours (rows, columns, 3), from 0 to 255, of a picture's pixels, from samples of values.
 
-    `fine` has SAMPLES_PER_PIXEL_SIDE times as many rows and columns. The colour of a pixel is the
-    mean over its samples. Samples without a value (NaN) are white.
+    `fine` holds the samples. It has SAMPLES_PER_PIXEL_SIDE times as many rows and columns as the
+    picture has pixels. The colour of a pixel is the mean colour of the pixel's samples. Samples
+    without a value (NaN) are white.
     """
     painted = ~np.isnan(fine)
     shades = np.full((*fine.shape, 3), 255, np.uint8)

@@ -30,7 +30,8 @@ COLUMN_WIDTH, FULL_WIDTH = 85 / 25.4, 170 / 25.4
 TEXT_SIZE, SMALL_TEXT_SIZE = 8.0, 7.0
 """Sizes [points] of text in a figure that is printed at its own width.
 
-Journals ask for at least 6 to 7 points. Numbers in the fields of a map have the small size.
+Journals ask for at least 6 to 7 points. Numbers in the cells of a coloured table have the small
+size.
 """
 
 FORMULA_TEXT_SIZE = SMALL_TEXT_SIZE / 0.7
@@ -40,7 +41,10 @@ Matplotlib draws exponents and indices of formulas at 0.7 of the size of the for
 """
 
 PLAIN_NUMBERS = 1e-3, 1e4
-"""Least and largest power of ten that is written with all digits; others are written like 1e-7."""
+"""Smallest and largest number that is written with all digits at the ticks of an axis.
+
+Numbers outside this range are written like 1e-7.
+"""
 
 LINE_HEIGHT_OF_TITLE, GAP_AROUND_TITLE = 0.16, 0.09
 """Height of each line of a picture's title, and the gaps above and below it together [inches].
@@ -115,8 +119,8 @@ PressurePanel = tuple[str, Mapping[str, ShoeResponse]]
 def make_figure_for_print(height: float, width: float = FULL_WIDTH) -> Figure:
     """An empty figure of a height and a width [inches]; its text has TEXT_SIZE at this width.
 
-    `width` is FULL_WIDTH or COLUMN_WIDTH. The figure is filled within
-    `mpl.rc_context(MATPLOTLIB_SETTINGS_FOR_PRINT)`.
+    `width` is FULL_WIDTH or COLUMN_WIDTH. The text gets its size if callers draw into the figure
+    within `mpl.rc_context(MATPLOTLIB_SETTINGS_FOR_PRINT)`.
     """
     return Figure(figsize=(width, height), layout="constrained")
 
@@ -141,7 +145,7 @@ def plain_number(value: float) -> str:
 
 
 def number_logarithmic_axes_plainly(figure: Figure) -> None:
-    """Write plain numbers at the ticks of all axes that have powers of ten with exponents."""
+    """Write plain numbers like 1e-7 at the ticks of all logarithmic axes of a figure."""
     for axes in figure.axes:
         for axis in (axes.xaxis, axes.yaxis):
             if isinstance(axis.get_major_formatter(), LogFormatterMathtext):
@@ -156,7 +160,7 @@ def save_figure(figure: Figure, path: Path) -> Path:
     Logarithmic axes get plain numbers, because exponents are too small in print.
 
     The ending of the path chooses the format. Equal figures give identical files. A character that
-    the font does not have is drawn as a box. A figure for print says its width in the file.
+    the font does not have is drawn as a box. The file of a figure for print states the width.
     """
     number_logarithmic_axes_plainly(figure)
     metadata: dict[str, str | None] = {}
@@ -243,7 +247,8 @@ def draw_legend_below_figure(figure: Figure, axes: Axes, **more: Any) -> None:
     """
     handles, labels = axes.get_legend_handles_labels()
     handle_of = dict(zip(labels, handles, strict=True))
-    # A column of the legend is some 22 letters and a line wide, 2.2 inches at 10 points.
+    # A column of the legend is as wide as a sample of the curve's line and some 22 letters. This
+    # is 2.2 inches at 10 points.
     width = 0.22 * mpl.rcParams["font.size"]
     columns = min(len(handle_of), max(2, int(figure.get_figwidth() / width)))
     options = {"loc": "outside lower center", "ncols": columns} | more
@@ -344,8 +349,8 @@ def evenly_spaced_pressure_curve_of_shoe(
 ) -> tuple[Floats, Floats]:
     """The pressure curve of a shoe: angles (n,) [rad; on a plane m] and pressures (n,) [Pa].
 
-    The angles are evenly spread. Near both ends of the lining, the response's nodes are added to
-    them.
+    The angles are evenly spread. Near both ends of the lining, the curve also has points at the
+    nodes of the response.
     """
     even = np.linspace(shoe.theta[0], shoe.theta[-1], points)
     spacing = even[1] - even[0]

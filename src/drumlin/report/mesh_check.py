@@ -41,8 +41,9 @@ MESH_GROUP_COLORS = {
     "hinge": BLUE,
     "actuation": GREEN,
 }
-"""The colour of each group of a mesh: of areas for groups of elements, of lines for groups of
-edges.
+"""The colour of each group of a mesh, by the name of the group.
+
+Groups of elements are drawn as areas, groups of edges as lines.
 """
 MICROMETRES_PER_METRE = 1e6
 """Micrometres in a metre."""
@@ -64,8 +65,8 @@ class _ContactOffsets(NamedTuple):
     ----------
     at : (n,) places of the nodes along the lining, in the surface's coordinate [rad; on a plane m]
     in_file : (n,) distances of the nodes from the drum or the plane in the mesh file [m]
-    solved : (n,) the same distances in the mesh that drumlin solves, in which nodes close to the
-        surface have been put on it [m]
+    solved : (n,) distances of the nodes from the drum or the plane in the mesh that drumlin solves
+        [m]; in this mesh, nodes close to the drum or the plane have been moved onto it
     """
 
     at: Floats
@@ -98,7 +99,7 @@ def text_lines_about_mesh_to_be_solved(
 ) -> Iterator[str]:
     """Yield three lines of text on a shoe's mesh: elements, contact line, and support with force.
 
-    Further lines say what drumlin changed in the mesh when it read the file.
+    If drumlin changed the mesh when it read the file, the following lines say what it changed.
     """
     shoe, mesh = checked.shoe, checked.read.mesh
     kind = mesh_kind_of_scikit_fem_mesh(mesh)

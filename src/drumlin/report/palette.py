@@ -8,7 +8,7 @@ from typing import Any
 
 BLUE, RED, GREEN, OCHRE, PURPLE = "#0072b2", "#d55e00", "#00c663", "#feaa00", "#7d1fce"
 SKY, GREY, BROWN, INK = "#77bbe2", "#828890", "#635135", "#1d2733"
-"""The colours of curves, nine together with the line above.
+"""The colours of curves; with the five colours from BLUE to PURPLE there are nine.
 
 INK is also the colour of text and outlines.
 """
@@ -45,7 +45,7 @@ COLOR_AND_LINE_STYLE_BY_MODEL: dict[str, tuple[str, Any]] = {
 
 
 def color_of_model(model: str) -> str:
-    """The colour of a model's curves in all figures; that of axes for an unknown model."""
+    """The colour of a model's curves in all figures; the colour of axes for an unknown model."""
     return (
         COLOR_AND_LINE_STYLE_BY_MODEL[model][0]
         if model in COLOR_AND_LINE_STYLE_BY_MODEL

@@ -1,8 +1,8 @@
 """A picture of a .vtu file of plane fields, which pyvista draws without a window.
 
-The reports of validation runs show it beside their own figure of the stresses: it holds what
-another program, VTK, reads from the file that a reader gets. The drawing runs in a process of its
-own, since the graphics library may end its process.
+The reports of validation runs show this picture beside drumlin's own figure of the stresses. The
+picture shows that another program, VTK, reads the same stresses from the .vtu file. The drawing
+runs in a process of its own, since the graphics library VTK may end the process in which it runs.
 """
 
 from pathlib import Path
@@ -42,7 +42,10 @@ Nodes lie close together at the ends of a contact, where arrows at all nodes wou
 def draw_plane_fields_and_return_failure_reason(
     fields: Path, picture: Path, title: str
 ) -> str | None:
-    """Draw the plane fields of a .vtu file into a .png file; None, or why there is no picture."""
+    """Draw the plane fields of a .vtu file into a .png file; returns None or the reason of failure.
+
+    `title` is the title of the picture.
+    """
     return draw_picture_in_new_process(__name__, fields, picture, title)
 
 
@@ -106,8 +109,9 @@ def draw_plane_fields_in_this_process(fields: Path, picture: Path, title: str) -
 def centre_and_half_height_of_window(bounds: Floats) -> tuple[Floats, float]:
     """The place (2,) [m] at the window's centre, and half of the height [m] that the window shows.
 
-    All that is within `bounds`, the least and the largest x and y (2, 2) [m], is then as large as
-    possible in RELATIVE_WINDOW_RANGES_OF_DRAWN_BODIES, at its centre.
+    `bounds` (2, 2) [m] are the smallest and largest x, and the smallest and largest y, of all that
+    is drawn. With the result, the drawing is as large as possible within
+    RELATIVE_WINDOW_RANGES_OF_DRAWN_BODIES, and lies at the centre of this region.
     """
     region = np.array(RELATIVE_WINDOW_RANGES_OF_DRAWN_BODIES)
     # The window, in units of its height.

@@ -1,8 +1,8 @@
-"""A process of its own for pictures in space, which pyvista draws without a window.
+"""Start a process of its own for a picture, which pyvista draws without a window.
 
 Drawing without a window needs OpenGL or its replacement in software. If neither is installed, the
 library VTK may end the whole process instead of raising an error. `draw_picture_in_new_process`
-therefore draws in another process, and returns the reason if this process fails.
+therefore draws in another process, and returns the reason if the drawing fails.
 """
 
 import subprocess
@@ -19,7 +19,7 @@ LONGEST_DRAWING_SECONDS = 120
 """Seconds after which a drawing process counts as hung and is ended. A picture takes some 3 s."""
 
 DRAWING_PACKAGES = ("pyvista", "vtkmodules")
-"""The packages that draw pictures in space; the extra `fields` installs them."""
+"""The packages that draw pictures of .vtu files; the extra `fields` of drumlin installs them."""
 
 
 class PictureNotDrawn(Exception):
@@ -84,8 +84,8 @@ def run_drawing_process(command: list[str]) -> None:
 def draw_picture_named_by_arguments(draw: Callable[[Path, Path, str], None]) -> int:
     """Draw the picture that the arguments of this process name; returns the exit status.
 
-    `draw` is called with the .vtu file (argument 1), the .png file (argument 2) and a further text
-    (argument 3).
+    `draw` is called with the .vtu file (argument 1), the .png file (argument 2) and a text such as
+    the title of the picture (argument 3).
     """
 
     def draw_picture_and_return_zero() -> int:

@@ -1,6 +1,7 @@
 """A picture of solid (three-dimensional) shoes, which pyvista draws without a window.
 
-The drawing runs in a process of its own, since the graphics library may end its whole process.
+The drawing runs in a process of its own, since the graphics library VTK may end the process in
+which it runs.
 """
 
 from pathlib import Path
@@ -28,8 +29,9 @@ from drumlin.report.figures import (
 from drumlin.report.render import draw_picture_in_new_process, draw_picture_named_by_arguments
 
 LARGEST_DRAWN_SOLID_DISPLACEMENT_OVER_RADIUS = 0.05
-"""Length of the largest displacement in the picture, relative to the drum's radius.
+"""Largest length of an enlarged displacement in the picture, relative to the radius of the shoes.
 
+The radius of the shoes is the largest distance of one of their points from the drum's axis.
 Longer displacements would hide the shape of the shoes, and with shorter displacements the
 deformation would not be seen.
 """
@@ -40,16 +42,16 @@ STRESS_ARRAY_NAME = "von Mises stress [MPa]"
 PERCENTAGE_OF_SOLID_NODES_WITHIN_COLOUR_BAR = 99.0
 """Percentage of the nodes whose stress is within the colour bar.
 
-With a larger share the shoes away from their loaded ends, where the stresses are far smaller, have
-one dark colour; with a smaller share the ends have the brightest colour as a whole. The value is a
-judgement by eye.
+The stresses at the loaded ends of the shoes are far larger than all other stresses. With a larger
+percentage, the rest of each shoe would have one dark colour. With a smaller percentage, the loaded
+ends would have the brightest colour everywhere. The value is a judgement by eye.
 """
 
 SOLID_PICTURE_PIXELS = 2000, 1600
 """Width and height [pixels] in which the shoes are drawn, before their blank margins are cut."""
 
 RELATIVE_WIDTH_OF_DRAWN_SHOES = 0.86
-"""Width of the shoes in the picture, relative to its width."""
+"""Width of the shoes in the picture, relative to the width of the picture."""
 
 
 def draw_solid_shoes_and_return_failure_reason(
@@ -115,7 +117,7 @@ def _figure_around_pixels(pixels: Any, title: str, top: float, *, beyond: bool) 
     pixels : the image
     title : lines of the title
     top : upper end of the colour bar [MPa]
-    beyond : whether some stresses are larger
+    beyond : whether some stresses are larger than `top`
     """
     height = RELATIVE_WIDTH_OF_DRAWN_SHOES * FULL_WIDTH * pixels.shape[0] / pixels.shape[1]
     total = height + height_of_title(title)
@@ -149,8 +151,8 @@ def _deformed_surfaces_of_both_halves(grid: Any, factor: float) -> list[Any]:
 def _factor_that_enlarges_drawn_displacements(grid: Any) -> float:
     """The factor by which the picture enlarges the displacements.
 
-    It is 1, 2 or 5 times a power of ten, and the largest at which no displacement is drawn longer
-    than LARGEST_DRAWN_SOLID_DISPLACEMENT_OVER_RADIUS.
+    The factor is 1, 2 or 5 times a power of ten. It is the largest of these numbers with which no
+    displacement is drawn longer than LARGEST_DRAWN_SOLID_DISPLACEMENT_OVER_RADIUS allows.
     """
     u = np.asarray(grid.point_data["displacement [m]"])
     radius = float(np.linalg.norm(np.asarray(grid.points)[:, :2], axis=1).max())

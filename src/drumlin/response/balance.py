@@ -101,7 +101,7 @@ def moments_that_scale_imbalance_on_guide(force: float, length: float) -> list[f
 
     Parameters
     ----------
-    force : actuation force [N]
+    force : largest force of any load on the shoe [N]
     length : length of the lining [m]
     """
     return [0.5 * force * length, -0.5 * force * length]
@@ -110,7 +110,7 @@ def moments_that_scale_imbalance_on_guide(force: float, length: float) -> list[f
 def relative_magnitudes_of_force_and_moment_sums(
     forces: list[Floats], moments: list[float]
 ) -> ForceAndMomentImbalance:
-    """The magnitudes of the sum of forces and of the sum of moments, without unit.
+    """The relative magnitudes of the sum of forces and of the sum of moments.
 
     Each magnitude is relative to the largest single force or moment of its sum. If all forces or
     all moments are 0, their relative sum is 0. `forces` are vectors (2,) [N], and `moments` are in

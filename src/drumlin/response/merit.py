@@ -46,7 +46,7 @@ def sign_of_friction_moment_about_hinge(brake: Brake, shoe: Shoe) -> int:
     opposite sense. Its dD then has the opposite sign, too.
     """
     # A lining that reaches beyond half a turn from the hinge is pressed either before or beyond
-    # this angle. The sense of the actuation moment tells which.
+    # this angle. The sense of the actuation moment tells on which side of this angle.
     M = shoe.moment_of_all_loads_about_point(shoe.pin)
     beyond = (
         shoe.arc[1] > math.pi and M * -shoe.sign_internal_plus_external_minus * shoe.frame.sense < 0

@@ -94,12 +94,12 @@ class PressureDifference:
 
     @property
     def indices_of_elements_that_contain_pieces(self) -> Ints:
-        """The numbers (pieces,) of the elements of response b that contain the pieces."""
+        """For each piece, the number of the element of response b that contains it: (pieces,)."""
         ends, starts = self.b.theta[:: self.b.order], self.theta[:, 0]
         return np.asarray(np.searchsorted(ends, starts, side="right") - 1)
 
     def relative_force_as_if_elements_had_random_signs(self) -> float:
-        """The force of p_a - p_b relative to the force of p_b, as if its parts had random signs.
+        """The force of p_a - p_b relative to that of p_b, if the signs of its parts were random.
 
         The parts are the integrals of p_a - p_b over the elements of response b. The result is the
         root of the sum of their squares, divided by the integral of p_b. Unlike the true force of

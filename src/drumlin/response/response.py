@@ -40,8 +40,8 @@ outside the zones at the lining's ends.
 LARGEST_PRESSURE_CURVE_STEP_IN_RADIANS = math.radians(0.2)
 """Longest step [rad] between two points of a pressure curve that is drawn or written to a file.
 
-With it a lining of 100 degrees has 500 points, about as many as a plot can show. The spacing does
-not change the answer of a model.
+With this step the curve of a lining of 100 degrees has 500 points, about as many as a plot can
+show. The spacing does not change the answer of a model.
 """
 
 LEAST_ANGLE_FROM_LINING_END_TO_PRESSURE_CURVE_POINT = 1e-9
@@ -204,7 +204,8 @@ class ShoeResponse(BaseClassWithArrayEquality):
     slots : begin and end of each slot between two linings [rad]. There the pressure is 0, and the
         polynomial pieces beside a slot are PRESSURE_DROP_LENGTH_AT_SLOT long, see
         `resultants.polynomial_nodes_on_linings_and_slots`
-    turn : rotation of the shoe about its pin [rad]; None if the model does not compute it
+    turn : rotation of the shoe about its pin [rad], counter-clockwise positive; None if the model
+        does not compute the rotation
     lumped : resultant of the contact, if a law lumps the forces at one point or a model in sectors;
         None if the resultant is the integral of the pressure
     pivot_reaction : (2,) [N], force of the pivot on the shoe; None without a pivot
@@ -444,7 +445,7 @@ class FiguresOfMeritOnDrum(NamedTuple):
     mechanical_advantage : eta = T/M = 1/(m - double_delta n)
     m : moment of the normal pressure about the hinge, divided by T
     n : moment of the friction about the hinge, divided by the moment of the friction about O
-    double_delta : sign of n in the formula of eta
+    double_delta : the sign dD of the UWA notes, +1 or -1, before n in the formula of eta
     sensitivity_at_fixed_shape : sensitivity (mu/eta) d eta/d mu = m eta, if the shape of the
         pressure did not change with mu
     """
