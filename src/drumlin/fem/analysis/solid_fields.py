@@ -1,7 +1,7 @@
 """Displacements and stresses inside solid shoes, with polynomials across the width.
 
-The fields are sampled at points across the width above each node of the cross-section. They are
-computed only for a picture or a file.
+The module samples the fields at points across the width, above each node of the cross-section. The
+fields are computed only for a picture or a file.
 """
 
 from collections.abc import Iterator
@@ -110,7 +110,7 @@ class _FieldsOfShoePart(NamedTuple):
 
     Attributes
     ----------
-    nodes : (n,) number of the node of the cross-section to which each sample point belongs
+    nodes : (n,) for each sample point, the number of the node of the cross-section below the point
     z : (n,) distances of the samples from the mid-plane [m]
     cells : (m, 8) numbers of the samples at the corners of each cell
     displacement : (n, 3) displacement [m]
@@ -160,7 +160,7 @@ def _recover_stresses_in_half_of_solid_shoe(
     unknowns = displacement_unknowns_of_solid_shoe(body)
     u = nodal_displacements_of_shoe(body, brake, shoe, answer, p)
 
-    # A sample at the interface of two parts is repeated for each of them.
+    # A sample at the interface of two parts occurs twice, because each part has its own stress.
     parts, cells, numbers, pressures, count = [], [], [], [], 0
     for i, name in enumerate(unknowns.grid.subdomains):
         part = displacements_and_stresses_in_shoe_part(unknowns, u, name)

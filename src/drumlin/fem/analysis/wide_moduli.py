@@ -92,7 +92,7 @@ class TorqueSlopesByLogarithmOfModuli(NamedTuple):
 FunctionOfBodiesWithChangedModuli = Callable[
     [int], dict[str, tuple[ShoeSubstructure, ShoeSubstructure]]
 ]
-"""Function that takes a shoe's position in the brake and returns bodies with changed moduli.
+"""Function that takes the index of a shoe in the brake and returns bodies with changed moduli.
 
 The keys of the result are the names of the shoe's parts. The first body of a pair has a larger
 modulus of this part, the second body a smaller one.
@@ -151,7 +151,7 @@ def torque_slopes_by_moduli_of_solid_shoe(
     ----------
     body : the substructure of the shoe
     changed : for each part's name, the shoe with a larger and with a smaller modulus of this part
-    loads : its loads and adjoint loads
+    loads : loads and adjoint loads of the shoe
     """
     slopes = {}
     for part, (stiff, soft) in changed.items():

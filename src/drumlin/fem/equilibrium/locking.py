@@ -31,8 +31,10 @@ from drumlin.response.self_locking import (
 )
 
 SMALLEST_FRICTION_RATIO_FOR_ELASTIC_LIMIT = 0.5
-"""Friction, relative to the self-locking limit mu_lock of the rigid-shoe law, above which the limit
-of the elastic brake is sought and stated.
+"""Fraction of the rigid-shoe limit mu_lock above which the elastic limit is sought and stated.
+
+The fraction is the brake's friction divided by the self-locking limit of the rigid-shoe law. The
+elastic limit is the limit of the brake with elastic shoes.
 
 At lower friction the elastic limit is sought only as far as is needed to decide whether a warning
 is printed. The value is a judgement that changes the time and the printed line alone.

@@ -35,9 +35,9 @@ SolverAnswerTypeVariable = TypeVar("SolverAnswerTypeVariable")
 class SpringMatrices:
     """The effects of the m springs of a brake on a group of s shoes, with n nodes and k modes.
 
-    The approach of a spring is the motion by which its two points come nearer to each other. Pulls
-    and pressures are per newton of the group's actuation force, and so are motions. A spring that
-    holds no shoe of the group has zeros.
+    The approach of a spring is the motion by which its two points come nearer to each other. Pulls,
+    pressures and motions are per newton of the group's actuation force. A spring that holds no shoe
+    of the group has zeros.
 
     Attributes
     ----------
@@ -93,9 +93,9 @@ class SpringMatrices:
 
 
 def unit_pulls_on_shoe(brake: Brake, shoe: Shoe) -> list[tuple[int, int, ForceAtPoint]]:
-    """For each spring that holds a shoe: its number, its place, and its pull of 1 N on the shoe.
+    """For each spring on a shoe: its index, the place of its force, and its force at a pull of 1 N.
 
-    The place is the number of the spring's force among the shoe's loads besides the actuation.
+    The place is the index of the spring's force among the shoe's loads besides the actuation.
     """
     found = []
     # Among the loads of the body, the springs' forces follow the forces in `shoe.forces`, in the
@@ -130,7 +130,7 @@ def displacement_of_point_along_force_in_modes(
 
 
 def _signs_of_modes_in_shoe_frame(shoe: Shoe, names: tuple[str, ...]) -> Floats:
-    """The sign (k,) of each mode in the shoe's frame: turns change it in a mirrored frame."""
+    """The sign (k,) of each mode in the shoe's frame; a mirrored frame reverses turns."""
     return np.where(np.array(names) == "turn", float(shoe.frame.sense), 1.0)
 
 
@@ -198,7 +198,7 @@ def displacements_of_spring_points_along_pulls(
     ----------
     brake : the brake with its springs
     shoe : the shoe
-    body : its substructure
+    body : the substructure of the shoe
     elastic : (l,) displacements of the loaded points by the strain of the body, one for each load
         column [m, rad]
     pin_motion : (3,) displacement x, y [m] of the pin and turn [rad], in the frame of the shoe
