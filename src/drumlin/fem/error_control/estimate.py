@@ -19,7 +19,7 @@ more than their own difference:
 - The difference of the peak pressure counts as at least the geometric mean of two other
   differences: of p in the column of elements with the peak, and of p in the L2 norm.
 
-Two further errors are added for all quantities: the change by the finite contact stiffness
+Two other errors are added for all quantities: the change by the finite contact stiffness
 (`ShoeResponse.softness`), and the round-off error of the elimination of unknowns
 (`ShoeResponse.lost`).
 """
@@ -60,7 +60,7 @@ class SafetyFactorsOfErrorEstimate(NamedTuple):
     ----------
     pressure, force : error of the quantity, divided by its difference on the last two levels; a
         force is a torque or a reaction
-    cancelled : fraction of a further change that is added to the error of a force: the change that
+    cancelled : fraction of another change that is added to the error of a force: the change that
         the force would have if the columns of elements contributed with random signs. The actual
         contributions may cancel by accident.
     peak : error of the peak pressure, divided by its difference on the last two levels

@@ -93,7 +93,7 @@ def singular_points_of_each_shoe_shape(
     ----------
     brake : the brake
     response : an earlier response, or None. Without a response the kinks of a table of clearances
-        are left out, because their strength depends on the pressure.
+        are missing in the result, because their strength depends on the pressure.
     alike : for each shoe the index of the first shoe of the same shape, see
         `cache.indices_of_first_shoes_of_equal_shape`; if it is empty, this function finds the
         indices
@@ -413,11 +413,10 @@ def contact_arcs_merged_over_narrow_gaps(shoe: Shoe, response: ShoeResponse) -> 
 
 
 def reason_if_contact_is_too_short(brake: Brake, shoe: Shoe, answer: ShoeResponse) -> str | None:
-    """Why the pressure of a shoe cannot be known: its contact is too short.
+    """The reason why the pressure of a shoe cannot be known, because its contact is too short.
 
-    The limit is SHORTEST_CONTACT_WITH_KNOWN_PRESSURE.
-
-    None if all contacts of the shoe are longer.
+    The result is None if no contact of the shoe is shorter than
+    SHORTEST_CONTACT_WITH_KNOWN_PRESSURE.
     """
     arcs = contact_arcs_merged_over_narrow_gaps(shoe, answer)
     length = min((end - start for start, end in arcs), default=math.inf) * brake.size
@@ -430,9 +429,9 @@ def reason_if_contact_is_too_short(brake: Brake, shoe: Shoe, answer: ShoeRespons
 
 
 def reason_if_any_contact_is_too_short(brake: Brake, response: Response) -> str | None:
-    """Why the pressure of a shoe of a brake cannot be known, see `reason_if_contact_is_too_short`.
+    """The reason why the pressure of any shoe of a brake cannot be known; None without a reason.
 
-    None if all contacts of the brake are long enough.
+    See `reason_if_contact_is_too_short`.
     """
     for shoe, answer in zip(brake.shoes, response.shoes, strict=True):
         reason = reason_if_contact_is_too_short(brake, shoe, answer)
