@@ -1,8 +1,9 @@
 """The answers that the page with sliders shows: a brake solved by finite elements and by a law.
 
-The condensed stiffness of the shoes depends on geometry and moduli alone. It is kept, so that the
-answer for another friction, force or clearance takes some milliseconds. The wear of the linings is
-computed once over the whole range of its slider and interpolated at each position of the slider.
+The condensed stiffness of the shoes depends on geometry and moduli alone. The page keeps it, so
+that the answer for another friction, force or clearance takes some milliseconds. The wear of the
+linings is computed once over the whole range of its slider and interpolated at each position of the
+slider.
 """
 
 from collections.abc import Callable, Mapping

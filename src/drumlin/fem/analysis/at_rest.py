@@ -1,7 +1,7 @@
 """The stick-slip problem of shoes on a drum that rests or is turned by a small angle.
 
 On a sliding drum the friction follows from the pressure. On a drum at rest the tangential tractions
-on the linings are further unknowns. A foot on a rough abutment sticks and slips as a lining does,
+on the linings are also unknowns. A foot on a rough abutment sticks and slips as a lining does,
 so that the normal force and the friction force on the foot are unknowns as well.
 """
 

@@ -200,8 +200,8 @@ class _LoadedGroupAtRest(NamedTuple):
     group : the group of shoes
     problem : the stick-slip problem, whose last nodes are feet on rough abutments and one-sided
         supports
-    slip_per_rotation : growth (n,) of the weighted slips q_s of the nodes per radian of drum
-        rotation in the brake's sense
+    slip_per_rotation : growth (n,) of the weighted slips q_s (integrals of the slip times each
+        node's shape function) per radian of drum rotation in the brake's sense
     friction : friction coefficient (n,) of each node, or a function of the pressures
     rest : the last load increment before the drum turns, at whose end the full force acts
     dissipated : energy [J/N^2] dissipated by slip while the force was applied
@@ -483,12 +483,13 @@ def _increase_actuation_force_at_rest(
     Without gaps all quantities are proportional to the force, and one increment is exact. With gaps
     the force after increment number i is proportional to i^3, because the contact changes most
     under a small force. Under a very small force only one or two nodes are in contact, and an
-    increment may not converge. It is then joined with the next one.
+    increment may not converge. Such an increment is joined with the next increment.
 
     Parameters
     ----------
     problem : the stick-slip problem under the full force
-    gap : weighted gaps (n,) of the unloaded linings
+    gap : weighted gaps (n,) of the unloaded linings: integrals of the gap times each node's shape
+        function
     friction : friction coefficient (n,) of each node, or a function of the pressures
     state : states (n,) of the nodes from which the first increment starts
     increments : number of increments
@@ -574,9 +575,9 @@ def turn_drum_in_increments(
 ) -> Iterator[StickSlipIncrementSolution]:
     """Turn the drum from one rotation to another, and yield each converged increment.
 
-    The whole turn is one increment if the states of the nodes (open, stick, slip) converge.
-    Otherwise the turn is halved up to MAX_HALVINGS_OF_ROTATION_INCREMENT times, and its parts are
-    the increments.
+    The whole turn is one increment if the states of the nodes (open, stick, slip) converge. If the
+    states do not converge, the turn is halved up to MAX_HALVINGS_OF_ROTATION_INCREMENT times, and
+    its parts are the increments.
 
     Parameters
     ----------
@@ -688,8 +689,8 @@ def _nodal_contact_states_of_linings(
     states = {}
     for k, part in enumerate(group.contact_node_slices_of_shoes):
         frame = group.shoes[k].frame
-        # The nodes are put in the order of growing theta. They are reversed if the shoe's frame is
-        # mirrored.
+        # The nodes are put in the order of increasing theta. They are reversed if the shoe's frame
+        # is mirrored.
         forward = slice(None, None, frame.sense)
         line = group.substructures_of_shoes[k].line
         shares = line.width_fraction_of_each_node_across_width

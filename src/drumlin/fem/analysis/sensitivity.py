@@ -15,7 +15,7 @@ solves are needed.
   are central differences.
 
 The division into elements does not change with the data. If a node is just about to enter or leave
-the contact, the torque has a kink, and the derivatives are those for the present nodes in contact.
+the contact, the torque has a kink, and the derivatives hold for the present nodes in contact.
 The derivatives include the changes of strut and cam forces.
 
 For three-dimensional (solid) shoes the displacements inside the body are not computed. Their
@@ -376,7 +376,7 @@ class _TorqueSlopesByModuli(NamedTuple):
     moduli : slope by the logarithm of the modulus of each part
     bending_stiffness : slope by the logarithm of the bending stiffness; None if the brake file
         gives no bending stiffness
-    error : error of the slopes [N m]; None for exact ones
+    error : error of the slopes [N m]; None if the slopes are exact
     """
 
     moduli: dict[str, float]
@@ -577,7 +577,7 @@ class _TorqueSlopesOfShoe:
 
         Keys and units are the same as in `ShoeSensitivity.held`. A motion of a support changes the
         rigid-body modes of the shoe. If nodes of the body move with the support, the stiffness of
-        the body changes as well; for solid shoes such supports are left out.
+        the body changes as well; for solid shoes the result has no slopes by such supports.
         """
         group, k = self.group, self.k
         effects = {}

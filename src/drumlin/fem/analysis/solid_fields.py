@@ -220,8 +220,8 @@ def _width_functions_at_sample_points_of_each_piece(
     )
     for start, end in pairwise(ends):
         z = start + (end - start) * steps
-        # At the outer end of a piece the slopes may jump. They are taken from within the piece,
-        # just before its end.
+        # At the outer end of a piece the slopes may jump. The slopes are taken from within the
+        # piece, just before its end.
         at = np.append(z[:-1], np.nextafter(end, 0.0))
         even = functions.function_values_and_slopes(functions.even_functions_across_width, at)
         odd = functions.function_values_and_slopes(functions.odd_functions_across_width, at)

@@ -362,9 +362,9 @@ class ShoeGroup(ContactProblemsOfShoeGroup):
     def _error_text_if_shoe_on_abutment_locks(self) -> str:
         """The error text if a group with rough abutments has no equilibrium at the drum's friction.
 
-        It names a cam, strut or foot that would have to pull, or the limit of self-locking, which
-        is then below the drum's friction. It is empty without friction at an abutment, and if the
-        equilibrium does not end below the drum's friction.
+        The text names a cam, strut or foot that would have to pull, or it states the limit of
+        self-locking, which is then below the drum's friction. The text is empty without friction at
+        an abutment, and if the equilibrium does not end below the drum's friction.
         """
         if not self.has_abutment_with_friction:
             return ""

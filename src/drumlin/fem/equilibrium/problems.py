@@ -441,7 +441,8 @@ def _shoe_compliance_with_penalty(
 ) -> Floats:
     """The compliance matrix (n, n) of a shoe: opening of the weighted gaps per nodal pressure.
 
-    It contains the compliance of the shoe and of the penalty contact.
+    A weighted gap is the integral of the gap times the shape function of a node. The matrix
+    contains the compliance of the shoe and of the penalty contact.
 
     Parameters
     ----------

@@ -95,7 +95,8 @@ class SpringBorder(NamedTuple):
 
     Attributes
     ----------
-    gap_by_force : opening (n, m) of the weighted gaps per force of a node
+    gap_by_force : opening (n, m) of the weighted gaps (integrals of the gap times each contact
+        node's shape function) per force of a spring node
     work : work (k, m) of the forces on the test modes
     opening_by_pressure : opening (m, n) of the nodes per pressure
     opening_by_motion : opening (m, k) per rigid-body motion

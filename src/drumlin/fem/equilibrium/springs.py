@@ -21,9 +21,9 @@ from drumlin.fem.preparation.bodies import ShoeSubstructure, unit_load_factors_o
 RELATIVE_TOLERANCE_OF_SPRING_PULLS = 1e-12
 """Largest error of a spring's pull, relative to the largest force, at which the iteration ends.
 
-It is far below the relative error of 1e-9 that is allowed in the balance of forces, and above the
-round-off error of a motion times the spring rate. A spring that is stiffer than the brake has a
-larger round-off and is refused. The value is a judgement.
+The tolerance is far below the relative error of 1e-9 that is allowed in the balance of forces, and
+above the round-off error of a motion times the spring rate. A spring that is stiffer than the brake
+has a larger round-off and is refused. The value is a judgement.
 """
 MAX_CONTACT_SOLVES_FOR_SPRING_PULLS = 40
 """Contact solves after which the iteration for the spring pulls fails. Usual brakes take four."""
@@ -45,7 +45,8 @@ class SpringMatrices:
         the shoe's body make up a pull of 1 N
     resultants : (m, s, 3) force x, force y [N] and moment about the origin [N m] on each shoe of a
         pull of 1 N
-    gap_by_pull : opening (n, m) of the weighted gaps per pull
+    gap_by_pull : opening (n, m) of the weighted gaps (integrals of the gap times each node's shape
+        function) per pull
     work : work (k, m) of the pulls on the test modes
     approach_by_pressure : approach (m, n) per nodal pressure
     approach_by_motion : approach (m, k) per coordinate of a rigid-body mode

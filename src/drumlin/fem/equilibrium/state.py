@@ -73,8 +73,9 @@ class ContactTermsIndependentOfFriction(NamedTuple):
 class FactorsOfRingFlexibility(NamedTuple):
     """Factors (m, n) whose products are the flexibility matrices of the drum's ring at n nodes.
 
-    The weighted gaps that the ring opens are pressed^T pressed per pressure of the shoes, and
-    pressed^T dragged per friction traction of the shoes.
+    The weighted gaps (integrals of the gap times each node's shape function) that the ring opens
+    are pressed^T pressed per pressure of the shoes, and pressed^T dragged per friction traction of
+    the shoes.
     """
 
     pressed: Floats
@@ -376,7 +377,10 @@ class ShoeGroupData:
 
     @cached_property
     def mass_matrix_of_contact_nodes(self) -> Floats:
-        """The mass matrix (n, n) [m^2] of the contact nodes; it turns gaps into weighted gaps."""
+        """The mass matrix (n, n) [m^2] of the contact nodes; it turns gaps into weighted gaps.
+
+        A weighted gap is the integral of the gap times the shape function of a node.
+        """
         return np.asarray(block_diag(*map(attrgetter("coupling.M"), self.substructures_of_shoes)))
 
     # These properties describe the ring, the struts and the cam.

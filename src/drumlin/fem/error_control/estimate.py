@@ -14,8 +14,8 @@ more than their own difference:
 
 - A force (torque, reaction) is an integral of the pressure p, and the differences of p in several
   columns of hp elements may cancel in it. Therefore a fraction, `cancelled`, of another change is
-  added: the change that the force would have if the columns contributed with random signs. It is
-  the root of the sum of the squared contributions.
+  added: the change that the force would have if the columns contributed with random signs. That
+  change is the root of the sum of the squared contributions.
 - The difference of the peak pressure counts as at least the geometric mean of two other
   differences: of p in the column of elements with the peak, and of p in the L2 norm.
 

@@ -4,8 +4,9 @@ A sweep solves many brakes that differ little. The first level of a solve takes 
 and the finer levels serve to state its errors. If some brakes of the sweep, the sample, are solved
 on all levels, the distances of their first levels from their last levels show how wrong the first
 level is. The other brakes are then solved on the first level only, and take their errors from the
-sample. This holds as long as the contact is of the same kind: near an end of the contact that has
-lifted off, or at a new opening, the pressure has a singular point that the sample has not.
+sample. The errors of the sample hold as long as the contact is of the same kind: near an end of the
+contact that has lifted off, or at a new opening, the pressure has a singular point that the sample
+has not.
 """
 
 from collections.abc import Callable, Iterator, Mapping

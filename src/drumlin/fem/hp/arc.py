@@ -17,9 +17,9 @@ fem.substructure.elasticity), a A''_kl B_kl + b A'''_kl B_kl, because its direct
 functions of xi alone.
 
 A column is symmetric about the radius through its middle. Its displacements are the sum of
-symmetric ones (radial components even about the middle, tangential components odd) and of
-antisymmetric ones. Symmetric forces do no work on antisymmetric displacements, and vice versa. The
-stiffness is therefore computed for each kind on its own, with half the unknowns.
+symmetric displacements (radial components even about the middle, tangential components odd) and of
+antisymmetric displacements. Symmetric forces do no work on antisymmetric displacements, and vice
+versa. The stiffness is therefore computed for each kind on its own, with half the unknowns.
 """
 
 from functools import cache
@@ -402,7 +402,7 @@ class _OrderOfElementColumnUnknowns(NamedTuple):
 
     @property
     def slice_of_left_side_unknowns(self) -> slice:
-        """The positions of the left side's unknowns among all unknowns of an element column."""
+        """The slice of the left side's unknowns among all unknowns of an element column."""
         return slice(
             self.number_of_load_unknowns,
             self.number_of_load_unknowns + self.number_of_side_unknowns,
@@ -410,12 +410,12 @@ class _OrderOfElementColumnUnknowns(NamedTuple):
 
     @property
     def slice_of_load_and_left_side_unknowns(self) -> slice:
-        """The positions of the unknowns of loads and left side among all unknowns of a column."""
+        """The slice of the unknowns of loads and left side among all unknowns of a column."""
         return slice(self.number_of_load_unknowns + self.number_of_side_unknowns)
 
     @property
     def slice_of_contact_unknowns(self) -> slice:
-        """The positions of the contact's unknowns among all unknowns of an element column."""
+        """The slice of the contact's unknowns among all unknowns of an element column."""
         return slice(
             self.number_of_load_unknowns + self.number_of_side_unknowns,
             self.number_of_load_unknowns
@@ -425,7 +425,7 @@ class _OrderOfElementColumnUnknowns(NamedTuple):
 
     @property
     def slice_of_right_side_unknowns(self) -> slice:
-        """The positions of the right side's unknowns among all unknowns of an element column."""
+        """The slice of the right side's unknowns among all unknowns of an element column."""
         return slice(
             self.number_of_load_unknowns
             + self.number_of_side_unknowns

@@ -40,7 +40,7 @@ pressure is not square-integrable; on a rigid drum this needs a friction coeffic
 0.57 to 0.61, depending on Poisson's ratio.
 """
 LARGEST_EXPONENT_OF_BOUNDED_PRESSURE = 1e-6
-"""If |a| is smaller than this, the pressure p ~ x^a at a corner counts as bounded.
+"""Size of the exponent a below which the pressure p ~ x^a at a corner counts as bounded.
 
 The distance from the corner is x. With a smaller |a| the functions x^a and 1 are so alike that the
 equations for the coefficients of both cannot be solved with 16 digits.
@@ -499,7 +499,7 @@ def nodes_and_pressures_with_power_law_at_corner(
     Parameters
     ----------
     theta, pressure : (n,) [rad], [Pa]
-        Nodes, in growing order, and values of the pressure, a piecewise polynomial.
+        Nodes, in increasing order, and values of the pressure, a piecewise polynomial.
     order : int
         Degree of the pieces.
     corner : CornerWithUnboundedPressure

@@ -205,7 +205,7 @@ class ShoeElementDivision:
     part : (l,) name of the part of the shoe that each layer of elements belongs to
     face_layer_size_at_unbounded_pressure : size [m] of the layer of elements at the lining's face,
         if this layer is thin because the pressure is unbounded (at a corner of the lining, or at a
-        gap kink that points to the drum); inf otherwise
+        gap kink that points to the drum); inf if the pressure is bounded
     slots : for each slot between two linings, the number of its first column, and of the first
         column behind the slot
     """
