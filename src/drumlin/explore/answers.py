@@ -134,8 +134,7 @@ class DifferenceFromAccurateAnswer(NamedTuple):
     pressure : relative difference of the pressure (L2) on the shoe where it is largest
     errors_stated_by_accurate_answer : estimated errors that `drumlin.solve` states for its accurate
         answer; None if it states none
-    plane_stress : estimated errors of the torque and pressure because plane stress is assumed; None
-        for solid shoes
+    plane_stress : estimated errors that the assumption of plane stress causes; None for solid shoes
     """
 
     torque: float

@@ -94,7 +94,7 @@ def solve_adjoint_for_torque_of_shoe_group(group: ShoeGroup) -> TorqueDerivative
     lever, n = group.torque_of_each_shoe_per_nodal_pressure, len(contact.p)
     without_friction = _equation_matrix_of_shoe_group(group, 0.0)
     per_friction = _equation_matrix_of_shoe_group(group, 1.0) - without_friction
-    # Small changes of the pressures obey the tangent of the friction stress mu(p) p.
+    # A small change dp of a pressure changes the friction stress mu(p) p by d(mu p)/dp dp.
     tangent, tangent_per_friction = (
         group_with_tangent_of_friction_stress(group, contact.p),
         per_friction,

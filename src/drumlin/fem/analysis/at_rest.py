@@ -1,8 +1,8 @@
 """The stick-slip problem of shoes on a drum that rests or is turned by a small angle.
 
 On a sliding drum the friction follows from the pressure. On a drum at rest the tangential tractions
-on the linings are also unknowns. A foot on a rough abutment sticks and slips as a lining does,
-so that the normal force and the friction force on the foot are unknowns as well.
+on the linings are also unknowns. A foot on a rough abutment sticks and slips as a lining does, so
+that the normal force and the friction force on the foot are unknowns as well.
 """
 
 import math
@@ -359,7 +359,8 @@ def _stick_slip_problem_with_spring_nodes(
 ) -> StickSlipProblem:
     """Add a node without friction for each spring with a rate to a stick-slip problem.
 
-    The pressure of the node is the pull of the spring [N], and its gap is zero while it acts.
+    The pressure of the node is the pull of the spring [N]. The gap of the node is zero while the
+    spring acts.
 
     Parameters
     ----------

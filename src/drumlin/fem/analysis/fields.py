@@ -161,8 +161,8 @@ class _ShapeFunctionsAtElementNodes(NamedTuple):
     ----------
     dofs : nodes (a, m) of the elements
     slopes : gradients (a, 2, m, a) [1/m] of the shape functions at the nodes
-    corners : node numbers (k, c), within an element, of the k corners of each of the c cells by
-        which the element is drawn
+    corners : node numbers (k, c), within an element, of the k corners of each of c cells; pictures
+        show the element as these cells
     """
 
     dofs: Ints

@@ -107,7 +107,7 @@ NOTE_ON_NEGLECTED_FRICTION_ACROSS_WIDTH = (
     "solid: friction acts along theta; across the width the face slides freely, "
     "also where it sticks"
 )
-"""Note with each state of a holding brake of solid shoes."""
+"""Note that each `HoldingState` of a brake with solid shoes contains."""
 STICK_SLIP_STATES_IN_ORDER_OF_PRECEDENCE = (STICK, FORWARD, BACKWARD)
 """The states of contact nodes in order of precedence across the width of a solid shoe.
 
@@ -202,7 +202,8 @@ class _LoadedGroupAtRest(NamedTuple):
         supports
     slip_per_rotation : growth (n,) of the weighted slips q_s (integrals of the slip times each
         node's shape function) per radian of drum rotation in the brake's sense
-    friction : friction coefficient (n,) of each node, or a function of the pressures
+    friction : friction coefficients (n,) of the nodes, or a function of the pressures that returns
+        the coefficients
     rest : the last load increment before the drum turns, at whose end the full force acts
     dissipated : energy [J/N^2] dissipated by slip while the force was applied
     springs : the springs with a rate, whose nodes are the last; None without such nodes. With such
@@ -583,7 +584,7 @@ def turn_drum_in_increments(
     ----------
     problem : the stick-slip problem while the drum rests
     lever : growth (n,) of the nodes' weighted slips q_s per radian of drum rotation
-    friction : friction coefficient of all nodes, (n,) of each node, or a function of the pressures
+    friction : one coefficient for all nodes, coefficients (n,), or a function of the pressures
     increment : the converged increment at the rotation `start`
     start, end : rotations [rad]
 

@@ -8,8 +8,8 @@ and the gradients H_cd = d u_c / d x_d of both displacements u and v,
 An orthotropic layer has additional stresses along and through the layer
 (fem.substructure.elasticity).
 
-If the nodes move by s V while their displacements stay, the gradients change by -s H (grad V) and
-the areas by s div V, so that at s = 0
+If the nodes move by s V while their displacements u and v stay, the gradients change by -s H (grad
+V) and the areas by s div V, so that at s = 0
 
     d/ds v^T K u
         = b Int sigma(u) : H_v div V - sigma(u) : (H_v grad V) - sigma(v) : (H_u grad V) dA.

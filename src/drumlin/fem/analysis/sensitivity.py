@@ -139,7 +139,7 @@ class ShoeSensitivity:
 
 
 class SpringSensitivity(NamedTuple):
-    """The pull of a spring in the solved brake, and the derivatives of the brake's torque by it.
+    """The pull of a spring in the solved brake, and the torque's slopes by its preload and rate.
 
     On a plane the torque is the braking force [N], and the units are divided by a length.
 
@@ -670,8 +670,8 @@ class _TorqueSlopesOfShoe:
         effects = -mutual_work_derivatives_by_node_motions(
             body.basis, elastic_layers_of_shoe(self.shoe), u, v, nodes, axes
         )
-        # The scalar product of this vector with a change of the actuation's nodal forces is the
-        # change of the torque.
+        # The product of this vector (2 nodes,) with a change of the nodal forces of one newton of
+        # actuation is the change of the torque.
         force_that_divides_logarithmic_slope = own.force * v - self.tip_multiplier * u
         for j, move in enumerate(moves):
             effects[j] += float(move.load_change @ force_that_divides_logarithmic_slope)

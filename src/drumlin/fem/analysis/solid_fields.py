@@ -202,7 +202,7 @@ def contact_face_of_solid_shoe(body: ShoeSubstructure) -> ContactFaceWithWidth:
 def displacement_unknowns_of_solid_shoe(
     body: ShoeSubstructure,
 ) -> EliminatedUnknownsOfShoeWithWidth:
-    """The unknowns of a shoe with a width, by which eliminated displacements are recovered."""
+    """The object that recovers the eliminated displacements of a shoe with a width."""
     # `prepare_model_with_shoe_widths` gives every body unknowns of this type.
     assert isinstance(body.condensed.inner, EliminatedUnknownsOfShoeWithWidth)
     return body.condensed.inner

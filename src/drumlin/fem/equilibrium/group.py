@@ -79,7 +79,10 @@ class DrumFrictionLimitOfShoeGroup(NamedTuple):
 
 
 class SolvedGroup(NamedTuple):
-    """A group with the friction directions at its abutments that a solve found, and its contact."""
+    """A group of shoes and the solution of its contact.
+
+    `group` has the friction directions at its abutments that agree with the solution `contact`.
+    """
 
     group: "ShoeGroup"
     contact: active_set.ContactSolution

@@ -105,7 +105,9 @@ def compare_friction_with_self_locking_limits(
 def compare_friction_over_pressure_with_self_locking_limit(
     scene: PreparedModel, brake: Brake, penalty: float
 ) -> SelfLockingFactor:
-    """The factor on friction that depends on the pressure at which a brake locks itself.
+    """The factor on all friction coefficients mu(p) at which a brake locks itself.
+
+    The friction of the brake depends on the pressure p.
 
     The factor is sought as `compare_friction_with_self_locking_limits` seeks the friction. The
     law's limit is compared with the largest coefficient of each lining.

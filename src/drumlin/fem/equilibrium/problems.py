@@ -180,8 +180,8 @@ class ContactProblemsOfShoeGroup(ShoeGroupData):
     ) -> list[EffectsOfActuationForceOnShoe]:
         """For each shoe, what its force causes, and what moves its tip and loads its foot.
 
-        The tip is the point where the actuation force acts, and the foot the end that pushes a
-        strut. All values are linear functions of the friction coefficient.
+        The tip is the point where the actuation force acts. The foot is the end of the shoe on an
+        abutment or a strut. All values are linear functions of the friction coefficient.
         """
         return [
             self._effects_of_actuation_force_on_shoe(k, friction) for k in range(len(self.shoes))

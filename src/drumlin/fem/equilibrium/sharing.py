@@ -195,8 +195,8 @@ def _replace_actuation_forces_in_contact_problem(
 ) -> ContactProblem:
     """Return a contact problem with strut and cam forces in place of the shoes' own forces (m,).
 
-    `forces` are the new forces, linear in the pressures. Their part that depends on pressures
-    changes the matrices A and C, the constant part changes the vectors q and h.
+    `forces` are the new forces, linear in the pressures. The part of the forces that depends on
+    pressures changes the matrices A and C. Their constant part changes the vectors q and h.
     """
     A, q, B, C, h = (np.array(part) for part in problem)
     for i, shoe in enumerate(effects):

@@ -61,7 +61,7 @@ class SpringNodes(NamedTuple):
 
 
 def spring_nodes_of_brake(brake: Brake, pulls: Sequence[float]) -> SpringNodes:
-    """The springs with a rate of a brake as nodes.
+    """Make nodes of a contact problem from the springs of a brake that have a rate.
 
     `pulls` [N] are pulls of all springs. They give the signs of springs without a preload.
     """

@@ -122,7 +122,7 @@ def work_of_force_on_test_modes(shoe: Shoe, sense: int, force: ForceAtPoint) -> 
 def displacement_of_point_along_force_in_modes(
     shoe: Shoe, sense: int, force: ForceAtPoint
 ) -> Floats:
-    """The displacement (k,) [m] along a unit force of its point, in the modes of a shoe's support.
+    """The displacement (k,) of a force's point along the force, in each unit mode of a shoe.
 
     `sense` is the direction of friction at the shoe's abutment.
     """

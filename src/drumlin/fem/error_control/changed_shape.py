@@ -38,7 +38,7 @@ from drumlin.response.balance import brake_with_forces_of_response
 from drumlin.response.response import Response, ShoeResponse
 
 STEP = 1e-3
-"""Factor t of the moves at which stiffness and loads are compared with those before the move.
+"""Factor t of the moves at which stiffness and loads are compared with their values at t = 0.
 
 The quotients of their differences and t stand for the rates at t = 0. A larger factor adds terms of
 second order, 14 % of the change of the torque at t = 0.1 on a mesh of 10 000 nodes. A smaller
@@ -54,7 +54,7 @@ def prepared_model_with_moved_nodes(
     """The prepared model after a small move of the nodes of the meshes from files.
 
     The model is valid near the given response, to first order in the moves. Nodes of the contact
-    must not move. Loads of the actuation stay on the nodes where they are.
+    must not move. The actuation keeps its forces on the same nodes.
 
     Parameters
     ----------

@@ -73,10 +73,11 @@ REFINEMENT_LEVELS_ON_MESH_FILES = RefinementLevelsOnMeshFiles(
 )
 """The levels of refinement on meshes of files, with elements of degree 2 to 5.
 
-The sizes at singular points are those of hp elements of a degree higher by two: most elements of a
-mesh are smaller than hp elements, so that most of the errors come from the singular points. With
-the sizes of hp elements of a degree higher by one, p at degree 3 was 0.3 % to 1 % off on 7 of 15
-meshes by Gmsh. Now p is off by 0.02 % to 0.1 % on most meshes, and many solves need one level less.
+The sizes at singular points are those of hp elements whose degree is higher by two: most elements
+of a mesh are smaller than hp elements, so that most of the errors come from the singular points.
+With the sizes of hp elements of a degree higher by one, p at degree 3 was 0.3 % to 1 % off on 7 of
+15 meshes by Gmsh. Now p is off by 0.02 % to 0.1 % on most meshes, and many solves need one level
+less.
 """
 REFINEMENT_LEVELS_ON_FINE_MESH_FILES = RefinementLevelsOnMeshFiles(
     REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[1:6], degrees_below_level=3
@@ -85,8 +86,9 @@ REFINEMENT_LEVELS_ON_FINE_MESH_FILES = RefinementLevelsOnMeshFiles(
 
 A mesh is fine from FEWEST_VERTICES_OF_FINE_MESH_FILE vertices on.
 
-The sizes at singular points are those of hp elements of a degree higher by three. On four meshes of
-10 000 nodes p is 0.4 % to 0.8 % off on the first level, and 0.05 % to 0.2 % on the second.
+The sizes at singular points are those of hp elements whose degree is higher by three. On four
+meshes of 10 000 nodes p is 0.4 % to 0.8 % off on the first level, and 0.05 % to 0.2 % on the
+second.
 """
 FEWEST_VERTICES_OF_FINE_MESH_FILE = 2000
 """Number of vertices from which on a mesh counts as fine, see REFINEMENT_LEVELS_ON_FINE_MESH_FILES.
@@ -150,7 +152,7 @@ ERROR_PER_ROUNDING_OVER_LINING_THICKNESS = {
     "peak": 0.8,
     "reaction": 0.25,
 }
-"""Relative errors by rounded coordinates of a mesh file, per relative rounding.
+"""Relative errors due to rounded coordinates of a mesh file, divided by the relative rounding.
 
 The relative rounding is the rounding of the coordinates divided by the lining's thickness.
 
@@ -173,7 +175,7 @@ NEGLIGIBLE_DISTANCE_OF_SIDE_FROM_ARC = 1e-5
 
 On four meshes by Gmsh with third-order sides a tenth of the drum's radius long, all sides lay up to
 5e-6 of a lining's thickness off their arcs. Arcs changed p by 1e-6, the torque by 1e-7 and the
-reaction by 5e-7. If the limit is far larger, the errors of straight sides are no longer small.
+reaction by 5e-7. If the limit is far larger, the neglected errors are no longer small.
 """
 
 
@@ -360,7 +362,8 @@ def _estimated_errors_on_last_mesh_level(
 ) -> EstimatedErrors:
     """The estimated errors of the response on the last of at least two levels.
 
-    `shape` are the errors (1 + 4 shoes,) by straight sides and by rounded coordinates.
+    `shape` are the errors (1 + 4 shoes,) due to straight sides and rounded coordinates, in the
+    order of `estimate.ResponseDifferencesOfTwoLevels`.
     """
     *former, before, last = responses
     moved = relative_differences_of_responses_on_two_levels(brake, before, last)
@@ -411,7 +414,7 @@ def _would_finer_mesh_level_reduce_error(
 def _errors_due_to_sides_off_smooth_outline(
     brake: Brake, respond: FunctionThatComputesResponse, solved: SolvedLevel
 ) -> Floats:
-    """The relative errors (1 + 4 shoes,) by straight sides or parabolas in place of arcs.
+    """The relative errors (1 + 4 shoes,) due to straight sides or parabolas in place of arcs.
 
     `solved` is a solved level with elements of degree 2 or higher, and `respond` computes the
     response on a prepared model.
@@ -430,7 +433,10 @@ def _errors_by_change_of_shape(
     prepare_changed: Callable[[], PreparedModel],
     cause: str,
 ) -> Floats:
-    """The relative errors (1 + 4 shoes,) of a solved level, from its change with another shape.
+    """The relative errors (1 + 4 shoes,) of a solved level due to the shape of its mesh.
+
+    They follow from the change of the response with another shape of the mesh. The order is that of
+    `estimate.ResponseDifferencesOfTwoLevels`.
 
     Parameters
     ----------
@@ -485,7 +491,7 @@ def _errors_due_to_gaps_below_rounding(
     prepare_fitting: FunctionThatPreparesModelOfLevel,
     cache: CacheOfCondensedBodies,
 ) -> Floats | float:
-    """The relative errors (1 + 4 shoes,) by gaps that rounded coordinates may have caused.
+    """The relative errors (1 + 4 shoes,) due to gaps that rounded coordinates may have caused.
 
     Neighbouring contact nodes that lie off the drum to the same side count as a gap, even if each
     node lies off by less than the rounding. Rounding alone makes such a gap at a few of a thousand

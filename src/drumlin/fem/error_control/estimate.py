@@ -58,12 +58,13 @@ class SafetyFactorsOfErrorEstimate(NamedTuple):
 
     Attributes
     ----------
-    pressure, force : error of the quantity, divided by its difference on the last two levels; a
-        force is a torque or a reaction
+    pressure, force : estimated error of the quantity, divided by the difference of the quantity
+        between the last two levels; a force is a torque or a reaction
     cancelled : fraction of another change that is added to the error of a force: the change that
         the force would have if the columns of elements contributed with random signs. The actual
         contributions may cancel by accident.
-    peak : error of the peak pressure, divided by its difference on the last two levels
+    peak : estimated error of the peak pressure, divided by its difference between the last two
+        levels
     """
 
     pressure: float
@@ -72,7 +73,10 @@ class SafetyFactorsOfErrorEstimate(NamedTuple):
     peak: float
 
     def safety_factors_of_level_differences(self, shoes: int) -> Floats:
-        """The factors (1 + 4 shoes,) that turn differences of two levels into errors."""
+        """The factors (1 + 4 shoes,) that turn differences of two levels into errors.
+
+        The order is that of `ResponseDifferencesOfTwoLevels`.
+        """
         own = (self.pressure, self.force, self.peak, self.force)
         return np.array([self.force, *own * shoes])
 
@@ -199,7 +203,7 @@ def sum_of_penalty_and_round_off_errors(shoes: Sequence[ShoeResponse]) -> Floats
 
 
 def _relative_changes_of_shoes_due_to_cause(shoes: Sequence[ShoeResponse], name: str) -> Floats:
-    """The relative changes (1 + 4 shoes,) by one cause, in the order of the differences.
+    """The relative changes (1 + 4 shoes,) by one cause, as in `ResponseDifferencesOfTwoLevels`.
 
     `name` is the attribute of `ShoeResponse` that holds the changes by this cause, "softness" for
     the penalty or "lost" for round-off.

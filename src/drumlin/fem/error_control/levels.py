@@ -216,7 +216,7 @@ def solve_brake_on_finer_and_finer_mesh_levels(
     ------
     NoAnswer
         if the first level has no solution even with narrower columns, or if two later levels have
-        none
+        no solution
     """
     last: Response | None = start
     alike = equal_shapes(brake)

@@ -78,8 +78,8 @@ class RefinedSolutionOfShoeGroup(NamedTuple):
     coordinates : generalised coordinates (k_i,) of each shoe, the sizes of its rigid-body motions
     torque : torque of all shoes per newton [m]
     scaled_weighted_gaps : weighted gaps (n,) of all nodes, the integrals of the gap times each
-        node's shape function. Each weighted gap is a sum of terms; all gaps are
-        divided by the largest sum of the absolute values of these terms.
+        node's shape function. Each weighted gap is a sum of terms; all gaps are divided by the
+        largest sum of the absolute values of these terms.
     correction : largest entry of the last correction, relative to the largest pressure
     corrections : number of corrections
     contact_sets : number of contact sets that were tried

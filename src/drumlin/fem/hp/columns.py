@@ -10,8 +10,8 @@ The nodes on a side of a column form its left or right line, which begins at the
 unknowns of a substructure are [left line | contact | right line], with x and y of a node next to
 each other. The contact node at the end of a line belongs to the contact, not to the line. In a
 substructure without contact the line has this node too. `extra` unknowns, which all substructures
-share, may stand before the others. They are the factors of unit loads, and their diagonal blocks of
-the condensed stiffness are negative.
+share, may stand before all other unknowns. They are the factors of unit loads, and their diagonal
+blocks of the condensed stiffness are negative.
 """
 
 from collections.abc import Sequence
@@ -35,7 +35,7 @@ class NumberingOfElementColumnUnknowns(NamedTuple):
     """The order of the unknowns of an element column, and where each element's unknowns stand.
 
     A column is a stack of elements, one in each layer, counted from the contact. Its condensation
-    keeps the unknowns on its two sides and its contact, and eliminates the others.
+    keeps the unknowns on its two sides and its contact, and eliminates all other unknowns.
 
     Attributes
     ----------

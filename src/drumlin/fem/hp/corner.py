@@ -359,8 +359,8 @@ def element_column_size_for_error_at_pointed_gap_kink(
     """The size [rad] of element columns beside a gap kink that points to the drum.
 
     With this size the pressure p has the relative error `error` at the kink. The pressure goes as c
-    ln(1/x) at the distance x from the kink. The best polynomial for ln
-    x on [0, 1] has the error 1/(degree + 1) in L2, by the sum of the Legendre coefficients.
+    ln(1/x) at the distance x from the kink. The best polynomial for ln x on [0, 1] has the error
+    1/(degree + 1) in L2, by the sum of the Legendre coefficients.
 
     Parameters
     ----------

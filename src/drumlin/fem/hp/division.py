@@ -206,7 +206,7 @@ class ShoeElementDivision:
     face_layer_size_at_unbounded_pressure : size [m] of the layer of elements at the lining's face,
         if this layer is thin because the pressure is unbounded (at a corner of the lining, or at a
         gap kink that points to the drum); inf if the pressure is bounded
-    slots : for each slot between two linings, the number of its first column, and of the first
+    slots : for each slot between two linings, the indices of its first column, and of the first
         column behind the slot
     """
 
@@ -221,7 +221,10 @@ class ShoeElementDivision:
 
     @property
     def element_column_range_of_each_lining(self) -> list[tuple[int, int]]:
-        """For each lining, the number of its first column and of the first column behind it."""
+        """For each lining, the range of its columns: the indices (start, stop).
+
+        `start` is the index of its first column, `stop` of the first column behind the lining.
+        """
         ends = [0, *(column for slot in self.slots for column in slot), len(self.angles) - 1]
         return list(zip(ends[::2], ends[1::2], strict=True))
 
@@ -509,7 +512,7 @@ def _element_column_ends_under_linings_and_slots(
     """The ends (m + 1,) [rad] of the m columns under linings and in slots, and each slot's columns.
 
     In a slot between two linings the columns grow from both linings towards the slot's middle. A
-    slot is given by the number of its first column, and of the first column behind it.
+    slot is given by the index of its first column, and of the first column behind the slot.
 
     Parameters
     ----------

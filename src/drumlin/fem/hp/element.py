@@ -171,8 +171,8 @@ def plane_stress_stiffness_of_elements(xy: Any, elasticity: Any, p: int, along: 
     """The plane-stress stiffness (e, a, 2, a, 2) [N/m] of e elements, in the precision of xy.
 
     The nodes are in the order of `ReferenceElement`. The elastic constants lambda, mu, a and b are
-    defined in `elasticity.isotropic_and_orthotropic_elastic_constants`. The unit vectors d are t,
-    along the layers, and n, through them. The stiffness is
+    defined in `elasticity.isotropic_and_orthotropic_elastic_constants`. The unit vectors d are t
+    along the layers and n through the layers. The stiffness is
 
         K_ai,bj = Int lambda psi_a,i psi_b,j + mu psi_a,j psi_b,i + mu delta_ij psi_a,k psi_b,k
                       + sum_d s_d d_i (d . grad psi_a) d_j (d . grad psi_b) dA,   s_t = a,  s_n = b.

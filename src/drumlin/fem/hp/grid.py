@@ -450,7 +450,7 @@ class EliminatedUnknownsOfHpElementBody:
         layers: Mapping[str, ElasticLayer],
         whole_system: BodySystemAssemblyFunction,
     ) -> "EliminatedUnknownsOfHpElementBody":
-        """The unknowns of a body without unit loads besides those of `whole_system`."""
+        """Make the eliminated unknowns of a body with no unit loads but those of `whole_system`."""
         return cls(grid, layers, whole_system, np.zeros((2 * grid.N, 0)))
 
     def equations_of_body_before_condensation(self) -> UncondensedBodySystem:
