@@ -127,9 +127,9 @@ def slider_setting_at_brake_file_values(brake: Brake) -> SliderSetting:
 def sliders_for_brake(brake: Brake) -> tuple[BrakeSlider, ...]:
     """The sliders for a brake, in the order of the page.
 
-    Where forces or moduli differ between the shoes, the slider shows the largest value, and the
-    others change in proportion. Where clearances or radii differ, the slider shows a length that is
-    added to all of them.
+    Where forces or moduli differ between the shoes, the slider shows the largest value, and all
+    other values change in proportion. Where clearances or radii differ, the slider shows a length
+    that is added to all of them.
     """
     R = brake.size * 1e3  # mm
     # Clearance and misfit change in steps of about 1e-5 of the drum's radius.

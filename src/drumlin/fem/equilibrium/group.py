@@ -404,8 +404,8 @@ class ShoeGroup(ContactProblemsOfShoeGroup):
     ) -> DrumFrictionLimitOfShoeGroup:
         """Find the friction coefficient of the drum up to which the group has an equilibrium.
 
-        The friction grows in steps from the least one that has a solution, until the solution ends
-        or `largest_friction` is reached. Between two steps a foot may begin to slide on its
+        The friction grows in steps from the least friction that has a solution, until the solution
+        ends or `largest_friction` is reached. Between two steps a foot may begin to slide on its
         abutment, stop, or slide the other way. The next steps then have the new direction of
         friction at the abutment. Raises NoAnswer if there is no solution at any friction.
         """

@@ -107,7 +107,7 @@ SAFETY_FACTOR_OF_CANCELLED_MESH_FILE_FORCES. Either factor may be smaller if the
 larger. A larger factor makes stated errors larger. The value is a judgement.
 """
 SAFETY_FACTOR_OF_CANCELLED_MESH_FILE_FORCES = 0.004
-"""The factor of the error estimate on a mesh file for forces whose errors cancel.
+"""The number `cancelled` of `SafetyFactorsOfErrorEstimate` for the error estimate on a mesh file.
 
 A larger factor makes stated errors larger. With 0.002 a torque's error of 5e-7 was stated 1.3 times
 too small on one of 50 meshes by Gmsh. With 0.003 no error is too small on these meshes. The value

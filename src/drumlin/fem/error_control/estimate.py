@@ -181,8 +181,8 @@ def estimate_errors_from_response_differences(
         + factors.cancelled * moved.changes_with_random_signs
         + further
     )
-    # A quantity without any difference, such as the torque of a shoe without contact, keeps the
-    # error 0.
+    # A quantity that is equal on both levels, such as the torque of a shoe without contact, keeps
+    # the error 0.
     found = np.where(found > 0, found + sum_of_penalty_and_round_off_errors(last.shoes), found)
     rows = np.reshape(found[1:], (-1, len(QUANTITIES_WITH_STATED_ERROR))).tolist()
     errors_of_shoes = [dict(zip(QUANTITIES_WITH_STATED_ERROR, row, strict=True)) for row in rows]

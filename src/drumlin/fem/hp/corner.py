@@ -677,8 +677,8 @@ def remaining_pressure_error_at_pointed_gap_kinks(
 ) -> float:
     """The relative error in L2 of a shoe's pressure p due to kinks that point to the drum.
 
-    If such a kink is in contact, p goes as ln(1/x) at the distance x from it. The error arises in
-    the element columns on both sides of each kink, because a polynomial cannot follow the
+    If such a kink is in contact, p goes as ln(1/x) at the distance x from the kink. The error
+    arises in the element columns on both sides of each kink, because a polynomial cannot follow the
     logarithm. `length_per_surface_coordinate` is the length per unit of the surface's coordinate
     [m/rad, on a plane 1].
     """
