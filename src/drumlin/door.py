@@ -114,7 +114,7 @@ class _BrakeWithFileText(NamedTuple):
 
 
 def _brake_itself_or_read_from_file(brake: BrakeOrPath) -> Brake:
-    """The brake that is given itself, or by the path of its brake file.
+    """Return the brake; if `brake` is the path of a brake file, read the brake from this file.
 
     Raises BadInput for any other argument.
     """
@@ -126,7 +126,7 @@ def _brake_itself_or_read_from_file(brake: BrakeOrPath) -> Brake:
 def _brake_with_text_of_its_file(brake: BrakeOrPath) -> _BrakeWithFileText:
     """Return a brake with the text of its brake file.
 
-    For a brake that was not read from a file it is the text that `write_brake` writes.
+    For a brake that was not read from a file, the text is the text that `write_brake` writes.
     """
     from drumlin.base.texts import command_text_without_folders
     from drumlin.brake import read_drum_or_plane_brake
@@ -143,7 +143,7 @@ def _brake_with_text_of_its_file(brake: BrakeOrPath) -> _BrakeWithFileText:
 
 
 def _solver_options_given_by_user(**options: Any) -> dict[str, Any]:
-    """The options that the user has given, by name: all whose value is neither None nor False."""
+    """Return the options whose value is neither None nor False, with their names as keys."""
     from drumlin.models import model_options_given_by_user
 
     return model_options_given_by_user(**options)
@@ -191,7 +191,8 @@ def solve(
     elements : number of finite elements along each lining; None: as the error needs ("fem")
     kind : "quad2", "quad1", "tri2" or "tri1", the elements of the parametric mesh ("fem")
     penalty : contact stiffness as a multiple of E/t of the lining, up to inf ("fem", "solid")
-    tolerance : relative error of p (L2) and of the torque that is to be reached ("fem", "solid")
+    tolerance : relative error to reach, of the pressure p (L2 norm) and of the torque ("fem",
+        "solid")
     finite_width : whether the answer is corrected for the widths of the shoes ("fem")
     worn_in : whether the linings are worn until their pressure no longer changes ("fem")
     model_error : whether the error of plane stress itself is estimated, with `finite_width` the
@@ -483,9 +484,10 @@ def sweep(
         all keys, "random" to draw all values at random
     cases : number of random draws; None if no value is drawn
     seed : number that determines the random draws
-    certify : which cases are solved on all levels of refinement, from which the errors of the other
-        cases follow: "every case", "every 10th" or another number, or the number of cases to draw.
-        A sweep file says itself what `model`, `combine`, `cases`, `seed` and `certify` are
+    certify : which cases are solved on all levels of refinement: "every case", "every 10th" or
+        another number, or the number of cases to draw. The errors of all other cases are estimated
+        from the errors of these cases. If `brake` is a sweep file, `model`, `combine`, `cases`,
+        `seed` and `certify` stand in this file
     jobs : number of processes that solve in parallel; None for one on each core. A script that
         asks for more than one must call this function below `if __name__ == "__main__":`, since
         each process reads the script again. A law of your own is solved with jobs=1
@@ -503,7 +505,7 @@ def sweep(
     ------
     BadInput
         for an unknown key, a value that no brake can have, a sweep file that cannot be read, or an
-        argument that belongs into the sweep file, in one line
+        argument that must stand in the sweep file; the message is one line
     NoAnswer
         if the processes cannot be started, or all are lost
 
@@ -812,7 +814,8 @@ class SelfLockingFrictionOfGroup(NamedTuple):
     friction : friction coefficient mu_lock; inf if the shoes do not lock up to the largest friction
         that was tried. If friction depends on the pressure, it is the coefficient at zero pressure,
         with all coefficients of the table raised in proportion
-    bounded : whether the pressure stays finite up to mu_lock; otherwise it grows without bound
+    bounded : True if the pressure stays finite as friction rises to mu_lock; False if the pressure
+        grows without bound
     """
 
     shoes: tuple[str, ...]
@@ -886,7 +889,7 @@ def self_locking(
 def reference(brake: BrakeOrPath, output: Path | str | None = None) -> ReferenceValuesOfBrake:
     """Compute reference values of a brake with uncertainties; this takes minutes.
 
-    They come from two independent finite element programs.
+    The values come from two independent finite element programs.
 
     Parameters
     ----------
@@ -903,8 +906,8 @@ def reference(brake: BrakeOrPath, output: Path | str | None = None) -> Reference
     Raises
     ------
     BadInput
-        for a brake that finite elements do not apply to, with a mesh file, or a file that may not
-        be written
+        for a brake with a mesh file, a brake to which finite elements do not apply, or an output
+        file that may not be written
     NoAnswer
         for a brake without equilibrium
 
@@ -1199,7 +1202,7 @@ def example(name: str) -> Brake:
     Raises
     ------
     BadInput
-        for an unknown name; the line lists the examples
+        for an unknown name; the message lists the examples
 
     Examples
     --------

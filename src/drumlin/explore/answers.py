@@ -1,8 +1,9 @@
 """The answers that the page with sliders shows: a brake solved by finite elements and by a law.
 
-The condensed stiffness of the shoes depends on geometry and moduli alone. It is kept, so that the
-answer for another friction, force or clearance takes some milliseconds. The wear of the linings is
-computed once over the whole range of its slider and interpolated at each position of the slider.
+The condensed stiffness of the shoes depends on geometry and moduli alone. The page keeps it, so
+that the answer for another friction, force or clearance takes some milliseconds. The wear of the
+linings is computed once over the whole range of its slider and interpolated at each position of the
+slider.
 """
 
 from collections.abc import Callable, Mapping
@@ -52,24 +53,25 @@ the stiffness takes up to 180 ms.
 """
 
 TOLERANCE_OF_ACCURATE_SOLID_SOLUTION = 5e-3
-"""Relative tolerance of p and torque in the accurate solution by solid shoes.
+"""Relative tolerance of the pressure (L2) and of the torque in the accurate solution.
 
-The page shows the difference of its own answer by solid shoes from this solution.
+The accurate solution has solid shoes with their widths. The page shows how far its own, coarser
+answer by solid shoes is from this solution.
 """
 
 HIGHEST_SOUGHT_LOCKING_FRICTION = 5.0
 """Friction coefficient up to which self-locking is searched; no real lining comes near it."""
 
 PRESSURE_ERROR_OF_ONE_WEAR_INCREMENT = 1e-2
-"""Relative error of the pressure (L2) that one increment of the sliding distance may make by wear.
+"""Relative error of the pressure (L2) that the wear of one increment of sliding distance may have.
 
 The error of the torque is then some 0.01 %.
 """
 
 LockingFrictionByShoeGroup = Mapping[tuple[int, ...], float]
-"""The friction coefficient mu_lock at which shoes lock themselves.
+"""The friction coefficient mu_lock at which a group of shoes locks itself, for each group.
 
-The key is a tuple with the positions of the shoes that lock together.
+The key is a tuple with the indices of the shoes that lock together.
 """
 
 
@@ -89,7 +91,7 @@ class FemAndLawAnswerAtSliderSetting:
     law_failure : reason why the law has no answer; "" where it has one
     locking_friction_by_law : smallest friction at which a shoe locks itself by the law; None on a
         plane
-    distance : sliding distance [m] over which the linings are worn
+    distance : sliding distance [m] over which the linings have been worn
     """
 
     setting: SliderSetting
@@ -132,7 +134,7 @@ class DifferenceFromAccurateAnswer(NamedTuple):
     pressure : relative difference of the pressure (L2) on the shoe where it is largest
     errors_stated_by_accurate_answer : estimated errors that `drumlin.solve` states for its accurate
         answer; None if it states none
-    plane_stress : estimated errors by the assumption of plane stress; None for solid shoes
+    plane_stress : estimated errors that the assumption of plane stress causes; None for solid shoes
     """
 
     torque: float
@@ -257,7 +259,7 @@ class SliderSolver:
     ) -> LockingFrictionByShoeGroup:
         """The friction coefficient at which each group of shoes locks itself, by finite elements.
 
-        The keys are the positions of the shoes that lock together. Shoes that do not lock up to
+        The keys are the indices of the shoes that lock together. Shoes that do not lock up to
         HIGHEST_SOUGHT_LOCKING_FRICTION have no entry. The result is empty where no
         shoe touches the drum. `model` is "fem" for plane stress and "solid" for solid shoes.
         """
@@ -317,7 +319,7 @@ class SliderSolver:
                 finer = MODELS[model].solve(brake, **options)
             except DrumlinError:
                 return None
-            # The stated error of the pressure is the largest difference of all shoes.
+            # The shoe with the largest pressure difference stands for the brake.
             apart = max(map(relative_distance_of_pressures, found.shoes, finer.shoes))
             return DifferenceFromAccurateAnswer(
                 abs(relative_error_of_number(found.effect, finer.effect)),

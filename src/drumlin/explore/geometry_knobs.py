@@ -55,7 +55,7 @@ def geometry_sliders_for_brake(brake: Brake) -> tuple[BrakeSlider, ...]:
 
 
 def _drum_radius_slider(brake: Brake) -> BrakeSlider:
-    """The slider of the drum's radius [mm]; linings and shoes follow, hinges and forces stay."""
+    """The slider of the drum's radius [mm]; linings and shoes move with the drum, hinges stay."""
     R = brake.size * 1e3
 
     def new_drum_radius_at_slider_value(value: float) -> NewValuesByBrakeFileKey:
@@ -112,7 +112,7 @@ def _lining_arc_slider(brake: Brake) -> BrakeSlider:
 
 
 def _hinge_radius_slider(brake: Brake) -> BrakeSlider | None:
-    """The slider that moves all hinges away from the drum's centre, in mm; None without hinges."""
+    """The slider that moves all hinges away from the drum's centre [mm]; None without hinges."""
     hinges = {
         f"shoe[{i}].hinge": shoe.hinge.xy
         for i, shoe in enumerate(brake.shoes)
@@ -145,8 +145,8 @@ def _hinge_radius_slider(brake: Brake) -> BrakeSlider | None:
 def _thickness_slider(name: str, label: str, given: dict[str, float]) -> BrakeSlider | None:
     """The slider of a thickness [mm], from half to twice the thickness in the brake file.
 
-    `given` holds the thicknesses [m] in the file by their keys; without any the result is None.
-    Where they differ, the slider shows the largest thickness, and all change in proportion.
+    `given` holds the thicknesses [m] in the file by their keys. If `given` is empty, the result is
+    None. Where the thicknesses differ, the slider shows the largest, and all change in proportion.
     """
     if not given:
         return None

@@ -40,14 +40,14 @@ number of kilometres.
 """
 
 SMALLEST_STEP_OF_FRICTION_SLIDER = 0.005
-"""Smallest change of friction by its slider; at usual friction it changes the torque by 2 %."""
+"""Smallest change of friction by its slider; at usual friction a step changes the torque by 2 %."""
 
 MAX_CHARACTERS_OF_EXPLORE_PAGE_LINK = 2000
-"""Largest number of characters of a link that are read. A link with all sliders has some 170."""
+"""Largest number of characters of a link that the server reads; all sliders take some 170."""
 
 
 class _DriveSliderLabelAndUnit(NamedTuple):
-    """The label of a slider for a cylinder or cam, its unit on the page, and this unit in SI."""
+    """The label of a slider for a cylinder or cam, its unit on the page, and one unit in SI."""
 
     label: str
     unit: str
@@ -62,7 +62,7 @@ CYLINDER_AND_CAM_SLIDER_LABELS_AND_UNITS = {
 }
 """Label and unit of the slider of a cylinder or cam.
 
-They are found by the key under which the brake file gives the actuation, such as "pressure".
+The keys of this table are the keys by which a brake file gives the actuation, such as "pressure".
 """
 
 
@@ -127,9 +127,9 @@ def slider_setting_at_brake_file_values(brake: Brake) -> SliderSetting:
 def sliders_for_brake(brake: Brake) -> tuple[BrakeSlider, ...]:
     """The sliders for a brake, in the order of the page.
 
-    Where forces or moduli differ between the shoes, the slider shows the largest value, and the
-    others change in proportion. Where clearances or radii differ, the slider shows a length that is
-    added to all of them.
+    Where forces or moduli differ between the shoes, the slider shows the largest value, and all
+    other values change in proportion. Where clearances or radii differ, the slider shows a length
+    that is added to all of them.
     """
     R = brake.size * 1e3  # mm
     # Clearance and misfit change in steps of about 1e-5 of the drum's radius.
@@ -378,8 +378,9 @@ def _lining_radius_misfit_slider(brake: Brake, step: float) -> BrakeSlider:
 def _wear_distance_slider(brake: Brake) -> BrakeSlider | None:
     """The slider for the wear of the linings: a sliding distance in kilometres.
 
-    It changes no key of the brake file. The linings of the brake that the other sliders make are
-    worn in a computation. It is None where the file has no modulus of a lining.
+    The slider changes no key of the brake file. All other sliders are applied first, and then the
+    linings of the changed brake are worn over the slider's distance. The result is None where the
+    file has no modulus of a lining.
     """
     units = []
     for lining in linings_by_brake_file_key(brake).values():
@@ -418,7 +419,7 @@ def _youngs_modulus_slider(
     unit : unit of the slider's values
     factor : this unit in Pa
     """
-    # The dictionary holds the moduli [Pa] that the file gives, by the position of the shoe.
+    # The dictionary holds the moduli [Pa] that the file gives; its keys are indices of shoes.
     moduli: dict[int, float] = {}
     for i, shoe in enumerate(brake.shoes):
         modulus = _modulus_shown_by_slider(shoe, part)
@@ -472,12 +473,12 @@ def _scaled_part_moduli_by_brake_key(
 ) -> NewValuesByBrakeFileKey:
     """New values, by key of the brake file, of a part's moduli and bending stiffness.
 
-    Each value is the value of the brake file multiplied by one factor.
+    Each value is the value of the brake file multiplied by the factor `times`.
 
     Parameters
     ----------
     shoe : the shoe
-    i : position of the shoe in the brake
+    i : index of the shoe in the brake
     part : "lining" or "shoe"
     times : the factor
     """

@@ -265,7 +265,7 @@ def _reply_with_picture_data(request: _HttpRequest) -> HttpReply:
 
 
 def _drawing_of_changed_shape(request: _HttpRequest, brake: Brake | None) -> dict[str, Any] | None:
-    """The drawing of a brake whose shape differs from the file's; None where it does not."""
+    """The drawing of a brake whose shape differs from the file's; None for equal shapes."""
     names = {knob.name for knob in geometry_sliders_for_brake(request.explorer.brake)}
     if brake is None or not names & set(request.setting.values):
         return None

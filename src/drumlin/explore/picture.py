@@ -104,7 +104,7 @@ class PictureOfAnswer:
     Attributes
     ----------
     fem, law : pressure curves, by finite elements and by the law, of the shoes that touch
-    arcs : first and last place [deg, on a plane mm] of each pressed arc by finite elements
+    arcs : first and last place [deg, on a plane mm] of each arc in contact, by finite elements
     forces : arrows of the actuation forces [mm]
     highest_pressure_of_scale : highest pressure of the scale [MPa], the same for all curves
     motion : arrow character for the motion of the drum or of the sliding body
@@ -129,8 +129,8 @@ def picture_of_brake_at_slider_setting(
 ) -> PictureOfAnswer:
     """The picture that the page shows for an answer.
 
-    `brake` is the brake of the file. It is drawn if the parts of the brake that the sliders make do
-    not fit together.
+    `brake` is the brake of the file. The picture shows this brake if the sliders' values give parts
+    that do not fit together.
     """
     shown = answer.brake or brake
     unit = shown.surface.si_to_shown_unit_factor
@@ -335,8 +335,8 @@ def error_of_finite_elements_as_html(
     """Lines of HTML on the errors of the finite elements and of plane stress.
 
     `stated` is the difference from the accurate answer of `drumlin.solve`; None if it is not known.
-    `asked` is whether the accurate answer has been asked for. Without `stated` the text is then
-    empty; otherwise it says that the error follows.
+    `asked` tells whether the page has already asked for the accurate answer. Without `stated` the
+    text is empty if `asked` is True. It says that the error follows if `asked` is False.
     """
     if answer.fem_response is None or answer.brake is None or (asked and stated is None):
         return ""

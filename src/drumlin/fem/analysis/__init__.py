@@ -1,4 +1,4 @@
-"""Further analyses of an elastic brake: holding at rest, self-locking, sensitivity and fields.
+"""Analyses of an elastic brake beyond its torque: holding, self-locking, sensitivity, and fields.
 
 The holding analysis turns the drum from rest to full slip. The self-locking analysis finds the
 friction coefficient at which the brake locks. The sensitivity analysis gives exact derivatives of

@@ -4,15 +4,15 @@ As long as the same nodes are in contact, the solved brake fulfils linear equati
 unknowns are the pressures p, the generalised coordinates y of the rigid-body motions, the actuation
 forces F and, under a cam, the travel d of the points where its forces act. The adjoint (a, b, c) is
 the solution of the transposed equations, whose right side is the derivative of a torque T with
-respect to these unknowns. If a small change of the brake changes the equations by dr, the torque
-changes by dT = -(a, b, c) . dr. A change dmu of the friction coefficient adds (T/mu) dmu, since T =
-mu times an integral of p. If mu depends on p, the equations have the tangent of the friction stress
-mu(p) p, and dmu changes all coefficients in proportion.
+respect to these unknowns. If a small change of the brake changes r by dr, the torque changes by dT
+= -(a, b, c) . dr. The torque T is mu times an integral of p, so that a change dmu of the friction
+coefficient also adds (T/mu) dmu. If mu depends on p, the equations contain the derivative of the
+friction stress mu(p) p by p, and dmu changes all coefficients in proportion.
 
 The actuation forces are unknowns of the equations, so that forces of struts and cams need no
-special case: c is the change of T per given force. The pulls of springs are unknowns as well. The
-equation of a spring with the preload T_0, the rate k and the approach d of its points is T + k d =
-T_0, and its multiplier is the change of the torque per preload.
+special case: c is the change of T per newton of a given force. The pulls of springs are unknowns as
+well. A spring with the preload P_0 and the rate k, whose points come nearer to each other by s, has
+the pull P with P + k s = P_0. The multiplier of this equation is the change of T per preload.
 """
 
 from typing import NamedTuple
@@ -42,7 +42,7 @@ class ShoeAdjoint(NamedTuple):
     equilibrium_multipliers : adjoint multipliers (k,) of the equilibrium equations of the shoe
     force_multiplier : adjoint multiplier of the equation that gives the shoe's actuation force
     pressures : pressures (n,) [Pa] on the lining in the solution
-    coordinates : generalised coordinates (k,) of the shoe's rigid-body motion in the solution
+    coordinates : generalised coordinates (k,) of the shoe's k rigid-body modes in the solution
     force : size of the shoe's actuation force [N] in the solution
     """
 
@@ -62,14 +62,14 @@ class TorqueDerivativesAndAdjointOfGroup(NamedTuple):
     group : the group, with the directions of friction at its abutments in the solution
     shoes : the adjoint and the solution of each shoe
     torques : torque of each shoe (shoes,) [N m]
-    torque_slopes_by_friction : change of the torque of each shoe per friction coefficient (shoes,)
-        [N m]
-    torque_slope_by_log_of_ring_modulus : change of the group's torque by the logarithm of the
-        ring's modulus [N m]
-    torque_slope_by_given_forces : change of the group's torque by the logarithm of all actuation
-        forces that the brake file gives [N m]
+    torque_slopes_by_friction : derivative (shoes,) [N m] of the torque of each shoe by the friction
+        coefficient
+    torque_slope_by_log_of_ring_modulus : derivative [N m] of the group's torque by the natural
+        logarithm of the ring's modulus
+    torque_slope_by_given_forces : derivative [N m] of the group's torque by the natural logarithm
+        of a factor on all actuation forces that the brake file gives
     springs : the effects of the brake's springs on the group, at the friction of the solution
-    preload_slopes : change of the group's torque per preload (springs,) [m]
+    preload_slopes : derivative (springs,) [m] of the group's torque by the preload of each spring
     approaches : motion (springs,) [m] by which the points of each spring come nearer to each other
     """
 
@@ -94,7 +94,7 @@ def solve_adjoint_for_torque_of_shoe_group(group: ShoeGroup) -> TorqueDerivative
     lever, n = group.torque_of_each_shoe_per_nodal_pressure, len(contact.p)
     without_friction = _equation_matrix_of_shoe_group(group, 0.0)
     per_friction = _equation_matrix_of_shoe_group(group, 1.0) - without_friction
-    # Small changes of the pressures obey the tangent of the friction stress mu(p) p.
+    # A small change dp of a pressure changes the friction stress mu(p) p by d(mu p)/dp dp.
     tangent, tangent_per_friction = (
         group_with_tangent_of_friction_stress(group, contact.p),
         per_friction,
@@ -105,8 +105,8 @@ def solve_adjoint_for_torque_of_shoe_group(group: ShoeGroup) -> TorqueDerivative
     F = np.abs(group.actuation_forces_under_contact_pressures(contact.p))
     coordinates = sum(map(len, y))
     # The last unknowns are the travel of the points of actuation under a cam, and the pulls of
-    # springs. The matrix that multiplies `answer` below holds only coefficients that depend on
-    # friction, and their coefficients do not. Zeros may therefore stand for them.
+    # springs. `answer` is multiplied below only by a matrix of derivatives by friction. This matrix
+    # is zero in the columns of these unknowns, so that zeros may stand for their values.
     further = np.zeros(len(without_friction) - n - coordinates - len(F))
     answer = np.concatenate([contact.p, *y, F, further])
     weights = np.zeros((len(answer), len(F)))
@@ -152,7 +152,7 @@ def solve_adjoint_for_torque_of_shoe_group(group: ShoeGroup) -> TorqueDerivative
 def _approaches_of_springs(
     group: ShoeGroup, springs: SpringMatrices, p: Floats, shoes: list[ShoeAdjoint]
 ) -> Floats:
-    """The motions (springs,) [m] by which the points of each spring come nearer in a solution.
+    """The lengths (springs,) [m] by which the two points of each spring come nearer to each other.
 
     Parameters
     ----------
@@ -173,7 +173,7 @@ def _approaches_of_springs(
 
 
 def _torque_slope_by_logarithm_of_ring_modulus(group: ShoeGroup, a: Floats, p: Floats) -> float:
-    """The change of the torque [N m] by the logarithm of the elastic modulus of the drum ring.
+    """The derivative [N m] of the torque by the natural logarithm of the drum ring's modulus.
 
     `a` are the gap multipliers and `p` the pressures (n,) of the group. A rigid drum gives 0.
     """
@@ -188,9 +188,9 @@ def _torque_slope_by_logarithm_of_ring_modulus(group: ShoeGroup, a: Floats, p: F
 def _torque_slope_by_logarithm_of_actuation_forces(
     group: ShoeGroup, shoes: list[ShoeAdjoint]
 ) -> float:
-    """The change of the torque by the logarithm of all actuation forces in the brake file [N m].
+    """The derivative [N m] of the torque by the logarithm of a factor on all given forces.
 
-    The forces of struts are not in the brake file and do not count.
+    Given forces are the actuation forces in the brake file; forces of struts are not in the file.
     """
     pushed_by_struts = [to for _, to in group.indices_of_pushing_and_pushed_shoe_of_struts]
     return float(
@@ -251,7 +251,7 @@ def _equation_matrix_with_spring_pulls(
 
 
 def _solve_adjoint_equations_for_torques(matrix: Floats, on: Bools, weights: Floats) -> Floats:
-    """Solve the transposed equations of a group of shoes for the adjoints of j torques.
+    """Solve the transposed equations of a group of shoes for the adjoint of each of j torques.
 
     Parameters
     ----------

@@ -1,8 +1,8 @@
 """The stick-slip problem of shoes on a drum that rests or is turned by a small angle.
 
 On a sliding drum the friction follows from the pressure. On a drum at rest the tangential tractions
-on the linings are further unknowns. A foot on a rough abutment sticks and slips as a lining does,
-so that the normal force and the friction force on the foot are unknowns as well.
+on the linings are also unknowns. A foot on a rough abutment sticks and slips as a lining does, so
+that the normal force and the friction force on the foot are unknowns as well.
 """
 
 import math
@@ -47,8 +47,9 @@ def make_stick_slip_problem_and_slip_per_drum_rotation(
     the brake.
 
     The nodes of the linings come first, then one node for each foot on a rough abutment, see
-    `FeetOnRoughAbutments`, then one frictionless node for each one-sided support, or for each of
-    the `springs` with a rate. The group is then that of `group_under_spring_pulls` with None.
+    `FeetOnRoughAbutments`. The last nodes have no friction: one node for each one-sided support, or
+    for each of the `springs` with a rate. With `springs`, the group is a result of
+    `group_under_spring_pulls` with the pulls None, so that no spring with a rate loads its shoes.
     """
     feet = FeetOnRoughAbutments.collect_feet_on_rough_abutments(group)
     still = replace(
@@ -70,24 +71,24 @@ def make_stick_slip_problem_and_slip_per_drum_rotation(
 
 
 class _TractionMatrices(NamedTuple):
-    """The matrices that tractions and slips of a lining add to the contact problem of its shoe.
+    """The matrices for tractions and slips of a lining in the stick-slip problem of its shoe.
 
     Weighted gaps and slips are integrals of the gap and of the slip times the shape function of
     each contact node.
 
     Attributes
     ----------
-    A_wt : weighted gaps (n, n) that open per nodal traction
-    A_sp, A_st : weighted slips (n, n) per nodal pressure and per nodal traction
-    B_s : weighted slips (n, k) per generalised coordinate of the shoe's rigid-body motion
-    C_t : generalised forces (k, n) per traction, in the equilibrium equations of the shoe
-    compliance : compliance (n, n) of the penalty contact along the friction surface, which is the
-        same as normal to the surface
+    A_wt : change (n, n) of the weighted gaps per nodal traction
+    A_sp, A_st : change (n, n) of the weighted slips per nodal pressure and per nodal traction
+    B_s : change (n, k) of the weighted slips per generalised coordinate of the shoe's rigid motion
+    C_t : change (k, n) of the generalised forces on the shoe, in its equilibrium, per traction
+    compliance : compliance (n, n) of the penalty contact along the friction surface; it equals the
+        compliance normal to the surface
     q_s : weighted slips (n,) without pressure and traction
     effects : the `EffectsOfActuationForceOnShoe` of the actuation force, with slips in place of
         gaps and tractions in place of pressures
-    load_travel : elastic displacement (n, l) of the point at which each of l unit loads acts, along
-        the load and per nodal traction
+    load_travel : elastic displacement (n, l) per nodal traction of the points at which l unit loads
+        act, each in the direction of its load
     """
 
     A_wt: Floats
@@ -196,11 +197,11 @@ class FeetOnRoughAbutments(NamedTuple):
     Attributes
     ----------
     group : the group of shoes
-    indices_of_shoes_on_rough_abutments : numbers, within the group, of the shoes whose feet stand
+    indices_of_shoes_on_rough_abutments : indices, within the group, of the shoes whose feet stand
         on rough abutments
-    senses : direction of friction at the abutment of each shoe of the group;
-        SENSE_VALUE_OF_ABUTMENT_THAT_DOES_NOT_ACT (the abutment is left out) if the foot is a node
-        of the stick-slip problem
+    senses : direction of friction at the abutment of each shoe of the group. If the foot is a node
+        of the stick-slip problem, the direction is SENSE_VALUE_OF_ABUTMENT_THAT_DOES_NOT_ACT: the
+        node replaces the abutment
     foot_compliance : penalty compliance (feet,) [m/N] of the contact between each foot and its
         abutment, normal to the face and along it
     """
@@ -263,8 +264,8 @@ class FeetOnRoughAbutments(NamedTuple):
         off = np.zeros((count, problem.B_w.shape[1]))
         slid = np.zeros((count, problem.B_w.shape[1]))
         # The rigid-body modes of the shoe are two translations and the rotation about its foot. One
-        # translation moves the foot off the abutment, the other along it; the rotation does not
-        # move it.
+        # translation moves the foot off the abutment, the other translation moves the foot along
+        # the abutment. The rotation does not move the foot.
         for row, k in enumerate(self.indices_of_shoes_on_rough_abutments):
             names = (
                 still.shoes[k]
@@ -358,7 +359,8 @@ def _stick_slip_problem_with_spring_nodes(
 ) -> StickSlipProblem:
     """Add a node without friction for each spring with a rate to a stick-slip problem.
 
-    The pressure of the node is the pull of the spring [N], and its gap is zero while it acts.
+    The pressure of the node is the pull of the spring [N]. The gap of the node is zero while the
+    spring acts.
 
     Parameters
     ----------
@@ -439,12 +441,11 @@ def _contact_problem_with_tractions_among_pressures(
 def _actuation_effects_on_pressures_and_tractions(
     still: ShoeGroup, shoes: list[_TractionMatrices], n: int, springs: SpringNodes | None
 ) -> list[EffectsOfActuationForceOnShoe]:
-    """The effects of the actuation force on each shoe, with slips and tractions.
+    """The effects of the actuation force on gaps and slips, and of contact stresses on shoes.
 
-    The slips follow the gaps, and the tractions follow the pressures.
-
-    They are the effects of the actuation force on the n gaps and n slips, and the effects of the n
-    pressures and n tractions on the shoe's tip and foot.
+    For each shoe the effects are stacked in two ways. The slips per actuation force follow the gaps
+    per actuation force. The effects of tractions on the points of actuation and on the feet follow
+    the effects of pressures on them.
 
     Parameters
     ----------

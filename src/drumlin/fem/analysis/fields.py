@@ -145,7 +145,7 @@ class NodalMeansOfTensorField(NamedTuple):
     Attributes
     ----------
     nodes : numbers (n,) of these nodes among all nodes of the body
-    cells : the a nodes of each of m elements (a, m), as indices into `nodes`
+    cells : indices (a, m) into `nodes`: the a nodes of each of m elements
     values : the mean tensors (n, d, d)
     """
 
@@ -155,14 +155,14 @@ class NodalMeansOfTensorField(NamedTuple):
 
 
 class _ShapeFunctionsAtElementNodes(NamedTuple):
-    """The shape functions of m elements at their own a nodes.
+    """The nodes of m elements, and the gradients of the elements' shape functions at these nodes.
 
     Attributes
     ----------
     dofs : nodes (a, m) of the elements
     slopes : gradients (a, 2, m, a) [1/m] of the shape functions at the nodes
-    corners : node numbers (k, c), within an element, of the k corners of each of the c cells by
-        which the element is drawn
+    corners : node numbers (k, c), within an element, of the k corners of each of c cells; pictures
+        show the element as these cells
     """
 
     dofs: Ints
@@ -229,10 +229,10 @@ def stress_and_displacement_fields_of_ring(
 def friction_stress_over_friction_coefficient_of_each_lining(
     brake: Brake, response: Response
 ) -> list[Floats]:
-    """For each shoe the friction stress (n_i,) [Pa] divided by the shoe's friction coefficient.
+    """The friction stress divided by the friction coefficient: for each shoe an array (n_i,) [Pa].
 
-    It equals the pressure, unless friction depends on the pressure. The nodes are in the order of
-    their angle in the shoe's own frame.
+    The quotient equals the pressure, unless friction depends on the pressure. The nodes are in the
+    order of their angle in the shoe's own frame.
     """
     pressures = nodal_contact_pressures_of_each_lining(brake, response)
     found = []
@@ -334,7 +334,7 @@ def nodal_means_of_element_tensors(values: Floats, dofs: Ints) -> NodalMeansOfTe
 
 
 def _shape_gradients_at_element_nodes(basis: Any, elements: Ints) -> _ShapeFunctionsAtElementNodes:
-    """The shape functions of chosen elements of a body, at the nodes of the elements."""
+    """The gradients of the shape functions of chosen elements, at the nodes of these elements."""
     if isinstance(basis, HpElementGrid):
         dofs = basis.element_dofs[:, elements]
         return _ShapeFunctionsAtElementNodes(
@@ -358,16 +358,16 @@ FIELD_ATTRIBUTE_BY_VTU_NAME = {
     "pressure [Pa]": "pressure",
     "push of the drum [Pa]": "push",
 }
-"""For each nodal field of a .vtu file, the attribute of `StressAndDisplacementFields` or
-`StressAndDisplacementFieldsOfHalfShoe` that it shows.
+"""The attribute of a class of fields that holds each nodal field of a .vtu file.
 
-The keys are the names of the fields in the file, the values the names of the attributes.
+The keys are the names of the fields in the file. The values are names of attributes of
+`StressAndDisplacementFields` or of `StressAndDisplacementFieldsOfHalfShoe`.
 """
 
 
 def write_fields_to_vtu_file(path: Path, parts: Sequence[Any]) -> None:
     """Write the fields of all shoes, flat or solid, as one .vtu file for ParaView."""
-    # Pictures of fields need no meshio, which takes long to load.
+    # meshio takes long to load, and pictures of the fields do not need it.
     import meshio  # noqa: PLC0415
 
     mesh = meshio_mesh_with_fields_of_all_shoes(parts)

@@ -66,8 +66,7 @@ from drumlin.fem.model import DEFAULT_PENALTY_FACTOR, solve_prepared_model
 from drumlin.fem.preparation.scene import PreparedModel
 
 MAX_HALVINGS_OF_ROTATION_INCREMENT = 4
-"""Largest number of times that an increment of the drum's rotation is halved before the solve
-fails.
+"""Largest number of times that an increment of the drum's rotation is halved before `hold` fails.
 
 Within a large increment a node may stick, slip and open one after the other. A single increment,
 which has one state for each node, then has no solution. This happens if the increment is many
@@ -78,8 +77,9 @@ FIRST_ROTATION_OF_FULL_SLIP_SEARCH = 1e-7
 """First rotation of the drum [rad] in the search for full slip, which enlarges it step by step.
 
 It lies far below any rotation that makes a lining slip, which is 1e-4 p/E or more for a lining of
-modulus E under the pressure p. The rotation grows by a factor, so that a hundred times smaller
-first rotation takes only one more increment, out of about a hundred.
+modulus E under the pressure p. The rotation grows elevenfold in an increment at most. A first
+rotation that is a hundred times smaller therefore takes some two increments more, of the 100
+increments that the search may take.
 """
 MARGIN_OF_FULL_SLIP_ROTATION = 0.1
 """Fraction by which `find_drum_rotation_of_full_slip` enlarges the rotation that gave full slip.
@@ -98,8 +98,7 @@ LARGEST_TORQUE_DIFFERENCE_OF_SAME_EQUILIBRIUM = 1e-6
 Two computations of the same equilibrium differ only by the effect of the penalty, 1e-8.
 """
 LARGEST_FOOT_FRICTION_RATIO_DIFFERENCE = 1e-6
-"""Difference in the ratio of friction force to normal force above which two states of a foot
-differ.
+"""Difference of two ratios of friction force to normal force above which states of a foot differ.
 
 Smaller differences are round-off and the effect of the penalty.
 """
@@ -108,24 +107,24 @@ NOTE_ON_NEGLECTED_FRICTION_ACROSS_WIDTH = (
     "solid: friction acts along theta; across the width the face slides freely, "
     "also where it sticks"
 )
-"""Note with each state of a holding brake of solid shoes."""
+"""Note that each `HoldingState` of a brake with solid shoes contains."""
 STICK_SLIP_STATES_IN_ORDER_OF_PRECEDENCE = (STICK, FORWARD, BACKWARD)
 """The states of contact nodes in order of precedence across the width of a solid shoe.
 
 The nodes across the width at one angle may have different states. The lining counts as sticking at
-this angle if one of these nodes sticks, and otherwise as slipping if one of them slips.
+this angle if at least one of these nodes sticks. If no node sticks, it counts as slipping if at
+least one of these nodes slips.
 """
 
 NodesFriction = float | Floats | FunctionOfNodalFrictionByPressures
-"""The friction coefficient of all nodes, (n,) of each node, or the friction as a function of the
-pressures."""
+"""The friction of contact nodes: one coefficient, coefficients (n,), or a function of pressures."""
 
 ArcsAlongLining = tuple[tuple[float, float], ...]
 """The type of arcs along a lining: the angles [rad] at which each arc starts and ends."""
 
 
 class ContactNodesOfHeldLiningFace(NamedTuple):
-    """The contact nodes of one lining, at n angles and m distances from the mid-plane.
+    """The contact nodes of one shoe's lining, at n angles and m distances from the mid-plane.
 
     A lining in plane stress has one node at each angle.
 
@@ -144,22 +143,24 @@ class ContactNodesOfHeldLiningFace(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class HoldingState(BaseClassWithArrayEquality):
-    """The state of a holding brake at one rotation of the drum, which began to turn from rest.
+    """The state of a holding brake at one rotation of the drum, which has turned from rest.
 
     Attributes
     ----------
     rotation : rotation [rad] of the drum from its rest
-    torque : moment [N m] of the linings on the drum, positive against the brake's rotation
+    torque : moment [N m] of all linings on the drum, positive against the brake's rotation
     names : names of the shoes
-    theta : growing angles (n,) [rad] of the nodes of each lining
-    pressure : pressure (n,) [Pa] on each lining; for solid shoes the mean over the width
-    traction : tangential traction (n,) [Pa] on each lining along e_theta; for solid shoes the mean
-        over the width
-    state : state (n,) at each angle: open, stick, slip forward or slip backward; for solid shoes
-        the first state in STICK_SLIP_STATES_IN_ORDER_OF_PRECEDENCE that occurs across the width
-    stick, slip : arcs [rad] of each lining that stick, and arcs that slip
+    theta : for each shoe, the angles (n,) [rad] of its lining's nodes, in increasing order
+    pressure : for each shoe, the pressure (n,) [Pa] on its lining; for solid shoes the mean over
+        the width
+    traction : for each shoe, the tangential traction (n,) [Pa] on its lining along e_theta; for
+        solid shoes the mean over the width
+    state : for each shoe, the state (n,) at each angle: open, stick, slip forward or slip backward;
+        for solid shoes the first state in STICK_SLIP_STATES_IN_ORDER_OF_PRECEDENCE that occurs
+        across the width
+    stick, slip : for each shoe, the arcs [rad] of its lining that stick, and the arcs that slip
     dissipated : energy [J] dissipated by slip since the actuation force was zero
-    face : contact nodes of each lining
+    face : for each shoe, the contact nodes of its lining
     notes : notes that explain why the moment at full slip differs from the moment by `solve`, and
         what the model of solid shoes neglects
     spring_pulls : pull [N] of each spring; empty if no spring has a rate
@@ -199,13 +200,14 @@ class _LoadedGroupAtRest(NamedTuple):
     group : the group of shoes
     problem : the stick-slip problem, whose last nodes are feet on rough abutments and one-sided
         supports
-    slip_per_rotation : growth (n,) of the weighted slips q_s of the nodes per radian of drum
-        rotation in the brake's sense
-    friction : friction coefficient (n,) of each node, or a function of the pressures
+    slip_per_rotation : growth (n,) of the weighted slips q_s (integrals of the slip times each
+        node's shape function) per radian of drum rotation in the brake's sense
+    friction : friction coefficients (n,) of the nodes, or a function of the pressures that returns
+        the coefficients
     rest : the last load increment before the drum turns, at whose end the full force acts
     dissipated : energy [J/N^2] dissipated by slip while the force was applied
-    springs : the springs with a rate, whose nodes are the last; None without such nodes. The group
-        is then that of `group_under_spring_pulls` with None.
+    springs : the springs with a rate, whose nodes are the last; None without such nodes. With such
+        nodes, the springs with a rate do not load `group`, because their pulls are unknowns
     """
 
     group: ShoeGroup
@@ -283,9 +285,10 @@ class _IncrementsAlongRotationPath(NamedTuple):
 
 
 class _NodalStatesAlongLining(NamedTuple):
-    """Angles [rad], pressures [Pa], tractions [Pa] and states (n,) along one lining, and its face.
+    """Angles, pressures, tractions and states (n,) along the lining of one shoe, and its face.
 
-    n is the number of angles. The values become the entries of one shoe in a `HoldingState`.
+    n is the number of angles [rad]; pressures and tractions are in Pa. The values become the
+    entries of one shoe in a `HoldingState`.
     """
 
     theta: Floats
@@ -414,8 +417,8 @@ def _apply_actuation_force_to_resting_group(
     try:
         rest, spent = _increase_actuation_force_at_rest(problem, gap, friction, start, increments)
     except NoAnswer as error:
-        # On a brake that locks itself, `solve_contact_and_abutment_friction` raises a NoAnswer that
-        # states the friction limit. It takes precedence over the error below.
+        # On a brake that locks itself, `solve_shoe_group_with_lining_friction` raises a NoAnswer
+        # that states the friction limit. This error replaces the error below.
         solve_shoe_group_with_lining_friction(group)
         raise NoAnswer(f"{group.names_of_shoes_as_text}: {error}, the drum at rest") from error
     per_rotation = lever * (group.brake.sign_of_motion / size)
@@ -423,11 +426,11 @@ def _apply_actuation_force_to_resting_group(
 
 
 def _states_of_nodes_without_friction(group: ShoeGroup, feet: FeetOnRoughAbutments) -> Ints:
-    """The states (n,) from which the first load increment starts, without the nodes of springs.
+    """The states (n,) of all nodes but springs from which the first load increment starts.
 
-    They come from the solution without friction. Nodes that touch in it stick, and all feet stick.
-    One-sided supports that bear in it slip, and the others are open. Springs, on which no friction
-    acts, always slip.
+    A solution without friction gives these states. Nodes of linings that touch in this solution
+    stick, and all feet stick. One-sided supports that bear in this solution slip, and all other
+    supports are open.
     """
     smooth = replace(
         group, brake=feet.brake_with_smooth_abutments(0.0), abutment_friction_directions_of_shoes=()
@@ -447,7 +450,7 @@ def _friction_of_lining_and_further_nodes(
 ) -> NodalFrictionAndSlope:
     """The friction of all nodes at pressures p (n,) per newton of the group's actuation force.
 
-    Nodes behind those of the linings have the coefficients of `constant` (n,).
+    Nodes after the lining nodes have the coefficients of `constant` (n,).
     """
     size, n = group.largest_actuation_force, len(group.contact_node_areas)
     found = friction_and_its_slopes_at_nodes_of_group(group, size * p[:n])
@@ -481,12 +484,13 @@ def _increase_actuation_force_at_rest(
     Without gaps all quantities are proportional to the force, and one increment is exact. With gaps
     the force after increment number i is proportional to i^3, because the contact changes most
     under a small force. Under a very small force only one or two nodes are in contact, and an
-    increment may not converge. It is then joined with the next one.
+    increment may not converge. Such an increment is joined with the next increment.
 
     Parameters
     ----------
     problem : the stick-slip problem under the full force
-    gap : weighted gaps (n,) of the unloaded linings
+    gap : weighted gaps (n,) of the unloaded linings: integrals of the gap times each node's shape
+        function
     friction : friction coefficient (n,) of each node, or a function of the pressures
     state : states (n,) of the nodes from which the first increment starts
     increments : number of increments
@@ -545,8 +549,8 @@ def _turn_drum_through_rotations(
                 )
                 increment = step
         except NoAnswer as error:
-            # On a brake that locks itself, `solve_contact_and_abutment_friction` raises a NoAnswer
-            # with the friction limit. It takes precedence over the error below.
+            # On a brake that locks itself, `solve_shoe_group_with_lining_friction` raises a
+            # NoAnswer with the friction limit. This error replaces the error below.
             turning = brake if rotation > reached else brake.brake_with_reversed_motion()
             solve_shoe_group_with_lining_friction(
                 _shoe_group_with_other_rotation_or_friction(group, turning)
@@ -572,15 +576,15 @@ def turn_drum_in_increments(
 ) -> Iterator[StickSlipIncrementSolution]:
     """Turn the drum from one rotation to another, and yield each converged increment.
 
-    The whole turn is one increment if the states of the nodes (open, stick, slip) converge.
-    Otherwise the turn is halved up to MAX_HALVINGS_OF_ROTATION_INCREMENT times, and its parts are
-    the increments.
+    The whole turn is one increment if the states of the nodes (open, stick, slip) converge. If the
+    states do not converge, the turn is halved up to MAX_HALVINGS_OF_ROTATION_INCREMENT times, and
+    its parts are the increments.
 
     Parameters
     ----------
     problem : the stick-slip problem while the drum rests
     lever : growth (n,) of the nodes' weighted slips q_s per radian of drum rotation
-    friction : friction coefficient of all nodes, (n,) of each node, or a function of the pressures
+    friction : one coefficient for all nodes, coefficients (n,), or a function of the pressures
     increment : the converged increment at the rotation `start`
     start, end : rotations [rad]
 
@@ -681,13 +685,13 @@ def _state_of_brake_at_rotation(
 def _nodal_contact_states_of_linings(
     group: ShoeGroup, at: StickSlipIncrementSolution
 ) -> dict[int, _NodalStatesAlongLining]:
-    """The nodal states of each lining at an increment, by the shoe's position in the brake."""
+    """The nodal states of each shoe's lining at an increment, by the shoe's index in the brake."""
     size = group.largest_actuation_force
     states = {}
     for k, part in enumerate(group.contact_node_slices_of_shoes):
         frame = group.shoes[k].frame
-        # The nodes are put in the order of growing theta. They are reversed if the shoe's frame is
-        # mirrored.
+        # The nodes are put in the order of increasing theta. They are reversed if the shoe's frame
+        # is mirrored.
         forward = slice(None, None, frame.sense)
         line = group.substructures_of_shoes[k].line
         shares = line.width_fraction_of_each_node_across_width
@@ -955,7 +959,7 @@ def _stick_slip_states_as_words(states: Ints) -> list[str]:
 
 
 def _stick_slip_state_of_lining_as_dict(state: HoldingState, i: int) -> dict[str, Any]:
-    """Convert the nodal values of lining `i` in a state of the brake to plain data for JSON.
+    """Convert the nodal values of shoe `i` in a state of the brake to plain data for JSON.
 
     If there are several nodes across the width, the key "face" has the values at all of them.
     """

@@ -57,7 +57,8 @@ class NodeMotionPerPointMotion(NamedTuple):
     ----------
     node_motion : motion (2 nodes,) of all nodes: x and y of the first node, then of the next
     contact_node_motion : motion (2, n) of the nodes of the contact line
-    load_change : change (2 nodes,) [1/m] of the nodal forces per newton of the actuation
+    load_change : change (2 nodes,) [1/m] of the nodal forces of one newton of actuation, per metre
+        by which the point moves
     beam_axis_turn_per_metre : turn [rad/m] of the axis of a straight beam; 0 for other bodies
     """
 
@@ -83,14 +84,15 @@ def node_motions_per_motion_of_shoe_point(
     Parameters
     ----------
     scene : the prepared model
-    i : position of the shoe in the brake
+    i : index of the shoe in the brake
     shoe : the shoe
     key : the point: "hinge", "pivot", "abutment.point" or "actuation.point"
 
     Raises
     ------
     NoAnswer
-        if the division into elements changes both with a small step forwards and with one backwards
+        if the division into elements changes with a small step of the point forwards and also with
+        a small step backwards
     """
     moving = do_nodes_of_shoe_move_with_point(scene, shoe, key)
     turns_axis = isinstance(shoe.body, BeamBody) and key in KEYS_OF_POINTS_AT_BEAM_AXIS_ENDS

@@ -1,15 +1,15 @@
 """The mutual work v^T K u of two displacement fields of a body, and its change as nodes move.
 
-With the stiffness K of plane stress, the width b and the gradients H_cd = d u_c / d x_d of both
-displacements u and v,
+With the stiffness K of plane stress, the width b, the Lame constants lambda and mu of plane stress,
+and the gradients H_cd = d u_c / d x_d of both displacements u and v,
 
     v^T K u = b Int sigma(u) : H_v dA,   sigma(u) = lambda tr(H_u) I + mu (H_u + H_u^T)
 
-and, for an orthotropic layer, further stresses along and through the layer
+An orthotropic layer has additional stresses along and through the layer
 (fem.substructure.elasticity).
 
-If the nodes move by s V while their displacements stay, the gradients change by -s H (grad V) and
-the areas by s div V, so that at s = 0
+If the nodes move by s V while their displacements u and v stay, the gradients change by -s H (grad
+V) and the areas by s div V, so that at s = 0
 
     d/ds v^T K u
         = b Int sigma(u) : H_v div V - sigma(u) : (H_v grad V) - sigma(v) : (H_u grad V) dA.
@@ -197,7 +197,7 @@ def mutual_work_derivatives_by_node_motions(
 
 
 def _work_density_change_per_motion_gradient(stress: Floats, H: Floats) -> Floats:
-    """The change of work density (e, q, 2, 2) per -grad V, for a motion V of the nodes.
+    """The derivative (e, q, 2, 2) of the work density by -grad V, for a motion V of the nodes.
 
     The gradient H (e, q, 2, 2) of the displacements changes by -H (grad V) as the nodes move, and
     `stress` does work on this change.

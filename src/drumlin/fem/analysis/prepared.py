@@ -22,10 +22,10 @@ DEGREE_ACROSS_WIDTH_FOR_ANALYSES = 3
 
 On 18 example brakes without ring and mesh files, the step from degree 3 to degree 6 changes the
 torque by at most 0.2 % and the mean pressure (L2) by at most 0.5 % (first level of a solve). Both
-values belong to the S-cam brake; for the others they are 0.03 % and 0.12 %. The step from degree 2
-to degree 6 changes them by 0.2 % and 0.6 %, without the S-cam brake by 0.09 % and 0.34 %. The
-results of plane stress differ by some 1 % from those of solid shoes. Each further degree takes
-about 1.5 times as long.
+values belong to the S-cam brake; for all other brakes the values are 0.03 % and 0.12 %. The step
+from degree 2 to degree 6 changes torque and mean pressure by 0.2 % and 0.6 %, without the S-cam
+brake by 0.09 % and 0.34 %. The results of plane stress differ by some 1 % from the results of solid
+shoes. With each degree the time grows by a factor of about 1.5.
 """
 
 

@@ -33,10 +33,10 @@ def self_locking_friction_of_shoe_groups(
 ) -> dict[tuple[int, ...], LargestFrictionWithEquilibrium]:
     """The smallest friction coefficient at which each group of shoes locks itself.
 
-    The keys of the result are the positions of the group's shoes in the brake. If a foot leaves its
+    The keys of the result are the indices of the group's shoes in the brake. If a foot leaves its
     abutment at a smaller friction, or a cam or a strut would have to pull there, this smaller
-    friction is the limit. If friction depends on the pressure, the limit is the coefficient at zero
-    pressure, with all coefficients in proportion.
+    friction is the limit. If friction depends on the pressure, the limit is the friction
+    coefficient at zero pressure, with all coefficients of the table changed in proportion.
 
     Parameters
     ----------
@@ -64,8 +64,9 @@ def _limits_of_friction_over_pressure(
 ) -> dict[tuple[int, ...], LargestFrictionWithEquilibrium]:
     """The limits of `self_locking_friction_of_shoe_groups` for friction that depends on pressure.
 
-    They are the brake's friction coefficient at zero pressure, with all its coefficients in
-    proportion. Raises BadInput for supports, struts and cams that may end the equilibrium earlier.
+    Each limit is the brake's friction coefficient at zero pressure, with all its coefficients in
+    proportion. Raises BadInput for supports, struts and cams, at which equilibrium may end at a
+    smaller friction.
     """
     limits = {}
     for group in divide_pressed_shoes_into_groups(scene, brake, penalty):
@@ -90,7 +91,7 @@ def _limits_of_friction_over_pressure(
 def shoe_torques_at_friction_coefficients(
     scene: PreparedModel, brake: Brake, frictions: Sequence[float], penalty: float = math.inf
 ) -> Floats:
-    """The torque (m, shoes) [N m] of each shoe at m friction coefficients in growing order.
+    """The torque (m, shoes) [N m] of each shoe at m friction coefficients in increasing order.
 
     Raises NoAnswer if a friction coefficient reaches or exceeds the limit of self-locking.
     """

@@ -4,8 +4,9 @@ The adjoint is the solution of the transposed equations of the brake (fem.analys
 one adjoint follow the derivatives of the torque with respect to all data, so that no differences of
 solves are needed.
 
-- If a modulus changes, dT = -v^T dK u: u are the displacements under the loads, v those under the
-  adjoint loads, and dK the change of the part of the stiffness that is proportional to the modulus.
+- If a modulus changes, dT = -v^T dK u. Here u are the displacements under the loads, and v the
+  displacements under the adjoint loads. dK is the change of the part of the stiffness that is
+  proportional to the modulus.
 - The supports of a shoe act through its rigid-body modes. A support also acts through the body if
   nodes of the body move with the support (fem.analysis.moving): a straight beam ends at the hinge,
   and the back of an arc is gripped at the pivot. Then dT = -v^T (dK/dX dX) u. Here dK/dX is the
@@ -14,7 +15,7 @@ solves are needed.
   are central differences.
 
 The division into elements does not change with the data. If a node is just about to enter or leave
-the contact, the torque has a kink, and the derivatives are those for the present nodes in contact.
+the contact, the torque has a kink, and the derivatives hold for the present nodes in contact.
 The derivatives include the changes of strut and cam forces.
 
 For three-dimensional (solid) shoes the displacements inside the body are not computed. Their
@@ -112,9 +113,9 @@ class ShoeSensitivity:
         along x and y of the brake; by the angles "abutment.direction", "guide.direction" and the
         coefficient "abutment.friction" (1,) [N m]
     penalty : dT by the logarithm of the contact stiffness [N m]
-    theta : growing angles (n,) [rad] of the lining's nodes
-    density : dT per local clearance and per length of arc (n,) [N/m] at each angle; 0 off the
-        contact
+    theta : angles (n,) [rad] of the nodes of the shoe's lining, in increasing order
+    density : derivative (n,) [N/m] of T by the clearance at each angle, per length of arc; 0 off
+        the contact
     modulus_error : error [N m] of the derivatives by the moduli of a solid shoe; None in plane
         stress, where they are exact
     not_given : keys of supports whose derivatives are not computed, because nodes of the body move
@@ -138,7 +139,7 @@ class ShoeSensitivity:
 
 
 class SpringSensitivity(NamedTuple):
-    """The pull of a spring in the solved brake, and the derivatives of the brake's torque by it.
+    """The pull of a spring in the solved brake, and the torque's slopes by its preload and rate.
 
     On a plane the torque is the braking force [N], and the units are divided by a length.
 
@@ -216,7 +217,7 @@ def _shoe_sensitivity_as_dict(shoe: ShoeSensitivity) -> dict[str, Any]:
 
 
 class WantedSlopes(NamedTuple):
-    """Which slopes of the torque are computed besides those by friction, forces and clearances.
+    """Which slopes of the torque are computed besides the slopes by friction, force and clearance.
 
     The slopes by moduli take nearly all of the time, since they need the displacements of all nodes
     inside the shoes.
@@ -232,7 +233,7 @@ class WantedSlopes(NamedTuple):
 
 
 ALL_SLOPES = WantedSlopes()
-"""All slopes of the torque that there are."""
+"""The request for all slopes of the torque."""
 
 
 def compute_torque_sensitivity(
@@ -244,9 +245,9 @@ def compute_torque_sensitivity(
 ) -> TorqueSensitivities:
     """Compute the sensitivities of a brake's torque to its data, on a prepared model.
 
-    `wanted` are the slopes that are computed; the others are left out of the result. Raises
-    NoAnswer and BadInput as `solve_prepared_model` does, and NoAnswer for a brake without friction,
-    which has no torque.
+    `wanted` are the slopes that are computed; other slopes are missing in the result. Raises
+    NoAnswer and BadInput as `solve_prepared_model` does. Raises NoAnswer also for a brake without
+    friction, because this brake has no torque.
     """
     require_positive_penalty(penalty)
     _refuse_brake_whose_torque_has_no_slopes(scene, brake)
@@ -300,17 +301,17 @@ def compute_torque_sensitivity(
 def _pulls_of_springs_in_solved_brake(
     scene: PreparedModel, brake: Brake, penalty: float
 ) -> list[float]:
-    """The pull [N] of each spring in the solved brake; without rates the preloads."""
+    """The pull [N] of each spring in the solved brake; a spring without a rate has its preload."""
     if any(spring.rate for spring in brake.springs):
         return list(solve_prepared_model(scene, brake, penalty=penalty).spring_pulls)
     return [spring.preload for spring in brake.springs]
 
 
 def _refuse_brake_whose_torque_has_no_slopes(scene: PreparedModel, brake: Brake) -> None:
-    """Raise an error for a brake whose torque has no slopes here.
+    """Raise an error for a brake whose torque derivatives cannot be computed.
 
-    It is NoAnswer for a frictionless brake. It is BadInput for heated shoes, and for a model that
-    was prepared without friction.
+    The error is NoAnswer for a frictionless brake. It is BadInput for heated shoes, and for a model
+    that was prepared without friction.
     """
     if brake.friction == 0:
         raise NoAnswer("sensitivity: without friction there is no torque")
@@ -375,7 +376,7 @@ class _TorqueSlopesByModuli(NamedTuple):
     moduli : slope by the logarithm of the modulus of each part
     bending_stiffness : slope by the logarithm of the bending stiffness; None if the brake file
         gives no bending stiffness
-    error : error of the slopes [N m]; None for exact ones
+    error : error of the slopes [N m]; None if the slopes are exact
     """
 
     moduli: dict[str, float]
@@ -386,7 +387,7 @@ class _TorqueSlopesByModuli(NamedTuple):
 class _TorqueSlopesOfShoe:
     """Computes the derivatives of the brake's torque by the data of one shoe.
 
-    `adjoint` is the adjoint of the shoe's group, and `k` the number of the shoe in the group.
+    `adjoint` is the adjoint of the shoe's group, and `k` the index of the shoe in the group.
     `changed` is a function that returns condensed bodies of solid shoes with changed moduli, and
     `wanted` are the slopes that are computed.
     """
@@ -405,8 +406,8 @@ class _TorqueSlopesOfShoe:
         self.own: ShoeAdjoint = adjoint.shoes[k]
         self.body, self.shoe = self.group.substructures_of_shoes[k], self.group.shoes[k]
         self.drag = self.group.brake.signed_friction_stress_over_pressure_in_shoe_frame(self.shoe)
-        # The friction stress is `drag` times `dragging`, which equals the pressure unless friction
-        # depends on it.
+        # The friction stress is `drag` times `dragging`. `dragging` equals the pressure, unless
+        # friction depends on the pressure.
         self.dragging = self.group.friction_stress_over_friction_coefficient_of_shoe(
             k, self.own.pressures
         )
@@ -467,7 +468,7 @@ class _TorqueSlopesOfShoe:
         )
 
     def _indices_of_shoes_pushed_by_struts(self) -> list[int]:
-        """The numbers, within the group, of the shoes that struts from this shoe push."""
+        """The indices, within the group, of the shoes that struts from this shoe push."""
         return [
             to
             for source, to in self.group.indices_of_pushing_and_pushed_shoe_of_struts
@@ -549,12 +550,15 @@ class _TorqueSlopesOfShoe:
 
     @cached_property
     def _spring_multipliers(self) -> Floats:
-        """The adjoint multiplier (springs,) of each spring's approach, its slope times its rate."""
+        """For each spring the slope of the torque by its preload, times its rate (springs,) [N].
+
+        The product is the adjoint multiplier of the approach of the spring's points.
+        """
         rates = [spring.rate for spring in self.group.brake.springs]
         return self.adjoint.preload_slopes * np.array(rates)
 
     def _adjoint_load_of_springs(self) -> Floats:
-        """The factors (l,) of the load columns by which springs add to the adjoint load."""
+        """The factors (l,) of the shoe's load columns that make up the adjoint load of springs."""
         load = np.zeros(self.body.load_matrix_columns_by_load_name.number_of_load_columns)
         for multiplier, factors in zip(
             self._spring_multipliers, self.adjoint.springs.load_column_factors, strict=True
@@ -573,7 +577,7 @@ class _TorqueSlopesOfShoe:
 
         Keys and units are the same as in `ShoeSensitivity.held`. A motion of a support changes the
         rigid-body modes of the shoe. If nodes of the body move with the support, the stiffness of
-        the body changes as well; for solid shoes such supports are left out.
+        the body changes as well; for solid shoes the result has no slopes by such supports.
         """
         group, k = self.group, self.k
         effects = {}
@@ -606,9 +610,9 @@ class _TorqueSlopesOfShoe:
     def _can_torque_slope_by_point_be_computed(self, key: str) -> bool:
         """Whether the derivative of the torque by the point `key` of the shoe can be computed.
 
-        It cannot if nodes of the body move with the point and, besides, the shoe is solid or
-        springs, weight or further forces act on the moved nodes. A pivot moves no nodes on which
-        such loads act.
+        A point whose motion moves nodes of the body has two restrictions: the shoe must not be
+        solid, and no springs, weight or forces besides the actuation may act on the moved nodes. A
+        pivot moves no nodes on which such loads act.
         """
         loads_move = self.shoe.has_loads_besides_actuation and key != "pivot"
         return not (
@@ -666,8 +670,8 @@ class _TorqueSlopesOfShoe:
         effects = -mutual_work_derivatives_by_node_motions(
             body.basis, elastic_layers_of_shoe(self.shoe), u, v, nodes, axes
         )
-        # The product of `force_that_divides_logarithmic_slope` and a change of the actuation's
-        # nodal forces is the change of the torque.
+        # The product of this vector (2 nodes,) with a change of the nodal forces of one newton of
+        # actuation is the change of the torque.
         force_that_divides_logarithmic_slope = own.force * v - self.tip_multiplier * u
         for j, move in enumerate(moves):
             effects[j] += float(move.load_change @ force_that_divides_logarithmic_slope)
@@ -739,11 +743,10 @@ class _TorqueSlopesOfShoe:
         return value
 
     def _adjoint_work_of_gaps_due_to_ring(self, line: ContactLine) -> float:
-        """The adjoint work of the gaps that the ring's motion opens, on a moved contact line.
+        """The adjoint work [N m] of the ring's motion at a contact line with moved nodes.
 
-        It is the sum of the weighted gaps times their adjoint multipliers.
-
-        The value [N m] is 0 for a rigid drum.
+        The motion of the ring opens gaps. The adjoint work is the sum of these weighted gaps times
+        their adjoint multipliers. It is 0 for a rigid drum.
         """
         group, scene = self.group, self.group.prepared_model
         if scene.ring is None or scene.ring_under_contact_lines is None:
@@ -1014,8 +1017,8 @@ class _TorqueSlopeAndDifferenceStep(NamedTuple):
     unit : unit of the slope
     exact_slope : exact value of the slope
     changes : function of the step that returns the changed keys of the brake file with their values
-    step : step of the central difference; relative for force and moduli, otherwise in the key's
-        unit
+    step : step of the central difference; relative to the value for force and moduli, in the SI
+        unit of the key for all other data
     force_that_divides_logarithmic_slope : actuation force [N] by which a slope by the logarithm of
         the force is divided to give the slope by the force; 1 for all other slopes
     """
@@ -1038,7 +1041,7 @@ def compare_torque_slopes_with_solve_differences(
     Parameters
     ----------
     brake : the brake
-    index : position of the shoe whose force, moduli, clearance and hinge are changed; its body is
+    index : index of the shoe whose force, moduli, clearance and hinge are changed; its body is
         elastic, and its clearance one number
     elements : finite elements along each lining
     penalty : factor alpha of the contact stiffness alpha E/t (lining modulus E, thickness t)
@@ -1115,5 +1118,5 @@ def _brake_file_values_increased_by_fraction(
 
 
 def _brake_file_value_increased_by_step(key: str, value: float, step: float) -> dict[str, float]:
-    """The key of the brake file with its value increased by `step`, in the key's unit."""
+    """The key of the brake file with its value increased by `step`, in the SI unit of the key."""
     return {key: value + step}

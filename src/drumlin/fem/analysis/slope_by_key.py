@@ -1,8 +1,8 @@
 """The exact derivative of the torque by a key of the brake file, from the brake's sensitivities.
 
-The slopes that the adjoint method gives (fem.analysis.sensitivity) belong to physical quantities.
-This module finds the quantity to which a key belongs: friction, a force, a modulus, a clearance or
-a coordinate of a hinge.
+The adjoint method (fem.analysis.sensitivity) gives derivatives by physical quantities: friction, a
+force, a modulus, a clearance or a coordinate of a hinge. This module finds the quantity to which a
+key of the brake file belongs.
 """
 
 import math
@@ -87,7 +87,7 @@ def _torque_slope_by_field_of_shoe(
     Parameters
     ----------
     shoe : the shoe
-    slopes : its sensitivities
+    slopes : the sensitivities of the shoe
     part : the actuation, the hinge, the lining, or a material of the shoe
     name : name of the field, as "force", "E" or "x"
     """

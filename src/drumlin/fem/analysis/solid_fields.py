@@ -1,7 +1,7 @@
 """Displacements and stresses inside solid shoes, with polynomials across the width.
 
-The fields are sampled at points across the width above each node of the cross-section. They are
-computed only for a picture or a file.
+The module samples the fields at points across the width, above each node of the cross-section. The
+fields are computed only for a picture or a file.
 """
 
 from collections.abc import Iterator
@@ -110,7 +110,7 @@ class _FieldsOfShoePart(NamedTuple):
 
     Attributes
     ----------
-    nodes : (n,) number of the node of the cross-section to which each sample point belongs
+    nodes : (n,) for each sample point, the number of the node of the cross-section below the point
     z : (n,) distances of the samples from the mid-plane [m]
     cells : (m, 8) numbers of the samples at the corners of each cell
     displacement : (n, 3) displacement [m]
@@ -160,7 +160,7 @@ def _recover_stresses_in_half_of_solid_shoe(
     unknowns = displacement_unknowns_of_solid_shoe(body)
     u = nodal_displacements_of_shoe(body, brake, shoe, answer, p)
 
-    # A sample at the interface of two parts is repeated for each of them.
+    # A sample at the interface of two parts occurs twice, because each part has its own stress.
     parts, cells, numbers, pressures, count = [], [], [], [], 0
     for i, name in enumerate(unknowns.grid.subdomains):
         part = displacements_and_stresses_in_shoe_part(unknowns, u, name)
@@ -202,7 +202,7 @@ def contact_face_of_solid_shoe(body: ShoeSubstructure) -> ContactFaceWithWidth:
 def displacement_unknowns_of_solid_shoe(
     body: ShoeSubstructure,
 ) -> EliminatedUnknownsOfShoeWithWidth:
-    """The unknowns of a shoe with a width, by which eliminated displacements are recovered."""
+    """The object that recovers the eliminated displacements of a shoe with a width."""
     # `prepare_model_with_shoe_widths` gives every body unknowns of this type.
     assert isinstance(body.condensed.inner, EliminatedUnknownsOfShoeWithWidth)
     return body.condensed.inner
@@ -220,8 +220,8 @@ def _width_functions_at_sample_points_of_each_piece(
     )
     for start, end in pairwise(ends):
         z = start + (end - start) * steps
-        # At the outer end of a piece the slopes may jump. They are taken from within the piece,
-        # just before its end.
+        # At the outer end of a piece the slopes may jump. The slopes are taken from within the
+        # piece, just before its end.
         at = np.append(z[:-1], np.nextafter(end, 0.0))
         even = functions.function_values_and_slopes(functions.even_functions_across_width, at)
         odd = functions.function_values_and_slopes(functions.odd_functions_across_width, at)

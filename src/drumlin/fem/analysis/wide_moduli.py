@@ -40,11 +40,12 @@ class LoadsAndAdjointLoads(NamedTuple):
     Attributes
     ----------
     pressures : pressures (n,) [Pa] at the contact nodes
-    signed_friction : friction coefficient, positive if the drum drags along growing angles of the
-        shoe's frame
+    signed_friction : friction coefficient, positive if the drum drags the lining towards larger
+        angles of the shoe's frame
     load_column_factors : factors (l,) by which the body's load columns make up the other loads on
         the shoe
-    gap_multipliers : adjoint multipliers (n,) of the weighted gaps
+    gap_multipliers : adjoint multipliers (n,) of the weighted gaps (integrals of the gap times each
+        node's shape function)
     adjoint_load_factors : factors (l,) by which the load columns make up the adjoint load
     """
 
@@ -80,9 +81,9 @@ class TorqueSlopesByLogarithmOfModuli(NamedTuple):
     The keys of `slopes` are the names of the parts. `error` [N m] has two parts. The first part is
     the difference between the sum of the derivatives and the exact derivative by a common factor on
     all moduli of the shoe. It shows the round-off error, but errors by the step may cancel in the
-    sum. The second part is therefore STEP_OF_MODULUS_LOGARITHM^2/6 times the derivatives. This is
-    the error of the difference if the flexibility is 1/E, and a bound if it is 1/(1 + E/E_0), as
-    for a part that acts together with parts of a modulus E_0.
+    sum. The second part is therefore STEP_OF_MODULUS_LOGARITHM^2/6 times the derivatives. The
+    second part is the error of the difference if the flexibility is 1/E, and a bound if it is 1/(1
+    + E/E_0), as for a part that acts together with parts of a modulus E_0.
     """
 
     slopes: dict[str, float]
@@ -92,7 +93,7 @@ class TorqueSlopesByLogarithmOfModuli(NamedTuple):
 FunctionOfBodiesWithChangedModuli = Callable[
     [int], dict[str, tuple[ShoeSubstructure, ShoeSubstructure]]
 ]
-"""Function that takes a shoe's position in the brake and returns bodies with changed moduli.
+"""Function that takes the index of a shoe in the brake and returns bodies with changed moduli.
 
 The keys of the result are the names of the shoe's parts. The first body of a pair has a larger
 modulus of this part, the second body a smaller one.
@@ -151,7 +152,7 @@ def torque_slopes_by_moduli_of_solid_shoe(
     ----------
     body : the substructure of the shoe
     changed : for each part's name, the shoe with a larger and with a smaller modulus of this part
-    loads : its loads and adjoint loads
+    loads : loads and adjoint loads of the shoe
     """
     slopes = {}
     for part, (stiff, soft) in changed.items():

@@ -79,7 +79,10 @@ class DrumFrictionLimitOfShoeGroup(NamedTuple):
 
 
 class SolvedGroup(NamedTuple):
-    """A group with the friction directions at its abutments that a solve found, and its contact."""
+    """A group of shoes and the solution of its contact.
+
+    `group` has the friction directions at its abutments that agree with the solution `contact`.
+    """
 
     group: "ShoeGroup"
     contact: active_set.ContactSolution
@@ -160,8 +163,8 @@ class ShoeGroup(ContactProblemsOfShoeGroup):
     def moment_of_all_loads_about_shoe_pin(self, k: int) -> float:
         """The moment of all loads on shoe `k` about its pin, in the sense of the shoe's frame.
 
-        It is per newton of the actuation force [m]. If springs, weight or further forces act on the
-        shoe, it is the moment itself [N m].
+        The moment is per newton of the actuation force [m]. If springs, weight or additional forces
+        act on the shoe, the moment is that of the full loads [N m].
         """
         shoe = self.shoes[k]
         per_newton = self.actuation_of_each_shoe_by_one_newton[k].moment_about_pin
@@ -339,7 +342,7 @@ class ShoeGroup(ContactProblemsOfShoeGroup):
             self.brake.signed_friction_stress_over_pressure_in_shoe_frame(shoe),
             contact.p[self.contact_node_slices_of_shoes[k]],
         )
-        # The reaction balances the contact forces, the actuation, springs, weight and further
+        # The reaction balances the contact forces, the actuation, springs, weight and additional
         # forces.
         normal, dragged = body.resultants_of_unit_nodal_pressures_and_tractions
         normal, dragged = (
@@ -362,9 +365,9 @@ class ShoeGroup(ContactProblemsOfShoeGroup):
     def _error_text_if_shoe_on_abutment_locks(self) -> str:
         """The error text if a group with rough abutments has no equilibrium at the drum's friction.
 
-        It names a cam, strut or foot that would have to pull, or the limit of self-locking, which
-        is then below the drum's friction. It is empty without friction at an abutment, and if the
-        equilibrium does not end below the drum's friction.
+        The text names a cam, strut or foot that would have to pull, or it states the limit of
+        self-locking, which is then below the drum's friction. The text is empty without friction at
+        an abutment, and if the equilibrium does not end below the drum's friction.
         """
         if not self.has_abutment_with_friction:
             return ""
@@ -401,8 +404,8 @@ class ShoeGroup(ContactProblemsOfShoeGroup):
     ) -> DrumFrictionLimitOfShoeGroup:
         """Find the friction coefficient of the drum up to which the group has an equilibrium.
 
-        The friction grows in steps from the least one that has a solution, until the solution ends
-        or `largest_friction` is reached. Between two steps a foot may begin to slide on its
+        The friction grows in steps from the least friction that has a solution, until the solution
+        ends or `largest_friction` is reached. Between two steps a foot may begin to slide on its
         abutment, stop, or slide the other way. The next steps then have the new direction of
         friction at the abutment. Raises NoAnswer if there is no solution at any friction.
         """
@@ -441,8 +444,9 @@ class ShoeGroup(ContactProblemsOfShoeGroup):
     ) -> tuple[float, "_FollowedSolution"]:
         """Find the least friction coefficient of the drum with an equilibrium, and the equilibrium.
 
-        The friction grows from 0 in steps of LARGEST_FRICTION_STEP_BETWEEN_CHECKS. It need not be
-        0: a shoe may need the friction of the drum to press its foot on the abutment.
+        The friction grows from 0 in steps of LARGEST_FRICTION_STEP_BETWEEN_CHECKS. The least
+        friction need not be 0: a shoe may need the friction of the drum to press its foot on the
+        abutment.
         """
         friction = 0.0
         while friction < largest_friction:
@@ -573,8 +577,8 @@ class _FollowedSolution(NamedTuple):
     def solution_at_higher_friction_or_none(self, friction: float) -> "_FollowedSolution | None":
         """The solution at a higher friction coefficient; None if there is none.
 
-        The present directions and supports are tried from the present contact set. Only if they do
-        not hold any more, all of them are tried.
+        The search first keeps the present directions and supports, and starts from the present
+        contact set. If these directions and supports fail, it tries all others.
         """
         continued = self.solution_continued_with_present_supports_or_none(friction)
         if continued is not None:
@@ -620,8 +624,9 @@ def _friction_limit_by_bisection(
             tried.add(at.friction_directions_and_bearing_supports)
             at, low, end = _bisect_friction_at_which_supports_change(at, low, high)
         else:
-            # Where one choice takes over from another, both hold up to round-off, and an earlier
-            # choice may come back. The end is then near, and is sought in growing steps.
+            # Where one choice of directions and supports takes over from another choice, both hold
+            # up to round-off, and an earlier choice may come back. The end of the solution is then
+            # near. It is sought in growing steps.
             end = low + min(reach, 0.5 * (high - low))
             reach *= 2
         after = at.solution_at_higher_friction_or_none(end)
@@ -639,15 +644,16 @@ def _friction_limit_by_bisection(
 def _bisect_friction_at_which_supports_change(
     at: _FollowedSolution, low: float, high: float
 ) -> tuple[_FollowedSolution, float, float]:
-    """The last solution with the present directions and supports, and the friction of its end.
+    """Find the last solution with the present directions and supports, between two frictions.
 
-    Returns the solution, its friction coefficient, and the next one without such a solution.
+    Returns the solution, its friction coefficient, and the next friction coefficient, at which the
+    present directions and supports have no solution.
 
     Parameters
     ----------
     at : the solution at the friction coefficient `low`
     low : friction coefficient with a solution
-    high : friction coefficient from which on there may be none
+    high : friction coefficient above `low`, at which a solution may be missing
     """
     # If the present choice of directions and supports fails at every friction above 0, the search
     # ends at a friction that is practically 0.
@@ -680,7 +686,7 @@ def divide_pressed_shoes_into_groups(
 
 
 def indices_of_pressed_shoes_in_brake(scene: PreparedModel, brake: Brake) -> list[int]:
-    """The positions in the brake of the shoes that a force or a strut presses on the drum."""
+    """The indices, in the brake, of the shoes that a force or a strut presses on the drum."""
     touching = {
         i
         for i, shoe in enumerate(brake.shoes)
@@ -711,7 +717,7 @@ def divide_shoes_into_groups(
     ----------
     scene : the prepared model
     brake : the brake
-    pressed_shoes : positions of the shoes that are pressed on the drum
+    pressed_shoes : indices of the shoes that are pressed on the drum
     penalty : factor alpha of the contact stiffness alpha E/t
     springs_join : whether springs with a rate join all shoes to one group
     """

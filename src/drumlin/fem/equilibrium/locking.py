@@ -31,8 +31,10 @@ from drumlin.response.self_locking import (
 )
 
 SMALLEST_FRICTION_RATIO_FOR_ELASTIC_LIMIT = 0.5
-"""Friction, relative to the self-locking limit mu_lock of the rigid-shoe law, above which the limit
-of the elastic brake is sought and stated.
+"""Fraction of the rigid-shoe limit mu_lock above which the elastic limit is sought and stated.
+
+The fraction is the brake's friction divided by the self-locking limit of the rigid-shoe law. The
+elastic limit is the limit of the brake with elastic shoes.
 
 At lower friction the elastic limit is sought only as far as is needed to decide whether a warning
 is printed. The value is a judgement that changes the time and the printed line alone.
@@ -40,9 +42,9 @@ is printed. The value is a judgement that changes the time and the printed line 
 LARGEST_SOUGHT_ELASTIC_LIMIT_OVER_FRICTION = 3.0
 """Upper end of the search for the elastic limit of self-locking, relative to the brake's friction.
 
-It holds for brakes whose friction is above SMALLEST_FRICTION_RATIO_FOR_ELASTIC_LIMIT of the
-rigid-shoe limit. In the studies, elastic limits are up to 1.8 times as high as rigid-shoe limits.
-The value changes the time and the printed line alone.
+The upper end holds for brakes whose friction is above SMALLEST_FRICTION_RATIO_FOR_ELASTIC_LIMIT of
+the rigid-shoe limit. In the studies, elastic limits are up to 1.8 times as high as rigid-shoe
+limits. The value changes the time and the printed line alone.
 """
 
 
@@ -53,11 +55,11 @@ def compare_friction_with_self_locking_limits(
 
     If the friction is above SMALLEST_FRICTION_RATIO_FOR_ELASTIC_LIMIT times the smallest rigid-shoe
     limit, the elastic limit is sought up to LARGEST_SOUGHT_ELASTIC_LIMIT_OVER_FRICTION times the
-    friction. Otherwise it is sought up to 1/WARNED_FRACTION_OF_LOCKING_FRICTION times the friction,
-    which is enough to decide on a warning; mostly a single contact solve shows that no limit lies
-    so low. The elastic limit is not sought if a cam, a strut or an abutment may end the equilibrium
-    earlier, nor on meshes of more than NODES_ABOVE_WHICH_FRICTION_PATH_IS_COARSE contact nodes, on
-    which the search would take longer than the solve.
+    friction. At lower friction it is sought up to 1/WARNED_FRACTION_OF_LOCKING_FRICTION times the
+    friction, which is enough to decide on a warning; mostly a single contact solve shows that no
+    limit lies so low. The elastic limit is not sought if a cam, a strut or an abutment may end the
+    equilibrium earlier, nor on meshes of more than NODES_ABOVE_WHICH_FRICTION_PATH_IS_COARSE
+    contact nodes, on which the search would take longer than the solve.
 
     Parameters
     ----------
@@ -103,7 +105,9 @@ def compare_friction_with_self_locking_limits(
 def compare_friction_over_pressure_with_self_locking_limit(
     scene: PreparedModel, brake: Brake, penalty: float
 ) -> SelfLockingFactor:
-    """The factor on friction that depends on the pressure at which a brake locks itself.
+    """The factor on all friction coefficients mu(p) at which a brake locks itself.
+
+    The friction of the brake depends on the pressure p.
 
     The factor is sought as `compare_friction_with_self_locking_limits` seeks the friction. The
     law's limit is compared with the largest coefficient of each lining.

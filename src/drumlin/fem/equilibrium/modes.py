@@ -27,8 +27,8 @@ class RigidBodyModes(NamedTuple):
     contact_modes : displacements (2n, k) of the n contact nodes in the contact modes
     test_modes : displacements (2n, k) of the contact nodes in the test modes
     actuation_work : work (k,) of the actuation on the test modes, per newton of its force
-    work_of_further_loads : work (k,) of springs, weight and further forces on the test modes [N m
-        for a turn, N for a slide]
+    work_of_further_loads : work (k,) of springs, weight and additional forces on the test modes
+        [N m for a turn, N for a slide]
     load_point_travel : displacement (k,) of the point of actuation along its force in the contact
         modes
     pin_motion : displacements x and y of the pin, and turn of the shoe (3, k), in the contact modes

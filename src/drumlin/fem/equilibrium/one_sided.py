@@ -3,12 +3,14 @@
 A one-sided support pushes with a force f >= 0 or opens by v >= 0, and f v = 0, like a contact node
 of a lining. For a group with the pressures p and the rigid-body motions y, the openings are v = v0
 + V_p p + V_f f + V_y y. The forces f of the supports open the weighted gaps by G f and have the
-generalised forces V_y^T f, so that w = q + A p + B y + G f and C p + V_y^T f = h.
+generalised forces V_y^T f, so that w = q + A p + B y + G f and C p + V_y^T f = h. In
+`OneSidedSupportMatrices` v0 is `opening`, V_p, V_f and V_y are `opening_by_pressure`,
+`opening_by_force` and `opening_by_motion`, and G is `gap_by_force`.
 
-Supports that bear have v = 0, and are eliminated. The equilibria in the motions that they prevent
-give their forces, and v = 0 gives these motions. The contact problem that remains has only the
-motions that the bearing supports leave free. Each choice of supports that bear is tried on the same
-condensed bodies; there are finitely many choices.
+Supports that bear have v = 0, and are eliminated. Their forces follow from the equilibria in the
+motions that they prevent. These motions follow from v = 0. The remaining contact problem has only
+the motions that the bearing supports leave free. Each choice of supports that bear is tried on the
+same condensed bodies; there are finitely many choices.
 """
 
 from dataclasses import dataclass

@@ -21,11 +21,12 @@ from drumlin.contact.pressure_friction import (
 from drumlin.fem.equilibrium.group import ShoeGroup, SolvedGroup
 
 MAX_REPEATED_SOLVES_WITH_CHANGED_SUPPORTS = 5
-"""Most repetitions of a solve with pressure-dependent friction in which supports may change.
+"""Largest number of repetitions of a solve with pressure-dependent friction and changed supports.
 
 The bearing one-sided supports and the directions of friction at abutments may differ between two
-estimates of the linings' friction. They are then found anew, and the solve is repeated. Brakes need
-one or two repetitions. A brake that needs more than this number is refused.
+estimates of the linings' friction. Supports and directions are then found anew, and the solve is
+repeated. Most brakes need one or two repetitions. A brake that needs more than this number is
+refused.
 """
 
 
@@ -48,7 +49,7 @@ def solve_shoe_group_with_lining_friction(
         contact = _contact_whose_friction_fits_its_pressures(settled, start)
         friction = _friction_and_its_slopes_at_nodes(settled.group, contact.p).coefficient
         # The contact is solved once more at these fixed coefficients, as for any other brake. This
-        # solve checks that the solution is the one that friction growing from zero reaches.
+        # solve checks that friction growing from zero reaches this solution.
         settled = _solve_group_at_nodal_friction(settled.group, friction, contact.active)
         reached = _friction_and_its_slopes_at_nodes(settled.group, settled.contact.p).coefficient
         if (
@@ -83,7 +84,7 @@ def group_with_friction_at_nodes(group: ShoeGroup, friction: Floats) -> ShoeGrou
 def find_friction_factor_that_locks_group(
     settled: SolvedGroup, largest_factor: float, *, single_step: bool = False
 ) -> FrictionFactorLimit:
-    """Find the factor on all friction coefficients of a solved group at which it locks itself.
+    """Find the factor on all friction coefficients of a solved group at which the group locks.
 
     The bearing supports and the friction directions at abutments are those of the solution.
 

@@ -94,7 +94,7 @@ class ContactProblemsOfShoeGroup(ShoeGroupData):
         """The contact problem of the group at a friction coefficient, under given forces.
 
         Each shoe has its actuation force of the brake file. Struts, a cam and one-sided supports
-        are left out. The matrices of single shoes are the blocks of the group's matrices, and the
+        are neglected. The matrices of single shoes are the blocks of the group's matrices, and the
         flexibility of the drum's ring is added.
         """
         parts = [
@@ -178,10 +178,10 @@ class ContactProblemsOfShoeGroup(ShoeGroupData):
     def contact_effects_of_each_actuation_force(
         self, friction: float
     ) -> list[EffectsOfActuationForceOnShoe]:
-        """For each shoe, the effects of its force, and the causes of its tip travel and foot force.
+        """For each shoe, what its force causes, and what moves its tip and loads its foot.
 
-        The tip is the point where the actuation force acts. All values are linear in the friction
-        coefficient.
+        The tip is the point where the actuation force acts. The foot is the end of the shoe on an
+        abutment or a strut. All values are linear functions of the friction coefficient.
         """
         return [
             self._effects_of_actuation_force_on_shoe(k, friction) for k in range(len(self.shoes))
@@ -190,7 +190,7 @@ class ContactProblemsOfShoeGroup(ShoeGroupData):
     def _effects_of_actuation_force_on_shoe(
         self, k: int, friction: float
     ) -> EffectsOfActuationForceOnShoe:
-        """The effects of shoe k's actuation force, and the causes of tip travel and foot force."""
+        """The effects of shoe k's actuation force, and what moves its tip and loads its foot."""
         body, shoe, modes = (
             self.substructures_of_shoes[k],
             self.shoes[k],
@@ -441,7 +441,8 @@ def _shoe_compliance_with_penalty(
 ) -> Floats:
     """The compliance matrix (n, n) of a shoe: opening of the weighted gaps per nodal pressure.
 
-    It contains the compliance of the shoe and of the penalty contact.
+    A weighted gap is the integral of the gap times the shape function of a node. The matrix
+    contains the compliance of the shoe and of the penalty contact.
 
     Parameters
     ----------

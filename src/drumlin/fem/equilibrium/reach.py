@@ -12,7 +12,7 @@ LARGEST_SHOE_TURN_BEFORE_CONTACT = 0.2
 """Largest rotation [rad] by which a shoe may have to turn before it touches the drum.
 
 The model assumes small displacements: at this angle the sine differs from the angle by 0.7 %. A
-shoe that has to turn further is refused. The value is a judgement, which the refusal prints.
+shoe that has to turn by a larger angle is refused. The value is a judgement; the refusal prints it.
 """
 
 

@@ -11,6 +11,10 @@ tips by the same travel d, and the sum of the cam's forces is given. Each shoe u
 main mode, on which F_i does most work. The equilibrium in the main mode gives F_i as a function of
 p, and the travel of the tip gives the coordinate of the main mode. The travel d then replaces the
 coordinates of the two main modes, and the sum of the forces replaces their equilibria.
+
+In `EffectsOfActuationForceOnShoe` the symbols have these names: G_i is `gap_by_force` and W_i
+`work`; t_i, s_i and r_i are `load_point_travel_by_pressure`, `load_point_travel_by_force` and
+`load_point_travel_by_modes`; b_i and e_i are `foot_force_by_pressure` and `foot_force_by_force`.
 """
 
 from dataclasses import dataclass
@@ -33,7 +37,7 @@ ERROR_TEXT_ON_CAM_OR_STRUT_THAT_WOULD_PULL = "no equilibrium, what pushes it wou
 
 
 class EffectsOfActuationForceOnShoe(NamedTuple):
-    """The effects of a shoe's actuation force, and the causes of its tip travel and foot force.
+    """The effects of a shoe's actuation force, and what moves its tip and loads its foot.
 
     The tip is the point of the shoe where the force acts. The foot is the end of the shoe that
     stands on an abutment or pushes a strut. All values hold per newton of the force or per pascal
@@ -47,14 +51,14 @@ class EffectsOfActuationForceOnShoe(NamedTuple):
         shape function, by the force
     load_point_travel_by_pressure : elastic travel (n,) of the tip along the force, by the pressures
     load_point_travel_by_force : elastic travel of the tip along the force, by the force
-    load_point_travel_by_further_loads : elastic travel of the tip by springs, weight and further
+    load_point_travel_by_further_loads : elastic travel of the tip by springs, weight and additional
         forces
     work : work (k,) of the force on the test modes
     load_point_travel_by_modes : travel (k,) of the tip along the force, by the rigid-body modes
     foot_force_by_pressure : force (n,) along the strut that the foot transmits, by the pressures
     foot_force_by_force : force along the strut that the foot transmits, by the actuation force
     foot_force_by_further_loads : force along the strut that the foot transmits, by springs, weight
-        and further forces
+        and additional forces
     """
 
     nodes: slice | Ints
@@ -134,8 +138,8 @@ def make_contact_problem_with_strut_and_cam_forces(
     problem : the contact problem of the group in which each shoe has its own, given force
     effects : the effects of the m actuation forces
     own_forces : the actuation forces (m,) in `problem`
-    struts : for each strut the numbers of the pushing and of the pushed shoe
-    cam_shoes : numbers of the two shoes under a cam; empty without a cam
+    struts : for each strut the indices of the pushing and of the pushed shoe
+    cam_shoes : indices of the two shoes under a cam; empty without a cam
     cam_force_sum : sum of the cam's forces
     """
     forces = _actuation_forces_linear_in_pressures(problem, effects, own_forces, struts, cam_shoes)
@@ -169,8 +173,8 @@ def _actuation_forces_linear_in_pressures(
         shoe = effects[i]
         main = _index_of_mode_replaced_by_cam_travel(problem, shoe)
         by_pressure[i] = -problem.C[shoe.modes][main] / shoe.work[main]
-        # Springs, weight and further forces also do work on the main mode, which the cam has to
-        # balance.
+        # Springs, weight and additional forces also do work on the main mode. The cam has to
+        # balance this work.
         of_loads = problem.h[shoe.modes][main] + own_forces[i] * shoe.work[main]
         fixed[i] = of_loads / shoe.work[main]
     # A strut pushes the next shoe with the force on the foot of the pushing shoe.
@@ -191,8 +195,8 @@ def _replace_actuation_forces_in_contact_problem(
 ) -> ContactProblem:
     """Return a contact problem with strut and cam forces in place of the shoes' own forces (m,).
 
-    `forces` are the new forces, linear in the pressures. Their part that depends on pressures
-    changes the matrices A and C, the constant part changes the vectors q and h.
+    `forces` are the new forces, linear in the pressures. The part of the forces that depends on
+    pressures changes the matrices A and C. Their constant part changes the vectors q and h.
     """
     A, q, B, C, h = (np.array(part) for part in problem)
     for i, shoe in enumerate(effects):
@@ -224,7 +228,7 @@ def _contact_problem_with_cam_travel_as_unknown(
     with_forces : the problem with the strut and cam forces as functions of the pressures
     effects : the effects of the actuation forces
     forces : the actuation forces as functions of the pressures
-    cam_shoes : numbers of the two shoes under the cam
+    cam_shoes : indices of the two shoes under the cam
     cam_force_sum : sum of the cam's forces
     """
     A, q, B, C, h = with_forces
@@ -275,7 +279,7 @@ def _elastic_actuation_point_travel_per_pressure(
     """The elastic travel (n,) of a shoe's point of actuation per pressure on each contact node.
 
     The n contact nodes are those of the group. `force_by_pressure` (n,) is the shoe's actuation
-    force per pressure at each of them.
+    force per pressure at each of these nodes.
     """
     elastic = shoe.load_point_travel_by_force * force_by_pressure
     elastic[shoe.nodes] += shoe.load_point_travel_by_pressure
@@ -294,15 +298,15 @@ def contact_matrix_with_forces_as_unknowns(
     pressures p (n,), the coordinates y (k,) of the modes, the m forces F, and the travel d under a
     cam. The rows stand for the weighted gaps, the equilibria C p + W F = 0 with the work W of the
     forces on the modes, the equation for the force of each shoe, and under a cam the sum of the
-    cam's forces. The equation for a force takes it from the brake file or from a strut, or states
-    that the shoe's point of actuation travels by d.
+    cam's forces. The equation for the force of a shoe takes the force from the brake file or from a
+    strut. Under a cam it states that the shoe's point of actuation travels by d.
 
     Parameters
     ----------
     problem : the contact problem of the group in which each shoe has its own, given force
     effects : the effects of the m actuation forces
-    struts : for each strut the numbers of the pushing and of the pushed shoe
-    cam_shoes : numbers of the two shoes under a cam; empty without a cam
+    struts : for each strut the indices of the pushing and of the pushed shoe
+    cam_shoes : indices of the two shoes under a cam; empty without a cam
     """
     n, k = problem.B.shape
     count = len(effects)
@@ -336,7 +340,7 @@ def contact_matrix_with_forces_as_unknowns(
 def _index_of_mode_replaced_by_cam_travel(
     blocks: ContactProblem, shoe: EffectsOfActuationForceOnShoe
 ) -> int:
-    """The number, within a shoe, of the rigid-body mode that the travel of a cam replaces.
+    """The index, within a shoe, of the rigid-body mode that the travel of a cam replaces.
 
     On this main mode the force does most work, relative to the squared effect of the mode on the
     gaps. The choice is the same at every friction coefficient.

@@ -1,8 +1,8 @@
 """The pulls of springs with a rate as unknowns of the contact problem of a group of shoes.
 
 A spring of the preload T_0 and the rate k pulls by T = T_0 - k d, where d is the motion by which
-its two points come nearer to each other. The spring takes the form of a contact node: its pull
-t = s T takes the place of a pressure, with the sign s of its preload, and s d + (t - s T_0)/k the
+its two points come nearer to each other. The spring takes the form of a contact node. With the sign
+s of its preload, its pull t = s T takes the place of a pressure, and s d + (t - s T_0)/k takes the
 place of a gap. This gap is zero as long as the spring acts, and opens when the spring goes slack.
 All contact solvers then find the pulls together with the pressures, in one problem.
 """
@@ -32,7 +32,7 @@ class SpringNodes(NamedTuple):
 
     Attributes
     ----------
-    numbers : numbers (m,) of the springs among all springs of the brake
+    numbers : indices (m,) of the springs among all springs of the brake
     signs : sign (m,) of the pulls: 1 for springs that pull, -1 for springs that push
     rates : rate (m,) of each spring [N/m]
     preloads : preload (m,) of each spring [N]
@@ -61,9 +61,9 @@ class SpringNodes(NamedTuple):
 
 
 def spring_nodes_of_brake(brake: Brake, pulls: Sequence[float]) -> SpringNodes:
-    """The springs with a rate of a brake as nodes.
+    """Make nodes of a contact problem from the springs of a brake that have a rate.
 
-    `pulls` [N] are pulls of all springs, whose signs the springs without preload have.
+    `pulls` [N] are pulls of all springs. They give the signs of springs without a preload.
     """
     numbers = [i for i, spring in enumerate(brake.springs) if spring.rate]
     preloads = np.array([brake.springs[i].preload for i in numbers])
@@ -77,9 +77,10 @@ def spring_nodes_of_brake(brake: Brake, pulls: Sequence[float]) -> SpringNodes:
 
 
 def group_under_spring_pulls(group: ShoeGroup, pulls: Sequence[float] | None) -> ShoeGroup:
-    """A copy of a group under given pulls [N] of all springs; None for preloads without rate.
+    """A copy of a group whose shoes are loaded by given pulls [N] of all springs of the brake.
 
-    With None, the springs with a rate do not act, because their pulls are unknowns.
+    If `pulls` is None, each spring without a rate pulls by its preload. Springs with a rate do not
+    act, because their pulls are unknowns.
     """
     if pulls is None:
         pulls = [0.0 if spring.rate else spring.preload for spring in group.brake.springs]
@@ -89,12 +90,13 @@ def group_under_spring_pulls(group: ShoeGroup, pulls: Sequence[float] | None) ->
 class SpringBorder(NamedTuple):
     """The rows and columns of m spring nodes in the contact problem of a group.
 
-    The group is that of `group_under_spring_pulls` with None. Forces are in newtons, and motions
-    per newton of its largest actuation force times this force.
+    The group is a result of `group_under_spring_pulls` with the pulls None. Forces, pressures and
+    motions are per newton of the group's largest actuation force.
 
     Attributes
     ----------
-    gap_by_force : opening (n, m) of the weighted gaps per force of a node
+    gap_by_force : opening (n, m) of the weighted gaps (integrals of the gap times each contact
+        node's shape function) per force of a spring node
     work : work (k, m) of the forces on the test modes
     opening_by_pressure : opening (m, n) of the nodes per pressure
     opening_by_motion : opening (m, k) per rigid-body motion
@@ -144,8 +146,8 @@ def contact_problem_with_spring_nodes(
 ) -> ContactProblem:
     """The contact problem of a group at a friction coefficient, with spring nodes at its end.
 
-    The group is that of `group_under_spring_pulls` with None, without one-sided supports. The
-    problem is linear in the friction coefficient.
+    The group is a result of `group_under_spring_pulls` with the pulls None, and has no one-sided
+    supports. The problem is linear in the friction coefficient.
     """
     A, q, B, C, h = group.contact_problem_with_given_actuation_forces(friction)
     border = spring_border_at_friction(group, nodes, friction)
@@ -179,7 +181,7 @@ def actuation_effects_with_spring_nodes(
 ) -> list[EffectsOfActuationForceOnShoe]:
     """The effects of each actuation force, with spring nodes after the contact nodes of each shoe.
 
-    `first` is the number of the first spring node among the nodes of the group; by default the
+    `first` is the index of the first spring node among the nodes of the group. If it is None, the
     spring nodes follow the contact nodes of the linings.
     """
     springs, numbers = group.spring_matrices_at_friction(friction), nodes.numbers

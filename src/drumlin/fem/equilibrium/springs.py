@@ -21,9 +21,9 @@ from drumlin.fem.preparation.bodies import ShoeSubstructure, unit_load_factors_o
 RELATIVE_TOLERANCE_OF_SPRING_PULLS = 1e-12
 """Largest error of a spring's pull, relative to the largest force, at which the iteration ends.
 
-It is far below the relative error of 1e-9 that is allowed in the balance of forces, and above the
-round-off error of a motion times the spring rate. A spring that is stiffer than the brake has a
-larger round-off and is refused. The value is a judgement.
+The tolerance is far below the relative error of 1e-9 that is allowed in the balance of forces, and
+above the round-off error of a motion times the spring rate. A spring that is stiffer than the brake
+has a larger round-off and is refused. The value is a judgement.
 """
 MAX_CONTACT_SOLVES_FOR_SPRING_PULLS = 40
 """Contact solves after which the iteration for the spring pulls fails. Usual brakes take four."""
@@ -35,9 +35,9 @@ SolverAnswerTypeVariable = TypeVar("SolverAnswerTypeVariable")
 class SpringMatrices:
     """The effects of the m springs of a brake on a group of s shoes, with n nodes and k modes.
 
-    The approach of a spring is the motion by which its two points come nearer to each other. Pulls
-    and pressures are per newton of the group's actuation force, and so are motions. A spring that
-    holds no shoe of the group has zeros.
+    The approach of a spring is the motion by which its two points come nearer to each other. Pulls,
+    pressures and motions are per newton of the group's actuation force. A spring that holds no shoe
+    of the group has zeros.
 
     Attributes
     ----------
@@ -45,7 +45,8 @@ class SpringMatrices:
         the shoe's body make up a pull of 1 N
     resultants : (m, s, 3) force x, force y [N] and moment about the origin [N m] on each shoe of a
         pull of 1 N
-    gap_by_pull : opening (n, m) of the weighted gaps per pull
+    gap_by_pull : opening (n, m) of the weighted gaps (integrals of the gap times each node's shape
+        function) per pull
     work : work (k, m) of the pulls on the test modes
     approach_by_pressure : approach (m, n) per nodal pressure
     approach_by_motion : approach (m, k) per coordinate of a rigid-body mode
@@ -93,9 +94,9 @@ class SpringMatrices:
 
 
 def unit_pulls_on_shoe(brake: Brake, shoe: Shoe) -> list[tuple[int, int, ForceAtPoint]]:
-    """For each spring that holds a shoe: its number, its place, and its pull of 1 N on the shoe.
+    """For each spring on a shoe: its index, the place of its force, and its force at a pull of 1 N.
 
-    The place is the number of the spring's force among the shoe's loads besides the actuation.
+    The place is the index of the spring's force among the shoe's loads besides the actuation.
     """
     found = []
     # Among the loads of the body, the springs' forces follow the forces in `shoe.forces`, in the
@@ -121,7 +122,7 @@ def work_of_force_on_test_modes(shoe: Shoe, sense: int, force: ForceAtPoint) -> 
 def displacement_of_point_along_force_in_modes(
     shoe: Shoe, sense: int, force: ForceAtPoint
 ) -> Floats:
-    """The displacement (k,) [m] along a unit force of its point, in the modes of a shoe's support.
+    """The displacement (k,) of a force's point along the force, in each unit mode of a shoe.
 
     `sense` is the direction of friction at the shoe's abutment.
     """
@@ -130,7 +131,7 @@ def displacement_of_point_along_force_in_modes(
 
 
 def _signs_of_modes_in_shoe_frame(shoe: Shoe, names: tuple[str, ...]) -> Floats:
-    """The sign (k,) of each mode in the shoe's frame: turns change it in a mirrored frame."""
+    """The sign (k,) of each mode in the shoe's frame; a mirrored frame reverses turns."""
     return np.where(np.array(names) == "turn", float(shoe.frame.sense), 1.0)
 
 
@@ -198,7 +199,7 @@ def displacements_of_spring_points_along_pulls(
     ----------
     brake : the brake with its springs
     shoe : the shoe
-    body : its substructure
+    body : the substructure of the shoe
     elastic : (l,) displacements of the loaded points by the strain of the body, one for each load
         column [m, rad]
     pin_motion : (3,) displacement x, y [m] of the pin and turn [rad], in the frame of the shoe

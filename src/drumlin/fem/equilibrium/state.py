@@ -62,7 +62,7 @@ class ContactTermsIndependentOfFriction(NamedTuple):
 
     These are the weighted gaps q (n,) at zero pressure (integrals of the gap times each node's
     shape function), their opening B (n, k) per rigid-body mode, and the generalised forces h (k,)
-    by which the pressures balance the loads, C p = h.
+    of the loads, which the pressures p balance by C p = h.
     """
 
     q: Floats
@@ -73,8 +73,9 @@ class ContactTermsIndependentOfFriction(NamedTuple):
 class FactorsOfRingFlexibility(NamedTuple):
     """Factors (m, n) whose products are the flexibility matrices of the drum's ring at n nodes.
 
-    The weighted gaps that the ring opens are pressed^T pressed per pressure of the shoes, and
-    pressed^T dragged per friction traction of the shoes.
+    The weighted gaps (integrals of the gap times each node's shape function) that the ring opens
+    are pressed^T pressed per pressure of the shoes, and pressed^T dragged per friction traction of
+    the shoes.
     """
 
     pressed: Floats
@@ -102,7 +103,7 @@ class ShoeGroupData:
     ----------
     prepared_model : the prepared model
     brake : the brake, whose friction, forces and clearances may differ from those of the model
-    members : positions of the shoes in the brake
+    members : indices of the group's shoes in the brake
     penalty : factor alpha of the contact stiffness alpha E/t; inf for exact contact
     abutment_friction_directions_of_shoes : direction of the friction at each shoe's abutment: +1 or
         -1 along its face, 0 if the foot sticks. It is empty until
@@ -174,7 +175,7 @@ class ShoeGroupData:
 
     @property
     def friction_stress_over_pressure_at_nodes(self) -> Floats:
-        """The friction stress (n,) per pressure at each contact node, along growing theta."""
+        """The friction stress over pressure (n,) at each contact node, positive along e_theta."""
         return (
             self.brake.friction
             * self.brake.sign_of_motion
@@ -321,7 +322,7 @@ class ShoeGroupData:
 
     @cached_property
     def one_sided_supports(self) -> tuple[OneSidedSupport, ...]:
-        """The group's one-sided supports, in which shoes have their numbers within the group."""
+        """The group's one-sided supports; their shoe numbers are indices within the group."""
         found = []
         for support in one_sided_supports_of_brake(self.brake):
             if support.sides[0].shoe in self.members:
@@ -376,7 +377,10 @@ class ShoeGroupData:
 
     @cached_property
     def mass_matrix_of_contact_nodes(self) -> Floats:
-        """The mass matrix (n, n) [m^2] of the contact nodes; it turns gaps into weighted gaps."""
+        """The mass matrix (n, n) [m^2] of the contact nodes; it turns gaps into weighted gaps.
+
+        A weighted gap is the integral of the gap times the shape function of a node.
+        """
         return np.asarray(block_diag(*map(attrgetter("coupling.M"), self.substructures_of_shoes)))
 
     # These properties describe the ring, the struts and the cam.
@@ -402,9 +406,9 @@ class ShoeGroupData:
 
     @cached_property
     def indices_of_pushing_and_pushed_shoe_of_struts(self) -> list[tuple[int, int]]:
-        """For each strut of the group, the numbers of the pushing shoe and of the pushed shoe.
+        """For each strut of the group, the indices of the pushing shoe and of the pushed shoe.
 
-        The numbers are positions in the group.
+        The indices count within the group.
         """
         names = [shoe.name for shoe in self.shoes]
         pushed = self.brake.names_of_shoes_pushed_by_struts
@@ -416,7 +420,7 @@ class ShoeGroupData:
 
     @cached_property
     def indices_of_shoes_under_cam(self) -> list[int]:
-        """The numbers, in the group, of the shoes that a cam pushes; empty without a cam.
+        """The indices, within the group, of the shoes that a cam pushes; empty without a cam.
 
         The cam moves the points of actuation of these shoes by the same travel.
         """

@@ -110,7 +110,7 @@ def solve_brake_to_tolerance(
     brake : the brake
     tolerance : relative errors that are allowed
     respond : function that computes the response on a prepared model
-    must : whether an error is raised if the tolerance is not reached; otherwise the last level is
+    must : whether an error is raised if the tolerance is not reached; if False, the last level is
         returned with a warning
     cache : keeps the condensed bodies of earlier solves
     levels : solved levels from coarse to fine, as an iterable that may solve them one by one; by
@@ -245,7 +245,7 @@ def _last_response_with_estimated_errors(progress: _LevelsSolvedSoFar) -> Respon
 def response_with_estimated_errors(
     responses: Sequence[Response], error: EstimatedErrors, notes: Sequence[str]
 ) -> Response:
-    """The last of several responses, with its errors, the time of all responses, and further notes.
+    """The last of several responses, with its errors, the time of all responses, and added notes.
 
     The number of iterations is the largest of any response.
 

@@ -1,11 +1,14 @@
 """The response of a brake to a small change of the shape of its shoes' meshes.
 
-Let nodes move by t V, with a factor t from 0 to 1. The stiffness K and the other loads F of an
-elastic body then change at the rates K' and F' at t = 0. To first order in the moves, the
-displacements u change as if the nodal forces F' - K' u acted on the unchanged body. The terms of
-second order are larger than the change itself if forces at t = 1 are taken: in the elements at an
-outline the stiffness changes by percents, and nearly all of these changes cancel to first order.
-The forces are one further load column of the condensed body.
+Let the nodes of a body move by t V, with a factor t from 0 to 1. The stiffness K and the nodal
+forces F of the loads then change at the rates K' and F' at t = 0. To first order in the moves, the
+displacements u change as if the nodal forces F' - K' u acted on the unchanged body. These forces
+are one additional load column of the condensed body.
+
+The rates must be those at t = 0. In the elements at an outline the stiffness changes by per cents,
+and nearly all of these changes cancel to first order. In the differences between t = 1 and t = 0,
+the terms of second order would be larger than the change that is sought.
+
 If the factors of the eliminated unknowns were kept, the new response costs little more than another
 solution of the contact, and far less than a body on the changed mesh.
 """
@@ -35,11 +38,11 @@ from drumlin.response.balance import brake_with_forces_of_response
 from drumlin.response.response import Response, ShoeResponse
 
 STEP = 1e-3
-"""Factor t of the moves at which stiffness and loads are compared with those before the move.
+"""Factor t of the moves at which stiffness and loads are compared with their values at t = 0.
 
 The quotients of their differences and t stand for the rates at t = 0. A larger factor adds terms of
 second order, 14 % of the change of the torque at t = 0.1 on a mesh of 10 000 nodes. A smaller
-factor adds round-off, as much at t = 1e-6. The value is a judgement.
+factor adds round-off; at t = 1e-6 its effect is as large. The value is a judgement.
 """
 MoveFunction = Callable[[Any], Floats]
 """Function of the basis of a body that returns the moves (2, N) [m] of its nodes."""
@@ -51,7 +54,7 @@ def prepared_model_with_moved_nodes(
     """The prepared model after a small move of the nodes of the meshes from files.
 
     The model is valid near the given response, to first order in the moves. Nodes of the contact
-    must not move. Loads of the actuation stay on the nodes where they are.
+    must not move. The actuation keeps its forces on the same nodes.
 
     Parameters
     ----------

@@ -1,11 +1,11 @@
-"""Solve a brake on the meshes of files with stated errors, by smaller elements of higher degree.
+"""Solve a brake on meshes from files with stated errors, by smaller elements of higher degree.
 
-From level to level the displacements on the mesh of a file have a higher degree, and its elements
-are split into smaller ones at singular points: corners of the shoe, ends of the lining and of the
-contact. The difference of two levels states the errors of the last one. The change of the response
-with arcs in place of straight or parabolic element sides on curved outlines states the error of
-these sides.
-Shoes without a mesh file and the drum's ring are divided into the hp elements of the same level.
+From level to level the displacements on the mesh of a file are polynomials of higher degree, and
+its elements are split into smaller elements at singular points: corners of the shoe, ends of the
+lining and of the contact. The difference between two levels gives the errors of the finer level.
+Straight or parabolic element sides on curved outlines cause another error. Their error follows from
+the change of the response if arcs take their place. Shoes without a mesh file and the drum's ring
+are divided into the hp elements of the same level.
 """
 
 from collections.abc import Callable
@@ -73,10 +73,11 @@ REFINEMENT_LEVELS_ON_MESH_FILES = RefinementLevelsOnMeshFiles(
 )
 """The levels of refinement on meshes of files, with elements of degree 2 to 5.
 
-The sizes at singular points are those of hp elements of a degree higher by two: most elements of a
-mesh are smaller than hp elements, so that most of the errors come from the singular points. With
-the sizes of hp elements of a degree higher by one, p at degree 3 was 0.3 % to 1 % off on 7 of 15
-meshes by Gmsh. Now p is off by 0.02 % to 0.1 % on most meshes, and many solves need one level less.
+The sizes at singular points are those of hp elements whose degree is higher by two: most elements
+of a mesh are smaller than hp elements, so that most of the errors come from the singular points.
+With the sizes of hp elements of a degree higher by one, p at degree 3 was 0.3 % to 1 % off on 7 of
+15 meshes by Gmsh. Now p is off by 0.02 % to 0.1 % on most meshes, and many solves need one level
+less.
 """
 REFINEMENT_LEVELS_ON_FINE_MESH_FILES = RefinementLevelsOnMeshFiles(
     REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[1:6], degrees_below_level=3
@@ -85,27 +86,28 @@ REFINEMENT_LEVELS_ON_FINE_MESH_FILES = RefinementLevelsOnMeshFiles(
 
 A mesh is fine from FEWEST_VERTICES_OF_FINE_MESH_FILE vertices on.
 
-The sizes at singular points are those of hp elements of a degree higher by three. On four meshes of
-10 000 nodes p is 0.4 % to 0.8 % off on the first level, and 0.05 % to 0.2 % on the second.
+The sizes at singular points are those of hp elements whose degree is higher by three. On four
+meshes of 10 000 nodes p is 0.4 % to 0.8 % off on the first level, and 0.05 % to 0.2 % on the
+second.
 """
 FEWEST_VERTICES_OF_FINE_MESH_FILE = 2000
-"""Number of vertices of a file's mesh from which on it is solved on
-REFINEMENT_LEVELS_ON_FINE_MESH_FILES.
+"""Number of vertices from which on a mesh counts as fine, see REFINEMENT_LEVELS_ON_FINE_MESH_FILES.
 
 On such a mesh elements of degree 2 often suffice, and higher degrees would take most of the time. A
 smaller number adds a level to solves on coarse meshes, where degree 2 does not suffice. With a
 larger number solves on fine meshes take about 1.5 times as long. The value is a judgement.
 """
 SAFETY_FACTOR_OF_MESH_FILE_FORCES = 0.05
-"""The factor of the error estimate on a mesh file for torque and reactions; see
-`SafetyFactorsOfErrorEstimate`.
+"""The factor of the error estimate on a mesh file for torque and reactions.
+
+It is the number `force` of `SafetyFactorsOfErrorEstimate`.
 
 On 45 meshes by Gmsh 0.018 would just suffice, together with 0.0003 for
 SAFETY_FACTOR_OF_CANCELLED_MESH_FILE_FORCES. Either factor may be smaller if the other one is
 larger. A larger factor makes stated errors larger. The value is a judgement.
 """
 SAFETY_FACTOR_OF_CANCELLED_MESH_FILE_FORCES = 0.004
-"""The factor of the error estimate on a mesh file for forces whose errors cancel.
+"""The number `cancelled` of `SafetyFactorsOfErrorEstimate` for the error estimate on a mesh file.
 
 A larger factor makes stated errors larger. With 0.002 a torque's error of 5e-7 was stated 1.3 times
 too small on one of 50 meshes by Gmsh. With 0.003 no error is too small on these meshes. The value
@@ -121,7 +123,7 @@ SAFETY_FACTORS_OF_MESH_FILES = SafetyFactorsOfErrorEstimate(
 
 A smaller factor makes stated errors too small, a larger one only larger. On 70 meshes by Gmsh a
 pressure factor of 0.3 and a peak factor of 0.45 would just suffice. `make degrees` compares stated
-with true errors on further meshes.
+with true errors on other meshes.
 """
 SHARE_OF_EARLIER_LEVEL_DIFFERENCE = 0.04
 """Fraction of the difference between the two earlier levels that is added to the last difference.
@@ -150,8 +152,9 @@ ERROR_PER_ROUNDING_OVER_LINING_THICKNESS = {
     "peak": 0.8,
     "reaction": 0.25,
 }
-"""Relative errors by rounded coordinates of a mesh file, divided by the ratio of the rounding to
-the lining's thickness.
+"""Relative errors due to rounded coordinates of a mesh file, divided by the relative rounding.
+
+The relative rounding is the rounding of the coordinates divided by the lining's thickness.
 
 Contact nodes are moved back onto the drum, but the other nodes, and so the lining's thickness, keep
 the rounding. On 7 coarse meshes by Gmsh with curved sides, rounded to 0.01 mm and solved at the
@@ -162,7 +165,7 @@ errors of rounded meshes too small.
 NEGLIGIBLE_SHARE_OF_LEVEL_ERROR = 0.1
 """Fraction of an estimated error up to which the part that levels reduce is negligible.
 
-Straight sides and rounded coordinates cause the rest of the error, and further levels do not change
+Straight sides and rounded coordinates cause the rest of the error, and finer levels do not change
 this rest. With a smaller fraction some meshes with straight sides need one more level, which takes
 two to three times as long, for errors that are smaller by less than this fraction. With a larger
 fraction the last level could leave a larger part of the errors. The value is a judgement.
@@ -172,7 +175,7 @@ NEGLIGIBLE_DISTANCE_OF_SIDE_FROM_ARC = 1e-5
 
 On four meshes by Gmsh with third-order sides a tenth of the drum's radius long, all sides lay up to
 5e-6 of a lining's thickness off their arcs. Arcs changed p by 1e-6, the torque by 1e-7 and the
-reaction by 5e-7. If the limit is far larger, the errors of straight sides are no longer small.
+reaction by 5e-7. If the limit is far larger, the neglected errors are no longer small.
 """
 
 
@@ -321,11 +324,12 @@ def prepared_model_of_mesh_files(
     ----------
     brake : the brake
     level : sizes of elements at singular points, and the degree of hp elements
-    points : singular points of the pressure by the first shoe of each shape; None for no points
+    points : singular points of the pressure for each shape of shoe; the key is the index of the
+        first shoe of this shape. None for no points
     degrees_below_level : how much the degree on the mesh of a file is below the degree
         of the level
-    fitting : whether contact nodes are put on the drum that lie off it by no more than the rounding
-        of coordinates
+    fitting : whether contact nodes are moved onto the drum if they lie off the drum by no more than
+        the rounding of coordinates
     keep_factors_at : degree of the elements on the mesh of a file at which the factors of their
         eliminated unknowns are kept; None for no degree
     cache : keeps condensed bodies of earlier solves
@@ -358,7 +362,8 @@ def _estimated_errors_on_last_mesh_level(
 ) -> EstimatedErrors:
     """The estimated errors of the response on the last of at least two levels.
 
-    `shape` are the errors (1 + 4 shoes,) by straight sides and by rounded coordinates.
+    `shape` are the errors (1 + 4 shoes,) due to straight sides and rounded coordinates, in the
+    order of `estimate.ResponseDifferencesOfTwoLevels`.
     """
     *former, before, last = responses
     moved = relative_differences_of_responses_on_two_levels(brake, before, last)
@@ -390,7 +395,7 @@ def _factors_of_error_estimate(brake: Brake) -> SafetyFactorsOfErrorEstimate:
 def _would_finer_mesh_level_reduce_error(
     error: EstimatedErrors, of_level: EstimatedErrors, aim: TolerancesOfPressureAndTorque
 ) -> bool:
-    """Whether a further level would reduce an error that misses its tolerance.
+    """Whether another level would reduce an error that misses its tolerance.
 
     Parameters
     ----------
@@ -409,7 +414,7 @@ def _would_finer_mesh_level_reduce_error(
 def _errors_due_to_sides_off_smooth_outline(
     brake: Brake, respond: FunctionThatComputesResponse, solved: SolvedLevel
 ) -> Floats:
-    """The relative errors (1 + 4 shoes,) by straight sides or parabolas in place of arcs.
+    """The relative errors (1 + 4 shoes,) due to straight sides or parabolas in place of arcs.
 
     `solved` is a solved level with elements of degree 2 or higher, and `respond` computes the
     response on a prepared model.
@@ -428,7 +433,10 @@ def _errors_by_change_of_shape(
     prepare_changed: Callable[[], PreparedModel],
     cause: str,
 ) -> Floats:
-    """The relative errors (1 + 4 shoes,) of a solved level, from its change with another shape.
+    """The relative errors (1 + 4 shoes,) of a solved level due to the shape of its mesh.
+
+    They follow from the change of the response with another shape of the mesh. The order is that of
+    `estimate.ResponseDifferencesOfTwoLevels`.
 
     Parameters
     ----------
@@ -483,11 +491,11 @@ def _errors_due_to_gaps_below_rounding(
     prepare_fitting: FunctionThatPreparesModelOfLevel,
     cache: CacheOfCondensedBodies,
 ) -> Floats | float:
-    """The relative errors (1 + 4 shoes,) by gaps that rounded coordinates may have caused.
+    """The relative errors (1 + 4 shoes,) due to gaps that rounded coordinates may have caused.
 
     Neighbouring contact nodes that lie off the drum to the same side count as a gap, even if each
-    node lies off by less than the rounding. A few times in a thousand nodes this is chance. The
-    errors are the changes of the response if these nodes lie on the drum.
+    node lies off by less than the rounding. Rounding alone makes such a gap at a few of a thousand
+    nodes. The errors are the changes of the response if these nodes lie on the drum.
 
     Parameters
     ----------
@@ -515,7 +523,7 @@ def _has_mesh_sides_off_smooth_outline(
 ) -> bool:
     """Whether the mesh of a file has sides that lie noticeably off its smooth outline.
 
-    They are straight sides or, at a `degree` of the elements from 3 on, parabolas of strong
+    Such sides are straight or, if the `degree` of the elements is at least 3, parabolas of strong
     curvature.
     """
     for shoe in brake.shoes:

@@ -14,12 +14,12 @@ more than their own difference:
 
 - A force (torque, reaction) is an integral of the pressure p, and the differences of p in several
   columns of hp elements may cancel in it. Therefore a fraction, `cancelled`, of another change is
-  added: the change that the force would have if the columns contributed with random signs. It is
-  the root of the sum of the squared contributions.
+  added: the change that the force would have if the columns contributed with random signs. That
+  change is the root of the sum of the squared contributions.
 - The difference of the peak pressure counts as at least the geometric mean of two other
   differences: of p in the column of elements with the peak, and of p in the L2 norm.
 
-Two further errors are added for all quantities: the change by the finite contact stiffness
+Two other errors are added for all quantities: the change by the finite contact stiffness
 (`ShoeResponse.softness`), and the round-off error of the elimination of unknowns
 (`ShoeResponse.lost`).
 """
@@ -58,12 +58,13 @@ class SafetyFactorsOfErrorEstimate(NamedTuple):
 
     Attributes
     ----------
-    pressure, force : error of the quantity, divided by its difference on the last two levels; a
-        force is a torque or a reaction
-    cancelled : fraction of a further change that is added to the error of a force: the change that
+    pressure, force : estimated error of the quantity, divided by the difference of the quantity
+        between the last two levels; a force is a torque or a reaction
+    cancelled : fraction of another change that is added to the error of a force: the change that
         the force would have if the columns of elements contributed with random signs. The actual
         contributions may cancel by accident.
-    peak : error of the peak pressure, divided by its difference on the last two levels
+    peak : estimated error of the peak pressure, divided by its difference between the last two
+        levels
     """
 
     pressure: float
@@ -72,7 +73,10 @@ class SafetyFactorsOfErrorEstimate(NamedTuple):
     peak: float
 
     def safety_factors_of_level_differences(self, shoes: int) -> Floats:
-        """The factors (1 + 4 shoes,) that turn differences of two levels into errors."""
+        """The factors (1 + 4 shoes,) that turn differences of two levels into errors.
+
+        The order is that of `ResponseDifferencesOfTwoLevels`.
+        """
         own = (self.pressure, self.force, self.peak, self.force)
         return np.array([self.force, *own * shoes])
 
@@ -177,8 +181,8 @@ def estimate_errors_from_response_differences(
         + factors.cancelled * moved.changes_with_random_signs
         + further
     )
-    # A quantity without any difference, such as the torque of a shoe without contact, keeps the
-    # error 0.
+    # A quantity that is equal on both levels, such as the torque of a shoe without contact, keeps
+    # the error 0.
     found = np.where(found > 0, found + sum_of_penalty_and_round_off_errors(last.shoes), found)
     rows = np.reshape(found[1:], (-1, len(QUANTITIES_WITH_STATED_ERROR))).tolist()
     errors_of_shoes = [dict(zip(QUANTITIES_WITH_STATED_ERROR, row, strict=True)) for row in rows]
@@ -199,7 +203,7 @@ def sum_of_penalty_and_round_off_errors(shoes: Sequence[ShoeResponse]) -> Floats
 
 
 def _relative_changes_of_shoes_due_to_cause(shoes: Sequence[ShoeResponse], name: str) -> Floats:
-    """The relative changes (1 + 4 shoes,) by one cause, in the order of the differences.
+    """The relative changes (1 + 4 shoes,) by one cause, as in `ResponseDifferencesOfTwoLevels`.
 
     `name` is the attribute of `ShoeResponse` that holds the changes by this cause, "softness" for
     the penalty or "lost" for round-off.

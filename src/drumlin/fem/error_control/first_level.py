@@ -4,8 +4,9 @@ A sweep solves many brakes that differ little. The first level of a solve takes 
 and the finer levels serve to state its errors. If some brakes of the sweep, the sample, are solved
 on all levels, the distances of their first levels from their last levels show how wrong the first
 level is. The other brakes are then solved on the first level only, and take their errors from the
-sample. This holds as long as the contact is of the same kind: near an end of the contact that has
-lifted off, or at a new opening, the pressure has a singular point that the sample has not.
+sample. The errors of the sample hold as long as the contact is of the same kind: near an end of the
+contact that has lifted off, or at a new opening, the pressure has a singular point that the sample
+has not.
 """
 
 from collections.abc import Callable, Iterator, Mapping
@@ -43,7 +44,7 @@ from drumlin.fem.preparation.cache import CacheOfCondensedBodies
 from drumlin.response.response import Response
 
 SAFETY_FACTOR_OF_LARGEST_ERROR_IN_SAMPLE = 2.0
-"""Safety factor on the largest error of the first level in a sample, for brakes out of the sample.
+"""Safety factor on the largest error of the first level in a sample, for brakes outside the sample.
 
 The stated error of a brake that is not in the sample is this factor times the largest error of the
 sample. On eleven sweeps with 100 samples each, no distance of a first level from its last level was
@@ -134,10 +135,10 @@ def errors_of_first_refinement_level(
 
 
 def _response_with_braking_forces_as_torques(response: Response) -> Response:
-    """A copy of a response in which shoes on a plane have their braking force [N] as torque.
+    """A copy of a response in which shoes on a plane have their braking force [N] as `torque`.
 
-    A level of a solve has the force there. The figures of merit, which a finished solve adds, take
-    the force over and leave a torque of 0.
+    The response on a level of a solve has the braking force as `torque` already. A finished solve
+    adds figures of merit: the braking force is then one of them, and `torque` is 0.
     """
     shoes = zip(response.shoes, response.effects, strict=True)
     return replace(response, shoes=tuple(replace(shoe, torque=effect) for shoe, effect in shoes))

@@ -48,11 +48,12 @@ class RuleOfDegreeAndGradingByLevel(NamedTuple):
 
         sqrt q(e) = (1 - e^(1/p)) / (1 + e^(1/p))
 
-        ratio = q(e)              along the lining
-        opening = q(e^sizes)      along the lining, from an end of a short contact
-        through = q(e^layers)     through the layers
-        end = end e^sizes
-        zone = edge = back = hinge = corner e^sizes
+        column_size_ratio = q(e)                   along the lining
+        size_ratio_at_short_contacts = q(e^sizes)  along the lining, from an end of a short contact
+        layer_size_ratio = q(e^layers)             through the layers
+        contact_end_column_size = end e^sizes
+        lining_end_column_size = face_layer_size = interface_layer_size = hinge_column_size
+            = corner e^sizes
 
     If the elements grow by the factor 1/q from one to the next, away from a singular point, the
     best polynomials of degree p have the error ((1 - sqrt q)/(1 + sqrt q))^p there (Gui & Babuska,
@@ -215,7 +216,7 @@ def solve_brake_on_finer_and_finer_mesh_levels(
     ------
     NoAnswer
         if the first level has no solution even with narrower columns, or if two later levels have
-        none
+        no solution
     """
     last: Response | None = start
     alike = equal_shapes(brake)

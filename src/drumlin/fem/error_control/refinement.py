@@ -77,8 +77,9 @@ class RefinedSolutionOfShoeGroup(NamedTuple):
     last_correction : last correction (n_i,) of the pressures of each shoe [1/m^2]
     coordinates : generalised coordinates (k_i,) of each shoe, the sizes of its rigid-body motions
     torque : torque of all shoes per newton [m]
-    scaled_weighted_gaps : weighted gaps (n,) of all nodes. Each gap is a sum of terms; all gaps are
-        divided by the largest sum of the absolute values of these terms.
+    scaled_weighted_gaps : weighted gaps (n,) of all nodes, the integrals of the gap times each
+        node's shape function. Each weighted gap is a sum of terms; all gaps are divided by the
+        largest sum of the absolute values of these terms.
     correction : largest entry of the last correction, relative to the largest pressure
     corrections : number of corrections
     contact_sets : number of contact sets that were tried
@@ -110,7 +111,8 @@ class FullEquationSystemOfShoeGroup:
     pressures : slice of each shoe's pressures among the unknowns
     coordinates : slice of each shoe's generalised coordinates (rigid-body motion) among the
         unknowns
-    torque_factors_of_unknowns : (unknowns,) torque per unknown, so that torque = lever . x
+    torque_factors_of_unknowns : (unknowns,) torque per unknown; the torque is the scalar product of
+        these factors with the unknowns
     scale_factors : (unknowns,) factors that give rows and columns similar sizes, see
         `_scale_factors_of_full_system`
     """
@@ -124,7 +126,7 @@ class FullEquationSystemOfShoeGroup:
 
     @property
     def index_of_first_pressure_unknown(self) -> int:
-        """Number of the first pressure among the unknowns."""
+        """Index of the first pressure among the unknowns."""
         return self.pressures[0].start
 
 
@@ -177,10 +179,10 @@ class _OrderOfFullSystemUnknowns:
 
     Attributes
     ----------
-    first_unknown_of_each_block : position of the first unknown of each shoe and of the ring; the
-        last entry is the total number of these unknowns
-    first_pressure_unknown_of_each_shoe : position of the first pressure of each shoe; the last
-        entry is the number of all unknowns
+    first_unknown_of_each_block : index of the first unknown of each shoe and of the ring; the last
+        entry is the total number of these unknowns
+    first_pressure_unknown_of_each_shoe : index of the first pressure of each shoe; the last entry
+        is the number of all unknowns
     """
 
     first_unknown_of_each_block: Any
@@ -196,7 +198,7 @@ def assemble_full_system_of_group(
     ----------
     group : the group of shoes
     relative_to_rigid_motion : whether the unknown displacements are due to deformation alone,
-        without the rigid-body motion of the shoe. Otherwise they are measured from the unloaded
+        without the rigid-body motion of the shoe. If False, they are measured from the unloaded
         shoe, which keeps more digits if the drum holds the lining and a soft shoe turns behind it.
     """
     members = range(len(group.members))
@@ -340,8 +342,8 @@ def _assemble_shoe_block_of_full_system(
     test_modes = modes.test_modes.astype(LONG_DOUBLE_TYPE)
     pin_motion = modes.pin_motion.astype(LONG_DOUBLE_TYPE)
     count = contact_modes.shape[1]
-    # The displacements of the contact nodes come last, two for each node. `first` is the number of
-    # the first of them.
+    # The displacements of the contact nodes come last, two for each node. `first` is the index of
+    # the first of these displacements.
     first, shape = inside - 2 * n, (inside + count, n)
     closures = _sparse_matrix_with_values_from_row(N.T, shape, row=first)
     modes_to_nodes = None
@@ -529,7 +531,7 @@ class _RefinedSolutionOnContactSet(NamedTuple):
     correction : largest entry of the last correction among the pressures, relative to the largest
         pressure
     corrections : number of corrections
-    factors : LU factors of the equilibrated system
+    factors : LU factors of the scaled system
     """
 
     x: Any

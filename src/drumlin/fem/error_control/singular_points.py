@@ -3,14 +3,14 @@
 At a singular point the pressure p(theta) is not smooth. Singular points are the ends of the
 contact, the kinks of the gap, and the steps between blocks of the lining. If a table gives the
 friction coefficient as a function of pressure, the places where the pressure has the value of a row
-are singular points too. The next division of the lining has small elements at all of them.
+are singular points too. The next division of the lining has small elements at all these points.
 
 A node without contact between two nodes in contact shows an opening, a stretch without contact,
 which the elements are too wide to resolve. The ends of the opening may lie anywhere between the two
 neighbouring nodes, and the error that they cause does not fall until the elements there are
 smaller. The open node is therefore a singular point, too. An opening that is far shorter than its
 contact is ignored: where p is nearly 0, round-off opens single nodes, and with small elements at
-these nodes it would open more of them.
+these nodes it would open more nodes.
 """
 
 import math
@@ -93,7 +93,7 @@ def singular_points_of_each_shoe_shape(
     ----------
     brake : the brake
     response : an earlier response, or None. Without a response the kinks of a table of clearances
-        are left out, because their strength depends on the pressure.
+        are missing in the result, because their strength depends on the pressure.
     alike : for each shoe the index of the first shoe of the same shape, see
         `cache.indices_of_first_shoes_of_equal_shape`; if it is empty, this function finds the
         indices
@@ -127,7 +127,7 @@ def _singular_points_of_lining(
     Parameters
     ----------
     shoe : the shoe
-    answer : its earlier response, or None
+    answer : the earlier response of the shoe, or None
     length_per_surface_coordinate : length per unit of the surface's coordinate [m/rad; 1 on a
         plane]
     level_error : planned error of p on the next level
@@ -214,7 +214,7 @@ def _singular_points_at_kinks_of_gap(
     """The singular points at the kinks of a lining's table of clearances.
 
     A kink is a row of the table, where the slope of the gap changes. Kinks that point to the drum
-    are added once more, with the kind TIP. The weakest kinks are left out, see
+    are added once more, with the kind TIP. The weakest kinks are neglected, see
     NEGLIGIBLE_PRESSURE_ERROR_DUE_TO_GAP_KINKS.
 
     Parameters
@@ -263,7 +263,7 @@ def _singular_points_at_kinks_of_friction(
     The table gives the friction coefficient mu(p). At such a place the slope of the friction stress
     mu(p) p along the lining changes by s. Between two such places at a distance h the stress
     deviates from a smooth curve by the parabola s x (1 - x/h)/2, whose root mean square is s
-    h/sqrt(120). The weakest kinks are left out, see NEGLIGIBLE_PRESSURE_ERROR_DUE_TO_GAP_KINKS.
+    h/sqrt(120). The weakest kinks are neglected, see NEGLIGIBLE_PRESSURE_ERROR_DUE_TO_GAP_KINKS.
 
     Parameters
     ----------
@@ -392,7 +392,7 @@ def _angles_of_strongest_gap_or_friction_kinks(
 
 
 def contact_arcs_merged_over_narrow_gaps(shoe: Shoe, response: ShoeResponse) -> list[list[float]]:
-    """The contacts on the linings of a shoe by growing angle, each as its start and end phi [rad].
+    """The contacts on the linings of a shoe by increasing angle: start and end phi [rad] of each.
 
     Two contacts count as one if the gap between them is far shorter than both contacts together,
     see `division.UNRESOLVED_LENGTH_OVER_CONTACT_LENGTH`. Contacts on different linings of a shoe
@@ -413,11 +413,10 @@ def contact_arcs_merged_over_narrow_gaps(shoe: Shoe, response: ShoeResponse) -> 
 
 
 def reason_if_contact_is_too_short(brake: Brake, shoe: Shoe, answer: ShoeResponse) -> str | None:
-    """Why the pressure of a shoe cannot be known: its contact is too short.
+    """The reason why the pressure of a shoe cannot be known, because its contact is too short.
 
-    The limit is SHORTEST_CONTACT_WITH_KNOWN_PRESSURE.
-
-    None if all contacts of the shoe are longer.
+    The result is None if no contact of the shoe is shorter than
+    SHORTEST_CONTACT_WITH_KNOWN_PRESSURE.
     """
     arcs = contact_arcs_merged_over_narrow_gaps(shoe, answer)
     length = min((end - start for start, end in arcs), default=math.inf) * brake.size
@@ -430,9 +429,9 @@ def reason_if_contact_is_too_short(brake: Brake, shoe: Shoe, answer: ShoeRespons
 
 
 def reason_if_any_contact_is_too_short(brake: Brake, response: Response) -> str | None:
-    """Why the pressure of a shoe of a brake cannot be known, see `reason_if_contact_is_too_short`.
+    """The reason why the pressure of any shoe of a brake cannot be known; None without a reason.
 
-    None if all contacts of the brake are long enough.
+    See `reason_if_contact_is_too_short`.
     """
     for shoe, answer in zip(brake.shoes, response.shoes, strict=True):
         reason = reason_if_contact_is_too_short(brake, shoe, answer)

@@ -11,15 +11,15 @@ depends on the radii of the layer's two faces alone:
     grad psi  = t f'(xi) g(eta) / r + n f(xi) g'(eta) / (r_2 - r_1)
 
 The shape function is psi = f g, and k and l = 1, 2 count the two terms of its gradient. The vectors
-t (along the arc) and n (square to it) are functions of xi alone. On a plane the radius r is a
+t (along the arc) and n (across the arc) are functions of xi alone. On a plane the radius r is a
 constant, and n is the plane's normal. An orthotropic layer adds stiffness of the same form (see
 fem.substructure.elasticity), a A''_kl B_kl + b A'''_kl B_kl, because its directions, too, are
 functions of xi alone.
 
 A column is symmetric about the radius through its middle. Its displacements are the sum of
-symmetric ones (radial components even about the middle, tangential components odd) and of
-antisymmetric ones. Symmetric forces do no work on antisymmetric displacements, and vice versa. The
-stiffness is therefore computed for each kind on its own, with half the unknowns.
+symmetric displacements (radial components even about the middle, tangential components odd) and of
+antisymmetric displacements. Symmetric forces do no work on antisymmetric displacements, and vice
+versa. The stiffness is therefore computed for each kind on its own, with half the unknowns.
 """
 
 from functools import cache
@@ -55,8 +55,8 @@ class NodalFunctionsAtGaussPoints(NamedTuple):
     signs_in_symmetric_unknowns : (2, 2 (p + 1)) sign of each nodal displacement if its symmetric
         unknown is 1, and if its antisymmetric unknown is 1
     symmetric_unknown_numbers : (2 (p + 1),) number of the symmetric unknown, 0 to p, that each
-        nodal displacement belongs to; the pair of end nodes comes first, and the pairs further
-        inside follow
+        nodal displacement belongs to; the pair of end nodes comes first, and the next inner pairs
+        follow
     matrices_to_symmetric_forces : (2, p + 1, 2 (p + 1)) matrices that turn forces on nodes into
         forces on the symmetric and on the antisymmetric unknowns
     boundary_block_indices, inner_by_boundary_block_indices, inner_block_indices : index arrays that
@@ -89,7 +89,7 @@ def nodal_functions_along_element_column(p: int) -> NodalFunctionsAtGaussPoints:
     value, slope = shape_function_values_and_slopes(p, points_of_square_tensor_grid(x))
     # The sum of an element's shape functions over the nodes across the column is the nodal function
     # along the column. The sum has the same value at all Gauss points across the column, so that
-    # the first of them is taken.
+    # the first of these values is taken.
     values = value.reshape(n, n, n, n).sum(axis=0)[:, 0]
     slopes = slope[:, 1].reshape(n, n, n, n).sum(axis=0)[:, 0]
     node = np.repeat(np.arange(n), 2)
@@ -124,9 +124,9 @@ def _index_arrays_of_element_stiffness_blocks(p: int) -> tuple[Ints, Ints, Ints]
     attributes `boundary_block_indices`, `inner_by_boundary_block_indices` and `inner_block_indices`
     of `NodalFunctionsAtGaussPoints`.
     """
-    # Each unknown of an element has a number along the column and a number across it. They are
-    # ordered: first the unknowns on the element's two sides, then on its first and its last edge,
-    # then inside the element.
+    # Each unknown of an element has a number along the column and a number across the column. The
+    # unknowns are ordered: first those on the element's two sides, then those on its first and its
+    # last edge, then those inside the element.
     n = p + 1
     further = np.arange(2, n)
     outer_along = np.concatenate([np.tile([0, 1], n), further, further])
@@ -193,9 +193,9 @@ def angular_factors_of_column_stiffness(
 ) -> Floats:
     """The integrals along element columns, which are the angular factors of their stiffness.
 
-    They are the factors A_kl and 2 A'_kl (2, c, (p + 1)^2, 8) of the formula for the stiffness in
-    the module's docstring. The first axis counts the symmetric and the antisymmetric displacements
-    of the c columns.
+    The integrals are the factors A_kl and 2 A'_kl (2, c, (p + 1)^2, 8) of the formula for the
+    stiffness in the module's docstring. The first axis counts the symmetric and the antisymmetric
+    displacements of the c columns.
 
     Parameters
     ----------
@@ -256,7 +256,7 @@ def _strains_due_to_unit_displacements_of_columns(
     gradient[:, :, 1] = normal[:, :, None] * functions.values
 
     # Nodes on a side of a column have their displacements measured along the radius at this side
-    # and square to it. Columns of equal shape then have equal stiffness wherever they lie.
+    # and perpendicular to it. Columns of equal shape then have equal stiffness wherever they lie.
     turn = np.zeros((count, n))
     turn[:, ::p] = 0.0 if flat else angles[:, ::p]
     c, s = np.array([np.cos(turn), np.sin(turn)])[:, :, None, :, None]
@@ -279,8 +279,8 @@ def _radial_factors_of_layer_stiffness(
 ) -> Floats:
     """The integrals through l layers, times m elastic constants: the radial factors of stiffness.
 
-    They are the factors B_kl (l, 4 m, (p + 1)^2) of the formula for the stiffness in the module's
-    docstring.
+    The integrals are the factors B_kl (l, 4 m, (p + 1)^2) of the formula for the stiffness in the
+    module's docstring.
 
     Parameters
     ----------
@@ -309,7 +309,7 @@ def condensed_arc_element_stiffness(
 
     There are l layers of c elements. The second axis counts the symmetric and the antisymmetric
     unknowns. The inner unknowns of each element are eliminated. Displacements on the left and the
-    right side of an element are measured along the radius at this side and square to it.
+    right side of an element are measured along the radius at this side and perpendicular to it.
 
     Parameters
     ----------
@@ -402,7 +402,7 @@ class _OrderOfElementColumnUnknowns(NamedTuple):
 
     @property
     def slice_of_left_side_unknowns(self) -> slice:
-        """The positions of the left side's unknowns among all unknowns of an element column."""
+        """The slice of the left side's unknowns among all unknowns of an element column."""
         return slice(
             self.number_of_load_unknowns,
             self.number_of_load_unknowns + self.number_of_side_unknowns,
@@ -410,12 +410,12 @@ class _OrderOfElementColumnUnknowns(NamedTuple):
 
     @property
     def slice_of_load_and_left_side_unknowns(self) -> slice:
-        """The positions of the unknowns of loads and left side among all unknowns of a column."""
+        """The slice of the unknowns of loads and left side among all unknowns of a column."""
         return slice(self.number_of_load_unknowns + self.number_of_side_unknowns)
 
     @property
     def slice_of_contact_unknowns(self) -> slice:
-        """The positions of the contact's unknowns among all unknowns of an element column."""
+        """The slice of the contact's unknowns among all unknowns of an element column."""
         return slice(
             self.number_of_load_unknowns + self.number_of_side_unknowns,
             self.number_of_load_unknowns
@@ -425,7 +425,7 @@ class _OrderOfElementColumnUnknowns(NamedTuple):
 
     @property
     def slice_of_right_side_unknowns(self) -> slice:
-        """The positions of the right side's unknowns among all unknowns of an element column."""
+        """The slice of the right side's unknowns among all unknowns of an element column."""
         return slice(
             self.number_of_load_unknowns
             + self.number_of_side_unknowns
@@ -435,11 +435,10 @@ class _OrderOfElementColumnUnknowns(NamedTuple):
 
     @property
     def signs_of_mirrored_displacements(self) -> Floats:
-        """The factors (line,) that mirror displacements of a column's left side to its right side.
+        """The factors that mirror displacements of a column's left side to its right side.
 
-        `number_of_side_unknowns` is the number of displacements of one side. Displacements along
-        the radius keep their sign (1), and displacements around the drum change it (-1). The two
-        alternate.
+        The shape is (number_of_side_unknowns,). Displacements along the radius keep their sign (1),
+        and displacements around the drum change it (-1). The two signs alternate.
         """
         mirror = np.ones(self.number_of_side_unknowns)
         mirror[1::2] = -1.0

@@ -93,8 +93,8 @@ def element_grid_of_whole_shoe(
 def _number_of_node_rows_outside_body(div: ShoeElementDivision) -> int:
     """The number of rows of nodes, counted from the contact, before the shoe's body begins.
 
-    A row holds the nodes at one depth. For a rigid shoe, whose body has no elements, it is the
-    number of all rows.
+    A row holds the nodes at one depth. If the shoe is rigid, its body has no elements, and the
+    result is the number of all rows.
     """
     rigid = div.index_of_first_body_layer == div.number_of_element_layers
     return div.index_of_first_body_layer * div.degree + rigid

@@ -1,17 +1,17 @@
 """Columns of elements, whose stiffness is condensed to their two sides and their contact nodes.
 
 A column is a stack of elements from the contact through the thickness of a body. On an arc the
-displacements of the nodes on each side are measured along the side's radius and square to it.
-Displacements of nodes between the sides are measured in the axes of the column's middle. Columns of
-equal shape then have equal stiffness wherever they lie, and the stiffness is computed once for each
-shape.
+displacements of the nodes on each side are measured along the side's radius and perpendicular to
+it. Displacements of nodes between the sides are measured in the axes of the column's middle.
+Columns of equal shape then have equal stiffness wherever they lie, and the stiffness is computed
+once for each shape.
 
 The nodes on a side of a column form its left or right line, which begins at the contact. The
 unknowns of a substructure are [left line | contact | right line], with x and y of a node next to
 each other. The contact node at the end of a line belongs to the contact, not to the line. In a
 substructure without contact the line has this node too. `extra` unknowns, which all substructures
-share, may stand before the others. They are the factors of unit loads, and their diagonal blocks of
-the condensed stiffness are negative.
+share, may stand before all other unknowns. They are the factors of unit loads, and their diagonal
+blocks of the condensed stiffness are negative.
 """
 
 from collections.abc import Sequence
@@ -28,15 +28,14 @@ from drumlin.fem.hp.element import (
 )
 
 SlicesOfUnknownsInElementAndColumn = tuple[slice, slice]
-"""Two slices for the same unknowns: in an element's stiffness, and in its column's stiffness.
-"""
+"""Two slices for the same unknowns: in an element's stiffness, and in its column's stiffness."""
 
 
 class NumberingOfElementColumnUnknowns(NamedTuple):
     """The order of the unknowns of an element column, and where each element's unknowns stand.
 
     A column is a stack of elements, one in each layer, counted from the contact. Its condensation
-    keeps the unknowns on its two sides and its contact, and eliminates the others.
+    keeps the unknowns on its two sides and its contact, and eliminates all other unknowns.
 
     Attributes
     ----------
@@ -65,7 +64,7 @@ def numbering_of_element_column_unknowns(
     ----------
     p : degree of the elements
     layers : number of elements in the column
-    contact : whether the column's edge at the lining's face is in contact; otherwise the nodes
+    contact : whether the column's edge at the lining's face is in contact; if False, the nodes
         inside this edge are eliminated
     held : whether the nodes on the edge farthest from the contact are fixed, and have no unknowns
     sides : 2 for all unknowns; 1 for the symmetric or the antisymmetric half of them
@@ -294,7 +293,7 @@ def eliminate_nodes_on_column_side(
         body. Its l unknowns that the side does not share take the place of the side's unknowns.
         The unknowns of `end` are [l | part] at the left side and [part | l] at the right side.
     part : number of the side's unknowns, the last ones, at which the body is attached
-    right : whether the nodes on the right side are eliminated; otherwise those on the left side
+    right : True to eliminate the nodes on the right side, False for the left side
     """
     own = 0 if end is None else len(end) - part
     n, line = len(piece.K), piece.right if right else piece.left

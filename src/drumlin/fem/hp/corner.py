@@ -1,9 +1,9 @@
 """The singular pressure at a pressed corner of a lining, and under a kink that points to the drum.
 
-A lining ends with a face square to the drum. Near this corner the lining is an elastic wedge of 90
-degrees that slides on a half-plane, and the pressure p goes as x^a, where x is the distance from
-the corner. If the exponent a is negative, p is unbounded. Under a kink of the gap that points to
-the drum p goes as ln(1/x) at the distance x from the kink (Johnson, Contact Mechanics, ch. 5).
+A lining ends with a face perpendicular to the drum. Near this corner the lining is an elastic wedge
+of 90 degrees that slides on a half-plane, and the pressure p goes as x^a, where x is the distance
+from the corner. If the exponent a is negative, p is unbounded. Under a kink of the gap that points
+to the drum p goes as ln(1/x) at the distance x from the kink (Johnson, Contact Mechanics, ch. 5).
 
 This module computes the exponents a, and replaces the computed p near the corners by the power law.
 It also estimates the errors of p at corners and under kinks, where elements of finite size cannot
@@ -40,7 +40,7 @@ pressure is not square-integrable; on a rigid drum this needs a friction coeffic
 0.57 to 0.61, depending on Poisson's ratio.
 """
 LARGEST_EXPONENT_OF_BOUNDED_PRESSURE = 1e-6
-"""If |a| is smaller than this, the pressure p ~ x^a at a corner counts as bounded.
+"""Size of the exponent a below which the pressure p ~ x^a at a corner counts as bounded.
 
 The distance from the corner is x. With a smaller |a| the functions x^a and 1 are so alike that the
 equations for the coefficients of both cannot be solved with 16 digits.
@@ -58,9 +58,9 @@ POWER_LAW_FRACTION_OF_CONTACT = 2e-3
 
 In this part the polynomials of the pressure p are replaced by the power law of the corner. The part
 holds three or four element columns. In the column next to the corner, and a little in the second
-one, polynomials are a poor approximation of the power law. In columns farther away the pressure
+column, polynomials are a poor approximation of the power law. In columns farther away the pressure
 also depends on the rest of the lining. On two brakes the error of p was the same with three to six
-columns, and 10 to 30 times as large with one.
+columns, and 10 to 30 times as large with one column.
 """
 LENGTH_OF_PRESSURE_PIECE_AT_CORNER = 1e-12
 """Length [rad] of the polynomial piece of the pressure next to a pressed corner of a lining.
@@ -160,11 +160,11 @@ def pressure_exponent_at_orthotropic_corner(
     """The exponent a of the pressure p ~ x^a at a pressed corner, for orthotropic materials.
 
     The distance from the corner is x; for isotropic materials see
-    `pressure_exponent_at_lining_corner`. The axes of the materials lie along the drum and square to
-    it. The stresses in the lining are 2 Re sum_k (mu_k^2, 1, -mu_k) l c_k z_k^(l - 1) with z_k = x
-    + mu_k y and the roots mu_k of Lekhnitskii's equation (Anisotropic Plates, section 19). Two
-    conditions on the free face, the friction, and the equal slopes of both surfaces are four real
-    equations for c_1 and c_2. The pressure goes as the smallest power l - 1 at which their
+    `pressure_exponent_at_lining_corner`. The axes of the materials lie along the drum and normal to
+    the drum. The stresses in the lining are 2 Re sum_k (mu_k^2, 1, -mu_k) l c_k z_k^(l - 1) with
+    z_k = x + mu_k y and the roots mu_k of Lekhnitskii's equation (Anisotropic Plates, section 19).
+    Two conditions on the free face, the friction, and the equal slopes of both surfaces are four
+    real equations for c_1 and c_2. The pressure goes as the smallest power l - 1 at which their
     determinant vanishes.
 
     Parameters
@@ -283,7 +283,7 @@ class _PlaneStressCompliances(NamedTuple):
     Attributes
     ----------
     along : strain along the drum per stress along the drum
-    through : strain square to the drum per stress square to the drum
+    through : strain normal to the drum per stress normal to the drum
     mixed : strain in one of these directions per stress in the other direction
     shear : shear strain per shear stress
     """
@@ -295,7 +295,7 @@ class _PlaneStressCompliances(NamedTuple):
 
 
 def _plane_stress_compliances(material: IsotropicOrOrthotropicMaterial) -> _PlaneStressCompliances:
-    """The compliances [1/Pa] of a material in plane stress, along the drum and square to it."""
+    """The compliances [1/Pa] of a material in plane stress, along the drum and normal to it."""
     return _PlaneStressCompliances(
         along=1 / material.E_along,
         through=1 / material.E_through,
@@ -358,10 +358,9 @@ def element_column_size_for_error_at_pointed_gap_kink(
 ) -> float:
     """The size [rad] of element columns beside a gap kink that points to the drum.
 
-    With this size the pressure p has the given error at the kink.
-
-    The pressure p goes as c ln(1/x) at the distance x from such a kink. The best polynomial for ln
-    x on [0, 1] has the error 1/(degree + 1) in L2, by the sum of the Legendre coefficients.
+    With this size the pressure p has the relative error `error` at the kink. The pressure goes as c
+    ln(1/x) at the distance x from the kink. The best polynomial for ln x on [0, 1] has the error
+    1/(degree + 1) in L2, by the sum of the Legendre coefficients.
 
     Parameters
     ----------
@@ -406,7 +405,7 @@ class PressureAtNodesOfShoe(Protocol):
 
     @property
     def theta(self) -> Floats:
-        """Angles [rad] of the nodes, growing."""
+        """Angles [rad] of the nodes, in increasing order."""
 
     @property
     def pressure(self) -> Floats:
@@ -462,7 +461,7 @@ def corners_with_unbounded_pressure(
 def _shoe_response_with_one_corner_power_law(
     response: ShoeResponse, corner: CornerWithUnboundedPressure, unit: float
 ) -> ShoeResponse:
-    """The response of a shoe whose pressure near one corner of its lining is now a power law.
+    """The response of a shoe whose pressure near one corner of its lining becomes a power law.
 
     `unit` is the change of the surface's coordinate theta (on a plane x) per radian of the shoe's
     angle phi.
@@ -500,7 +499,7 @@ def nodes_and_pressures_with_power_law_at_corner(
     Parameters
     ----------
     theta, pressure : (n,) [rad], [Pa]
-        Nodes, in growing order, and values of the pressure, a piecewise polynomial.
+        Nodes, in increasing order, and values of the pressure, a piecewise polynomial.
     order : int
         Degree of the pieces.
     corner : CornerWithUnboundedPressure
@@ -598,10 +597,10 @@ def remaining_pressure_error_at_lining_corners(
 ) -> float:
     """The relative error in L2 of the pressure p of shoe `index` at corners where p is unbounded.
 
-    It is the error of the polynomial pieces next to the corners, which are as short as the
-    round-off of angles allows. The error is 1 if p is not square-integrable. It is also 1 if p is
-    unbounded beside a slot between two linings, where no power law replaces the polynomials, and
-    the stated error does not exclude the linings' ends.
+    The error is that of the polynomial pieces next to the corners, which are as short as the
+    round-off of angles allows. The error is 1 if p is not square-integrable. The error is also 1 if
+    p is unbounded beside a slot between two linings and the stated error does not exclude the
+    linings' ends, because no power law replaces the polynomials at a slot.
     """
     if _does_stated_error_include_unbounded_pressure_at_slot(brake, index, response):
         return 1.0
@@ -626,7 +625,7 @@ def remaining_pressure_error_at_lining_corners(
 def _does_stated_error_include_unbounded_pressure_at_slot(
     brake: Brake, index: int, response: PressureAtNodesOfShoe
 ) -> bool:
-    """Whether p is unbounded beside a slot, at a place that its stated error does not exclude."""
+    """Whether p is unbounded beside a slot, at a place that the stated error of p includes."""
     lining = brake.shoes[index].lining
     edges = [int(np.abs(response.theta - edge).argmin()) for edge in np.ravel(lining.slots)]
     if not np.any(response.pressure[edges] > 0):
@@ -678,8 +677,8 @@ def remaining_pressure_error_at_pointed_gap_kinks(
 ) -> float:
     """The relative error in L2 of a shoe's pressure p due to kinks that point to the drum.
 
-    If such a kink is in contact, p goes as ln(1/x) at the distance x from it. The error arises in
-    the element columns on both sides of each kink, because a polynomial cannot follow the
+    If such a kink is in contact, p goes as ln(1/x) at the distance x from the kink. The error
+    arises in the element columns on both sides of each kink, because a polynomial cannot follow the
     logarithm. `length_per_surface_coordinate` is the length per unit of the surface's coordinate
     [m/rad, on a plane 1].
     """

@@ -36,11 +36,11 @@ sizes are rounded down to a power of two, so that some columns are up to half as
 UNRESOLVED_LENGTH_OVER_CONTACT_LENGTH = 0.02
 """Length of details of the contact that are not resolved, relative to the contact's length.
 
-If an end of the contact moves by less than this from one solution to the next, it counts as found.
-A gap in the contact that is shorter than this counts as closed. With a larger value the small
-elements would miss the end of the contact, and the pressure would have the error of a coarser mesh.
-With a smaller value the brake is divided and solved again although the end of the contact is known
-well enough.
+If an end of the contact moves by less than this fraction from one solution to the next, it counts
+as found. A gap in the contact that is shorter than this fraction counts as closed. With a larger
+value the small elements would miss the end of the contact, and the pressure would have the error of
+a coarser mesh. With a smaller value the brake is divided and solved again although the end of the
+contact is known well enough.
 """
 ELEMENT_SIZE_AT_UNBOUNDED_CORNER = 1e-4
 """Size of element columns and layers at a corner of the lining with unbounded pressure.
@@ -200,12 +200,13 @@ class ShoeElementDivision:
     column_ends_before_lining, column_ends_behind_lining : positions phi of the ends of the columns
         of the body before and behind the lining [rad], the nearest to the lining first
     depths : (l + 1,) distances of the faces of the layers from the lining's face [m]. For a
-        straight beam the depth grows by 1 through each layer of the shoe.
+        straight beam the depth has no unit: layer k of the shoe (lining, backing, beam; k = 0, 1,
+        2) reaches from the depth k to the depth k + 1.
     part : (l,) name of the part of the shoe that each layer of elements belongs to
     face_layer_size_at_unbounded_pressure : size [m] of the layer of elements at the lining's face,
         if this layer is thin because the pressure is unbounded (at a corner of the lining, or at a
-        gap kink that points to the drum); inf otherwise
-    slots : for each slot between two linings, the number of its first column, and of the first
+        gap kink that points to the drum); inf if the pressure is bounded
+    slots : for each slot between two linings, the indices of its first column, and of the first
         column behind the slot
     """
 
@@ -220,7 +221,10 @@ class ShoeElementDivision:
 
     @property
     def element_column_range_of_each_lining(self) -> list[tuple[int, int]]:
-        """For each lining, the number of its first column and of the first column behind it."""
+        """For each lining, the range of its columns: the indices (start, stop).
+
+        `start` is the index of its first column, `stop` of the first column behind the lining.
+        """
         ends = [0, *(column for slot in self.slots for column in slot), len(self.angles) - 1]
         return list(zip(ends[::2], ends[1::2], strict=True))
 
@@ -321,7 +325,7 @@ def relative_element_size_far_from_contact(
     ----------
     size : size of the elements beside the contact, relative to the layer's thickness
     distance : distance of the corner from the contact, in lengths of the contact
-    coarsens : whether the size grows with the distance; otherwise `size` is returned
+    coarsens : whether the size grows with the distance; if False, `size` is returned
     """
     if not coarsens:
         return size
@@ -371,8 +375,8 @@ def divide_shoe_into_hp_elements(
     """The division of a shoe into columns and layers of hp elements.
 
     If the contact does not reach an end of the lining, the elements at this end get the size of
-    elements at interfaces between layers. Far from a short contact both are larger, see
-    `relative_element_size_far_from_contact`.
+    elements at interfaces between layers. Far from a short contact, the elements at the lining's
+    end and at interfaces are larger, see `relative_element_size_far_from_contact`.
 
     Parameters
     ----------
@@ -508,7 +512,7 @@ def _element_column_ends_under_linings_and_slots(
     """The ends (m + 1,) [rad] of the m columns under linings and in slots, and each slot's columns.
 
     In a slot between two linings the columns grow from both linings towards the slot's middle. A
-    slot is given by the number of its first column, and of the first column behind it.
+    slot is given by the index of its first column, and of the first column behind the slot.
 
     Parameters
     ----------
@@ -853,10 +857,11 @@ def grading_point_at_singular_point(
 
     At an end of the contact the pressure p rises as the root of the distance x, and at the end of a
     step p goes as x ln x. Columns of size w therefore leave errors in L2 in proportion to w and to
-    w^1.5. The columns at a step can therefore shrink less from level to level than those at an end
-    of the contact: their size relative to the step is `end`^(1/2). With `end`^(2/3) both errors
-    would fall at the same rate. On brakes with 10 and 12 steps the power 1/2 was as accurate on the
-    second level, with an eighth fewer unknowns.
+    w^1.5. The columns at a step can therefore shrink less from level to level than the columns at
+    an end of the contact: their size relative to the step is the square root of
+    `contact_end_column_size`. With the power 2/3 in place of 1/2 both errors would fall at the same
+    rate. On brakes with 10 and 12 steps the power 1/2 was as accurate on the second level, with an
+    eighth fewer unknowns.
 
     Parameters
     ----------
@@ -1027,8 +1032,8 @@ def _depths_and_parts_of_element_layers(
     first_layer_size_at_lining_face : size of the layer of elements at the contact [m]
     contact_length : length of the contact [m]
     coarsens : whether elements far from the contact are larger
-    straight : whether the depth grows by 1 through each layer of the shoe, as for a straight beam;
-        otherwise depths are in m
+    straight : whether the depth grows from k to k + 1 through layer k of the shoe (k = 0, 1, ...),
+        as for a straight beam; if False, depths are in m
     """
     depths, part, at = [np.zeros(1)], [], 0.0
     distances = np.cumsum([layer.thickness for layer in layers]) / contact_length

@@ -134,7 +134,7 @@ def _shape_function_values_and_slopes_in_long_double(p: int, x: Floats) -> tuple
     coordinates x in both directions. Element and order are as in
     `shape_function_values_and_slopes`.
     """
-    # A node's distance from itself is never used. It is set to 1, since 0 could not be divided by.
+    # A node's distance from itself is never used. It is set to 1, to avoid a division by 0.
     nodes = node_positions_on_edge_from_0_to_1(p).astype(np.longdouble)
     x = x.astype(np.longdouble)
     apart = nodes[:, None] - nodes + np.eye(p + 1)
@@ -171,11 +171,13 @@ def plane_stress_stiffness_of_elements(xy: Any, elasticity: Any, p: int, along: 
     """The plane-stress stiffness (e, a, 2, a, 2) [N/m] of e elements, in the precision of xy.
 
     The nodes are in the order of `ReferenceElement`. The elastic constants lambda, mu, a and b are
-    defined in `elasticity.isotropic_and_orthotropic_elastic_constants`. The unit vectors d are t,
-    along the layers, and n, through them. The stiffness is
+    defined in `elasticity.isotropic_and_orthotropic_elastic_constants`. The unit vectors d are t
+    along the layers and n through the layers. The stiffness is
 
         K_ai,bj = Int lambda psi_a,i psi_b,j + mu psi_a,j psi_b,i + mu delta_ij psi_a,k psi_b,k
                       + sum_d s_d d_i (d . grad psi_a) d_j (d . grad psi_b) dA,   s_t = a,  s_n = b.
+
+    As indices of K and psi, a and b count nodes; s_t and s_n are the elastic constants a and b.
 
     Parameters
     ----------
@@ -320,9 +322,9 @@ def replace_matrix_by_schur_complement(K: Floats, C: Floats, inner: Floats) -> F
 
     It is the stiffness on the k kept unknowns after the elimination of m other unknowns. C (m, k)
     couples eliminated and kept unknowns, and `inner` (m, m) is the stiffness on the eliminated
-    ones. All three matrices must be contiguous in rows. They are overwritten, so that BLAS works on
-    them in place. `inner` is not inverted but factored (Cholesky), because this is backward stable:
-    thin columns of elements would otherwise lose digits.
+    unknowns. All three matrices must be contiguous in rows, and are overwritten, so that BLAS works
+    on them in place. `inner` is not inverted but factored (Cholesky), because this is backward
+    stable: thin columns of elements would otherwise lose digits.
 
     Raises
     ------

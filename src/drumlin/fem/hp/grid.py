@@ -94,7 +94,7 @@ class HpElementGrid:
         return np.arange(2 * self.N)
 
     def indices_in_this_basis_of_grid_nodes(self, nodes: Ints) -> Ints:
-        """The given numbers of nodes, unchanged, as a whole grid has all nodes."""
+        """The given numbers of nodes, unchanged, because a whole grid has all nodes."""
         return nodes
 
     @cached_property
@@ -129,7 +129,7 @@ class HpElementGrid:
     def quadrilaterals_between_element_nodes(self) -> Ints:
         """The quadrilaterals (4, p p) between neighbouring nodes of an element, for pictures.
 
-        Each is given by its four corners, as node numbers within the element.
+        Each quadrilateral is given by its four corners, as node numbers within the element.
         """
         at = self._node_numbers_within_element
         return np.array([at[:-1, :-1], at[:-1, 1:], at[1:, 1:], at[1:, :-1]]).reshape(4, -1)
@@ -298,7 +298,7 @@ class ElementBoundaryGrid:
 
     @property
     def dofs(self) -> Ints:
-        """The positions (2 N,) of the skeleton's displacements among all displacements of the grid.
+        """The indices (2 N,) of the skeleton's displacements among all displacements of the grid.
 
         The displacements x and y of a node are next to each other.
         """
@@ -434,8 +434,8 @@ class EliminatedUnknownsOfHpElementBody:
     layers : elastic layers of the body by name
     whole_system : function that makes the body's system of equations before condensation, with the
         unit loads that act on boundaries of elements
-    further : (2 grid nodes, k) nodal forces of k further unit loads, which may act inside elements;
-        they come after the other unit loads
+    further : (2 grid nodes, k) nodal forces of k additional unit loads, which may act inside
+        elements; they come after the other unit loads
     """
 
     grid: HpElementGrid
@@ -450,7 +450,7 @@ class EliminatedUnknownsOfHpElementBody:
         layers: Mapping[str, ElasticLayer],
         whole_system: BodySystemAssemblyFunction,
     ) -> "EliminatedUnknownsOfHpElementBody":
-        """The unknowns of a body without unit loads besides those of `whole_system`."""
+        """Make the eliminated unknowns of a body with no unit loads but those of `whole_system`."""
         return cls(grid, layers, whole_system, np.zeros((2 * grid.N, 0)))
 
     def equations_of_body_before_condensation(self) -> UncondensedBodySystem:
@@ -458,7 +458,7 @@ class EliminatedUnknownsOfHpElementBody:
         return self._system_with_further_unit_loads(self.whole_system(self.grid), self.further)
 
     def copy_with_further_unit_loads(self, forces: Floats) -> "EliminatedUnknownsOfHpElementBody":
-        """A copy with k further unit loads, given as nodal forces (2 grid nodes, k)."""
+        """A copy with k additional unit loads, given as nodal forces (2 grid nodes, k)."""
         return replace(self, further=np.hstack([self.further, forces]))
 
     def condense_loads_and_stiffness(self) -> CondensedSystem:
@@ -472,7 +472,7 @@ class EliminatedUnknownsOfHpElementBody:
             self.layers, self.further
         )
         system = self._system_with_further_unit_loads(self.whole_system(sides), on_sides)
-        # The work of the further loads inside elements is added to the work of the loads on the
+        # The work of the additional loads inside elements is added to the work of the loads on the
         # skeleton.
         S, loads, work = system.condense_loads_and_stiffness()
         first = len(work) - len(inner_work)
@@ -490,7 +490,7 @@ class EliminatedUnknownsOfHpElementBody:
         """
         sides, count = self.grid.grid_without_inner_element_nodes, self.further.shape[1]
         system = self.whole_system(sides)
-        # Without further loads no force acts inside elements.
+        # Without additional loads no force acts inside elements.
         if not count:
             on_sides = system.nodal_displacements_in_load_cases(nodal, frame, loads)
             return sides.displacements_of_all_grid_nodes(self.layers, on_sides)
@@ -505,5 +505,5 @@ class EliminatedUnknownsOfHpElementBody:
     def _system_with_further_unit_loads(
         self, system: UncondensedBodySystem, forces: Floats
     ) -> UncondensedBodySystem:
-        """The system of equations with k more unit loads, given as nodal forces (2 N, k)."""
+        """The system of equations with k additional unit loads, given as nodal forces (2 N, k)."""
         return system.copy_with_further_unit_loads(forces) if forces.shape[1] else system
