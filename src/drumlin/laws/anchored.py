@@ -299,7 +299,8 @@ def _solve_rigid_shoes_on_given_supports(
     Other supports must bear in three cases: the shoes have no equilibrium on the given supports or
     lock themselves on them, a given support would have to pull, or a support that is not among the
     given ones would overlap its shoe.
-    The function seeks the arcs in contact from `first_arcs` on, by default from those of the linings.
+    The function seeks the arcs in contact from `first_arcs` on, by default from those of the
+    linings.
     """
     motions = _rigid_body_motions_held_and_free(on, bearing)
     if motions is None:
