@@ -25,11 +25,11 @@ class MeshFileContent:
     cell_groups : cells in each named group
     node_groups : nodes (m,) in each named group
     edge_groups : corner nodes (m, 2) of the edges in each named group
-    outline_edge_groups : corner nodes (m, 2) of edges by group; edges inside the mesh are to be
-        left out
+    outline_edge_groups : corner nodes (m, 2) of the edges in each named group of which only the
+        edges on the outline of the mesh count
     rounding : (n, 2) largest rounding error of x and y in the file, in the file's unit; None if it
         has to be found from the coordinates
-    turned : whether the reader turned the coordinates, which mixes the rounding errors of x and y
+    turned : whether the reader rotated the coordinates, which mixes the rounding errors of x and y
     broken : reasons why a group of the file cannot be read, by the group's name
     notes : lines that tell which parts of the file were ignored
     """
@@ -74,7 +74,8 @@ def largest_rounding_errors_of_coordinates(points: Floats) -> Floats:
     number of significant digits. The smallest number with which all coordinates are exact is found.
     The rounding error is half of its last digit.
     """
-    # If both numbers of digits are possible, the larger rounding error counts.
+    # The coordinates may agree with both assumptions: with a number of decimals, and with a number
+    # of significant digits. The larger of the two rounding errors then counts.
     size = np.abs(points)
     exponents = np.floor(np.log10(np.where(size > 0, size, 1.0))) + 1
     found = np.zeros(points.shape)
