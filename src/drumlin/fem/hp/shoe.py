@@ -139,8 +139,8 @@ class CondensedShoe(NamedTuple):
     centre : (2,) point that the unit actuations act at [m]
     rigid_mode_forces : (2n, 3) forces on the contact nodes due to rigid-body motions of the shoe;
         they would be zero without round-off
-    force_imbalance : largest resultant of a unit actuation force and its reactions [1]; it would be
-        zero without round-off
+    force_imbalance : largest component x or y of the sum of a unit actuation force and its
+        reactions [1]; it would be zero without round-off
     columns : which columns of `loads` belong to which unit load, by the load's name
     """
 

@@ -18,7 +18,7 @@ class DeckSetMember(NamedTuple):
 
     Attributes
     ----------
-    owner : name of the instance that the labels belong to; "" if it is the instance of the set
+    owner : name of the instance that the labels belong to; "" for the instance of the set itself
     word : range of labels, or one label or the name of another set as a text
     """
 
@@ -49,8 +49,8 @@ class DeckPart:
     Parameters
     ----------
     nodes : label of each node -> x, y, z in the file's unit
-    coordinates_as_written : label of each node -> its two coordinates as the deck writes them,
-        which show how they were rounded
+    coordinates_as_written : label of each node -> its first two coordinates as the deck has them,
+        before any conversion; they show how the deck's coordinates were rounded
     turned : whether a *SYSTEM or a cylindrical system turns the coordinates
     blocks : elements of each *ELEMENT section
     labels : labels of all elements
