@@ -2,10 +2,10 @@
 
 Condensation has eliminated all displacements except the displacements of the contact. If a picture
 or a file needs the others, the columns of elements are condensed once more, to the nodes on their
-two sides: a left and a right line, without the contact. Lines are eliminated from the hinge to the
-far end of the shoe. From the far end back to the hinge, the displacements of the lines are computed
-one after another, and the displacements between the lines follow. All displacements are in the axes
-of the shoe's frame.
+two sides: a left and a right line of nodes. Here the nodes of the contact are eliminated as well.
+The lines are eliminated one after another from the hinge to the far end of the shoe. From the far
+end back to the hinge, the displacements of the lines are computed. The displacements between the
+lines follow. All displacements are in the axes of the shoe's frame.
 """
 
 from dataclasses import dataclass
@@ -95,9 +95,9 @@ class EliminatedUnknownsOfShoeWithWidth:
     """The displacements that the condensation of a three-dimensional shoe has eliminated.
 
     The class fulfils the protocol `substructure.body.EliminatedUnknownsOfAnyBody`. Each node of the
-    section has several unknowns. An unknown is the factor of one function of z: of an even function
-    in the displacement u_x or u_y, or of an odd function in u_z. The factor is zero if the function
-    is zero over the width of the parts at the node.
+    section has several unknowns. An unknown is the factor of one function of z: the factor of an
+    even function in the displacement u_x or u_y, or the factor of an odd function in u_z. The
+    factor is zero if the function is zero over the width of the parts at the node.
 
     Attributes
     ----------
@@ -124,7 +124,7 @@ class EliminatedUnknownsOfShoeWithWidth:
 
     @property
     def unknowns_per_node(self) -> int:
-        """Number of the unknowns of a node: two for each even function, one for each odd one."""
+        """Number of unknowns of a node: two for each even function, one for each odd function."""
         functions = self.functions
         even, odd = functions.even_functions_across_width, functions.odd_functions_across_width
         return 2 * len(even) + len(odd)
@@ -164,9 +164,9 @@ class EliminatedUnknownsOfShoeWithWidth:
     def factors_of_even_and_odd_functions_at_nodes(self, u: Floats) -> tuple[Floats, Floats]:
         """Split the unknowns u of all nodes into factors of even and factors of odd functions of z.
 
-        The factors of even functions (nodes, even, 2) give displacements x and y, and the factors
-        of odd functions (nodes, odd) give displacements along z. u (nodes unknowns_per_node,) [m]
-        are the unknowns in one load case.
+        The first result (nodes, even functions, 2) [m] has the factors for the displacements x and
+        y, and the second result (nodes, odd functions) [m] the factors for the displacements along
+        z. u (nodes unknowns_per_node,) [m] are the unknowns in one load case.
         """
         by_node = u.reshape(self.grid.N, self.unknowns_per_node)
         even = 2 * len(self.functions.even_functions_across_width)
@@ -216,7 +216,7 @@ class EliminatedUnknownsOfShoeWithWidth:
         return at, loads
 
     def _which_unknowns_are_zero_with_hinge_face_held(self) -> Bools:
-        """True for each unknown (unknowns,) that is zero while the shoe's frame is held."""
+        """A mask (unknowns,), True for each unknown that is zero while the shoe's frame is held."""
         div, nodes = self.division, self.grid.sets["hinge"]
         held = np.zeros(self.grid.N * self.unknowns_per_node, dtype=bool)
         by_node = held.reshape(self.grid.N, -1)

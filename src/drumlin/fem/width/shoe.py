@@ -155,8 +155,9 @@ class ElementLayersWithWidthFunctions(NamedTuple):
 class UnitLoadsOnEndFaceWithWidth(NamedTuple):
     """The unit loads on the end face of a shoe with a width.
 
-    `end` has the unit loads on the end face of the plane section. `forces` (n, 3) are the same
-    three loads as forces on the n unknowns of the shoe's `UnknownsAcrossBodyThickness`.
+    `end` has the unit loads on the end face of the plane section: force x, force y and couple.
+    `forces` (n, 3) are the same three loads as forces on the n unknowns of the shoe's
+    `UnknownsAcrossBodyThickness`.
     """
 
     end: UnitLoadsOnLoadedEndFace
@@ -182,8 +183,9 @@ class UnknownsAcrossBodyThickness(NamedTuple):
     def values_on_unknowns_of_thickness_line(self, by_function: Sequence[Floats]) -> Floats:
         """Values (n, m) on the unknowns of the line from values on nodes for each even function.
 
-        `by_function` has an array (2 rows, m) for each of the first even functions, with x and y of
-        the line's nodes. Values of all other functions are 0, and so are values along z.
+        `by_function` has an array (2 rows, m) for each of the first even functions, with the values
+        x and y at the line's nodes. The values of all other functions, and all values along z, are
+        0.
         """
         found = np.zeros((len(self.z), by_function[0].shape[1]))
         for function, vectors in enumerate(by_function):
@@ -322,10 +324,10 @@ def _condensed_element_columns_of_shoe(
     def condensed_columns_from_given_layer_on(
         row: Ints, first: int, *, contact: bool, back: ConditionAtEdgeFarthestFromContact
     ) -> list[ColumnSubstructure]:
-        """The condensed columns of the given kinds, with the layers from number `first` on.
+        """The condensed columns of the given kinds, with the layers from index `first` on.
 
         `row` has the kind of each column, and layers are counted from the contact. `contact` and
-        `back` are attributes of `LayersOfElementColumn`.
+        `back` are explained in `LayersOfElementColumn`.
         """
         if not len(row):
             return []
@@ -445,8 +447,8 @@ class _ConversionFromColumnsToContactFace(NamedTuple):
     Attributes
     ----------
     angles : (n functions,) angles [rad] from the axes of the columns to the axes of the frame
-    inverse : matrix (functions, nodes) that turns values at the nodes across the width into factors
-        of the functions
+    inverse : matrix (functions, nodes) that converts values at the nodes across the width to
+        factors of the functions
     """
 
     angles: Floats
