@@ -95,7 +95,7 @@ about 1e-8 as well, or more if the contact is short compared with the lining's t
 response states this error.
 """
 LARGEST_ACCEPTED_FORCE_IMBALANCE_OF_SHOE = 1e-8
-"""Largest imbalance of forces and moments on a shoe, relative to the largest of them.
+"""Largest imbalance of forces and moments on a shoe, relative to the largest force or moment.
 
 A larger imbalance shows that round-off in the condensed bodies has cost too many digits. The full
 (not condensed) system is then solved by iterative refinement. If the imbalance is above the limit
@@ -128,8 +128,8 @@ LARGEST_CORRECTION_OF_CONVERGED_REFINEMENT = 1e-10
 """Last relative correction of the pressures up to which an iterative refinement has converged.
 
 The full system has two forms: its displacements include the rigid-body motion of the shoe or are
-relative to it. If the last correction in one form is larger than this, the other form is refined as
-well, and the solution with the smaller last correction is taken.
+relative to it. If the last correction in one form is larger than this limit, the other form is
+refined as well, and the solution with the smaller last correction is used.
 """
 ROUND_OFF_TOO_LARGE_REASON = "stiffnesses or sizes are too far apart for the arithmetic"
 """Reason that is printed if a solution has lost too many digits by round-off."""
@@ -821,7 +821,7 @@ def _resultant_of_support_forces_at_pin(
 def _relative_force_and_moment_imbalance_of_shoe(
     solution: _ShoePartOfGroupSolution, acting: _ForcesOnShoeInShoeFrame
 ) -> ForceAndMomentImbalance:
-    """The imbalance of the forces and of the moments on a shoe, relative to the largest of them."""
+    """The force and moment imbalance of a shoe, relative to the largest force and moment on it."""
     group, shoe = solution.group, solution.group.shoes[solution.shoe_number]
     pin = shoe.pin_position_in_shoe_frame
     # The moment of the actuation about the drum's centre is listed as two terms: its moment about

@@ -353,7 +353,7 @@ def _is_brake_solved_on_hp_element_levels(
 def _response_with_note_on_curve_balance(brake: Brake, response: Response) -> Response:
     """A copy of the response with a note, if the curve p(theta) balances worse than nodal forces.
 
-    Otherwise the response itself is returned.
+    If the curve balances as well as the nodal forces, the response itself is returned.
     """
     # Positive differences mean that p(theta) balances worse than the nodal forces do.
     under_forces = brake_with_forces_of_response(brake, response)

@@ -412,7 +412,7 @@ def _condensed_hp_columns_of_row(
     ----------
     whole : the shoe
     row : (c,) index of the kind of each column
-    layer : number of the columns' first layer of elements; 0 is the layer at the lining's face
+    layer : index of the columns' first layer of elements; 0 is the layer at the lining's face
     contact : whether the columns' edge at the lining's face is in contact
     held : whether the nodes on the edge farthest from the contact are fixed
     """
@@ -454,7 +454,7 @@ def _condensed_elements_of_straight_beam_shoe(
     ----------
     whole : the shoe
     along : (c, p + 1) positions of the nodes of each column along the lining
-    layer : number of the first layer of elements; 0 is the layer at the lining's face
+    layer : index of the first layer of elements; 0 is the layer at the lining's face
     """
     p = whole.div.degree
     place = function_from_depth_and_angle_to_point(whole.shoe, whole.radius)

@@ -300,7 +300,7 @@ def _text_with_count_of_faulty_elements(mesh: Any, elements: Ints, shoe: Shoe) -
 def _sign_of_edge_side_where_element_lies(mesh: Any, facets: Ints, elements: Ints) -> Floats:
     """The side of each edge (n,) on which the centre of an adjoining element lies: 1 or -1.
 
-    `facets` (n,) are the numbers of the edges, and `elements` (n,) are the numbers of the elements.
+    `facets` (n,) are the indices of the edges, and `elements` (n,) are the indices of the elements.
     """
     a, b = mesh.p[:, mesh.facets[:, facets]].transpose(1, 0, 2)
     to = mesh.p[:, mesh.t[:, elements]].mean(axis=1) - a

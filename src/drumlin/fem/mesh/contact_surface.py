@@ -67,7 +67,7 @@ class _ContactNodes:
 
     Parameters
     ----------
-    nodes : (n,) numbers of the nodes in the mesh
+    nodes : (n,) indices of the nodes in the mesh
     middle : (n,) whether each node is the middle node of an element's edge
     phi : (n,) angle of each node [rad]
     off : (n,) offset of each node from the drum or the plane [m], positive for an open gap
@@ -342,8 +342,8 @@ def _mesh_with_moved_contact_nodes(
 ) -> Any:
     """The mesh with its contact nodes moved by `moves` (n,) [m], square to the drum or the plane.
 
-    Positive moves go away from the drum. The centre node of a quadrilateral follows its edges, so
-    that the element keeps its shape.
+    A positive value of `moves` is a displacement away from the drum. The centre node of a
+    quadrilateral follows its edges, so that the element keeps its shape.
     """
     doflocs = mesh.doflocs.copy()
     doflocs[:, line.nodes] += moves * _unit_normals_away_from_drum(doflocs[:, line.nodes], shoe)

@@ -188,7 +188,7 @@ class NodalBasis:
         return int(self.doflocs.shape[1])
 
     def get_dofs(self, facets: Ints) -> Ints:
-        """The numbers of all nodes on the sides `facets` of elements; the name is scikit-fem's."""
+        """The indices of all nodes on the sides `facets` of elements; the name is scikit-fem's."""
         return np.unique(nodes_along_element_edges(self, facets))
 
     def shape_function_gradients_and_jacobian_determinants(
@@ -199,7 +199,7 @@ class NodalBasis:
         Parameters
         ----------
         at : (2, points) points in the reference element
-        elements : numbers (m,) of the elements, or a slice
+        elements : indices (m,) of the elements, or a slice
         """
         dofs = self.element_dofs[:, elements]
         # In long double the slopes of all shape functions at a point add up to zero more exactly.
@@ -213,7 +213,7 @@ class NodalBasis:
         return np.einsum("adq,dcjq->acjq", local, inverse, optimize=True), determinant
 
     def numbers_of_straight_triangles(self) -> Ints:
-        """The numbers (m,) of the triangles whose map from the reference triangle is linear."""
+        """The indices (m,) of the triangles whose map from the reference triangle is linear."""
         if self.elem.corners != 3:
             return np.zeros(0, dtype=np.int64)
         first, *others = self.doflocs[:, self.element_dofs].transpose(1, 0, 2)
@@ -261,7 +261,7 @@ class NodalBasis:
     def basis_of_some_elements(self, elements: Ints) -> "NodalBasis":
         """The basis with only some of the elements; the nodes keep their numbers.
 
-        `elements` (m,) are the numbers of these elements. The mesh of the basis has only the
+        `elements` (m,) are the indices of these elements. The mesh of the basis has only the
         attributes that `substructure.body.sparse_stiffness_of_body` uses.
         """
         position = np.full(self.element_dofs.shape[1], -1)
@@ -316,7 +316,7 @@ def nodal_basis_of_mesh(mesh: Any, degree: int | None = None) -> NodalBasis:
     If no degree is given, the basis has the degree of the mesh itself, 1 or 2.
     """
     elem = LagrangeElement(degree or mesh_kind_of_scikit_fem_mesh(mesh).degree, len(mesh.t))
-    # The mapping of the mesh gives the places of the nodes.
+    # The mapping of the mesh gives the positions of the nodes.
     shape = (2, mesh.nelements, len(elem.doflocs))
     places = np.broadcast_to(mesh.mapping().F(elem.doflocs.T), shape)
     return nodal_basis_with_given_node_positions(mesh, elem, places)
@@ -382,16 +382,17 @@ def _basis_with_contact_distances_off_drum_of_mesh(
 def node_displacements_that_follow_moved_sides(
     basis: NodalBasis, facets: Ints, moves: Floats
 ) -> Floats:
-    """The moves (2, N) [m] of all nodes if the nodes on some sides are moved.
+    """The displacements (2, N) [m] of all nodes if the nodes on some sides are moved.
 
-    The nodes inside the elements at these sides follow the move of their side, so that the elements
-    keep their shape. The corners stay.
+    The nodes inside the elements at these sides follow their side, so that the elements keep their
+    shape. The corners stay where they are.
 
     Parameters
     ----------
     basis : the basis
-    facets : (m,) numbers of the sides
-    moves : (2, degree + 1, m) moves [m] of the nodes on each side, from end to end; 0 at corners
+    facets : (m,) indices of the sides
+    moves : (2, degree + 1, m) displacements [m] of the nodes on each side, from end to end; 0 at
+        corners
     """
     mesh, elem = basis.mesh, basis.elem
     change = np.zeros_like(basis.doflocs)

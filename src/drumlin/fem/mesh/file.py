@@ -404,7 +404,7 @@ def _mesh_with_named_groups_of_file(
     shoe : the shoe, whose key `groups` may give other names for groups in the file
     plane : plane cells of the file, all of one kind
     mesh : scikit-fem's mesh of these cells
-    vertex : (n,) number in the mesh of each node that is a corner of a cell, otherwise -1
+    vertex : (n,) index in the mesh of each node that is a corner of a cell; -1 for other nodes
     fault : beginning of each message
     """
     subdomains, boundaries = {}, {}
@@ -444,7 +444,7 @@ def _check_given_groups_are_in_file(content: MeshFileContent, shoe: Shoe, fault:
 def _find_elements_in_named_groups(
     content: MeshFileContent, plane: PlaneCellsOfOneKind, names: list[str]
 ) -> Ints:
-    """The numbers of the elements in the groups of the given names, each number once."""
+    """The indices of the elements in the groups of the given names, each index once."""
     found = [np.zeros(0, dtype=np.int64)]
     for name in names:
         for cell, rows in content.cell_groups.get(name, {}).items():
@@ -461,7 +461,7 @@ def _find_element_edges_in_named_groups(
     names: list[str],
     fault: str,
 ) -> Ints:
-    """The numbers of the mesh's edges in the groups of the given names in a file.
+    """The indices of the mesh's edges in the groups of the given names in a file.
 
     Groups of edges are used. If the file has none of these names, groups of nodes are used.
 
@@ -501,7 +501,7 @@ def _find_element_edges_in_named_groups(
 def _element_edges_with_all_nodes_in_set(
     plane: PlaneCellsOfOneKind, mesh: Any, vertex: Ints, inside: Bools, fault: str
 ) -> Ints:
-    """The numbers of the mesh's edges whose nodes all belong to a set of nodes.
+    """The indices of the mesh's edges whose nodes all belong to a set of nodes.
 
     If no middle node belongs to the set, only the corners of the edges must belong to it. `inside`
     (n,) marks the nodes of the set; the other parameters are those of
@@ -518,7 +518,7 @@ def _element_edges_with_all_nodes_in_set(
 
 
 def _numbers_of_element_edges_between_vertices(mesh: Any, ends: Ints, fault: str) -> Ints:
-    """The numbers of the mesh's edges between pairs of vertices `ends` (n, 2), each once.
+    """The indices of the mesh's edges between pairs of vertices `ends` (n, 2), each once.
 
     BadInput is raised for pairs that are no edge of the mesh; its message begins with `fault`.
     """

@@ -297,7 +297,7 @@ class _AssembledDeckMesh:
     def _cell_numbers_of_elements_by_cell_type(
         self, keys: list[NodeOrElementKey]
     ) -> dict[str, Ints]:
-        """The cells of the elements of a group: type of cell -> numbers of the cells.
+        """The cells of the elements of a group: type of cell -> indices of the cells.
 
         `keys` are the elements of the group. Elements without a cell, such as springs, are left
         out.

@@ -1,6 +1,6 @@
 """The parts of an Abaqus or CalculiX input file (deck), and their instances in an assembly.
 
-An instance is a part that is moved and turned to its place in the assembly.
+An instance is a part that is translated and rotated to its place in the assembly.
 """
 
 import math
@@ -51,7 +51,7 @@ class DeckPart:
     nodes : label of each node -> x, y, z in the file's unit
     coordinates_as_written : label of each node -> its first two coordinates as the deck has them,
         before any conversion; they show how the deck's coordinates were rounded
-    turned : whether a *SYSTEM or a cylindrical system turns the coordinates
+    turned : whether a *SYSTEM section or cylindrical coordinates rotate the coordinates of nodes
     blocks : elements of each *ELEMENT section
     labels : labels of all elements
     node_sets, element_sets : members of each set, by its name
@@ -105,7 +105,7 @@ class PlacementOfPartInAssembly:
 
     @property
     def has_rotation_of_part_axes(self) -> bool:
-        """Whether the placement turns the part's axes."""
+        """Whether the placement rotates the part's axes."""
         return bool(np.any(self.turn != np.eye(3)))
 
 
@@ -147,7 +147,7 @@ def placement_of_instance_in_assembly(
         raise ValueError(
             f"*INSTANCE, NAME={name}: its second data line must be two points and an angle"
         )
-    # The translated part is turned about the axis, which need not run through the origin.
+    # The translated part is rotated about the axis, which need not run through the origin.
     turn = _rotation_matrix_about_axis(
         (second - first) / np.linalg.norm(second - first), math.radians(given[6])
     )

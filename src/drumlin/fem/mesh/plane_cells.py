@@ -46,10 +46,10 @@ radial edges have the value 1.
 FLAT_CORNER = np.radians(1.0)
 """Largest difference of a quadrilateral's corner from 180 degrees at which the corner is flat.
 
-Gmsh joins two triangles at a smooth outline to such a quadrilateral, two sides of which are parts
-of one curve. Rounded coordinates change the angle: by 0.06 degrees on three meshes by Gmsh with
-coordinates in 0.001 mm. Corners that bend inwards by more are faults, and the mesh is refused. The
-value is a judgement.
+Gmsh makes a quadrilateral with a flat corner from two triangles at a smooth outline: two sides of
+the quadrilateral are then parts of one curve. Rounded coordinates change the angle: by 0.06 degrees
+on three meshes by Gmsh with coordinates rounded to 0.001 mm. If a corner bends inwards by more than
+this difference, the mesh is refused as faulty. The value is a judgement.
 """
 
 
@@ -63,7 +63,7 @@ class PlaneCellsOfOneKind:
     cells : (m, k) nodes of each cell
     points : (n, 2) coordinates of the nodes: the nodes of the file first, then added nodes
     parent : for each type of cells in the file, two arrays with an entry for each cell of this
-        type: the number of the first new cell made of it, and how many were made
+        type: the index of the first new cell made of the cell, and how many new cells were made
     added : (n,) whether each node was added
     notes : lines that tell how the cells were changed
     """
@@ -81,7 +81,7 @@ class PlaneCellsOfOneKind:
         return CORNERS_PER_PLANE_CELL[self.cell]
 
     def indices_of_new_cells_made_of_file_cells(self, cell: str, rows: Ints) -> Ints:
-        """The numbers of the new cells that were made of some cells of the file.
+        """The indices of the new cells that were made of some cells of the file.
 
         `cell` is the type of the file's cells, and `rows` are their numbers.
         """

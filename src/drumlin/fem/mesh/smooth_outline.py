@@ -44,7 +44,7 @@ class _VerticesBetweenChordsOfCurve(NamedTuple):
     starts_after : (n,) whether the first corner of the side `after` is at the vertex
     curvature : (n,) curvature [1/m] of the circle through the ends of both sides; positive for a
         turn to the left on the way from `before` to `after`
-    vertices : (n,) numbers of the vertices
+    vertices : (n,) indices of the vertices
     """
 
     before: Ints
@@ -127,7 +127,7 @@ def _vertices_between_chords_of_outline_curves(
     Parameters
     ----------
     mesh : scikit-fem's mesh
-    facets : (m,) numbers of the sides
+    facets : (m,) indices of the sides
     kinds : (m,) number of the line of each side
     """
     ends = mesh.facets[:, facets]

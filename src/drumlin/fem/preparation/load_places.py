@@ -67,7 +67,7 @@ class _LoadedBodyQuadrature(NamedTuple):
     xy : (2, e, q) quadrature points [m]
     shapes : (a, q) shape functions
     areas : (e, q) part of the element's area that each point stands for [m^2]
-    nodes : (e, a) numbers of the nodes of each element
+    nodes : (e, a) indices of the nodes of each element
     node_places : (2, N) coordinates of all nodes of the mesh [m]
     """
 

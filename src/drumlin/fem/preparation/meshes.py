@@ -313,7 +313,7 @@ class AssembledUncondensedShoe:
 def contact_line_of_meshed_shoe(basis: Any, facets: Ints, shoe: Shoe, radius: float) -> ContactLine:
     """The contact line of a shoe with a mesh.
 
-    `basis` is the scalar basis of the mesh. `facets` are the numbers of the element sides on the
+    `basis` is the scalar basis of the mesh. `facets` are the indices of the element sides on the
     friction surface, and `radius` is the radius of the drum [m].
     """
     middle = sum(shoe.arc) / 2

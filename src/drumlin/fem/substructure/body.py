@@ -373,13 +373,13 @@ def _isotropic_stiffness_of_elements(
 def _isotropic_stiffness_of_straight_triangles(basis: Any, elements: Ints, lame: Floats) -> Floats:
     """The isotropic part (m, a, 2, a, 2) of the stiffness of straight triangles [N/m].
 
-    The map of such a triangle from the reference triangle is linear. The integrals of products of
-    slopes are then those of the reference triangle times constants of the element.
+    The map of a straight triangle from the reference triangle is linear. The integrals of products
+    of slopes are then the integrals over the reference triangle times constants of the element.
 
     Parameters
     ----------
     basis : basis with the attributes of `mesh.degree.NodalBasis`
-    elements : (m,) numbers of the triangles
+    elements : (m,) indices of the triangles
     lame : (2, m) Lame constants of plane stress times the width [N/m] in each triangle
     """
     at = basis.X.astype(np.longdouble)
@@ -469,8 +469,8 @@ class ElementQuadrature(NamedTuple):
     xy : (2, e, q) quadrature points [m]
     shapes : (a, q) values of the shape functions at the q points
     areas : (e, q) areas that the points stand for [m^2]
-    nodes : (e, a) numbers of the nodes of each element
-    parts : numbers of the elements of each part of the body, by the name of the part
+    nodes : (e, a) indices of the nodes of each element
+    parts : indices of the elements of each part of the body, by the name of the part
     """
 
     xy: Floats
@@ -613,7 +613,7 @@ def matrix_from_unknowns_to_displacements(
 
     Parameters
     ----------
-    dofs : numbers of the displacements that are themselves unknowns, in the order of the unknowns
+    dofs : indices of the displacements that are themselves unknowns, in the order of the unknowns
     count : number of all displacements
     rigid : (n,) for each node that moves with the frame, the number of its x displacement; y has
         the next number; None for a body without a frame

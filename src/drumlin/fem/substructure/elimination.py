@@ -42,7 +42,7 @@ class EliminationOrder(NamedTuple):
 
     Attributes
     ----------
-    nodes : (n,) numbers of the nodes in the order of elimination
+    nodes : (n,) indices of the nodes in the order of elimination
     region : (n,) number of the region of each of these nodes, not decreasing
     """
 

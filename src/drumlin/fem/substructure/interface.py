@@ -220,7 +220,7 @@ def nodal_forces_of_unit_end_loads_and_end_centre(
     Parameters
     ----------
     basis : scalar basis of the mesh
-    facets : numbers of the element edges on the loaded end
+    facets : indices of the element edges on the loaded end
     """
     nodes = nodes_along_element_edges(basis, facets)
     psi, x, ds = edge_quadrature_points(basis.doflocs[:, nodes])
@@ -242,7 +242,7 @@ def make_contact_line_of_lining(
     Parameters
     ----------
     basis : scalar basis of the mesh
-    facets : numbers of the element edges on the friction surface
+    facets : indices of the element edges on the friction surface
     middle : angle [rad]; the angle of each node is chosen within half a turn of it
     unit : length [m] by which x is divided to give the "angle" on a plane; None on a drum
     edge : length [rad] of the zone at each end in which no pressure peak is sought

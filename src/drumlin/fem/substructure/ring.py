@@ -352,7 +352,7 @@ def condensed_ring_coupled_with_linings(
 
 
 def _ring_facets_under_arcs(mesh: Any, arcs: list[tuple[float, float]]) -> Ints:
-    """Numbers of the element edges (facets) of the friction surface under any of the `arcs` [rad].
+    """Indices of the element edges (facets) of the friction surface under any of the `arcs` [rad].
 
     An edge on the ring's friction surface counts if it lies at least partly under an arc.
     """
@@ -528,7 +528,7 @@ def _quadrature_of_overlaps(
 class _OverlapsOfLiningAndRingEdges(NamedTuple):
     """The k overlaps of a lining's edges with edges of the ring.
 
-    `lining` (k,) and `ring` (k,) are the numbers of the two edges that overlap. The overlap goes
+    `lining` (k,) and `ring` (k,) are the indices of the two edges that overlap. The overlap goes
     from the angle `start` (k,) to the angle `end` (k,) [rad].
     """
 

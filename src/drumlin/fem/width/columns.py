@@ -179,7 +179,7 @@ class LayersOfElementColumn(NamedTuple):
         """The unknowns of the contact nodes; the list is empty without contact.
 
         For each displacement in the section, from left to right along the contact, the list has one
-        unknown for each even function of z. `along` has the numbers of the displacements along a
+        unknown for each even function of z. `along` has the indices of the displacements along a
         row of nodes.
         """
         if not self.contact:
@@ -264,7 +264,7 @@ def condensation_plan_of_column(
 ) -> ColumnCondensationPlan:
     """The plan by which columns with the layers `stack` are condensed.
 
-    `along` has the numbers of the unknowns along a row of nodes; they are the same for all rows.
+    `along` has the indices of the unknowns along a row of nodes; they are the same for all rows.
     """
     names = unknowns_of_element_column_by_role_in_condensation(stack, along)
     kept, rest = ({unknown: k for k, unknown in enumerate(row)} for row in (names.kept, names.rest))
@@ -313,7 +313,7 @@ def unknowns_of_element_column_by_role_in_condensation(
 ) -> ColumnUnknownsByRoleInCondensation:
     """The unknowns of a column, sorted by their role in its condensation.
 
-    `stack` are the layers of the column. `along` has the numbers of the unknowns along a row of
+    `stack` are the layers of the column. `along` has the indices of the unknowns along a row of
     nodes; they are the same for all rows.
     """
     p, last = stack.p, len(stack.counts)
@@ -686,7 +686,7 @@ def _write_contact_stiffness_of_mirrored_columns(
     """
     functions, count = nodal_functions_along_element_column(stack.p), stack.counts[0][0]
     line = len(mirror)
-    # `place` has the number of the symmetric (or antisymmetric) unknown to which each displacement
+    # `place` has the index of the symmetric (or antisymmetric) unknown to which each displacement
     # of the contact nodes belongs. At each node and function of z the displacements x and y follow
     # one another.
     place = (
@@ -722,7 +722,7 @@ def column_beside_grip_with_shared_node_held(
     ----------
     piece : the column, whose edge farthest from the contact is free
     stack : the layers of the column
-    right : whether the grip lies on the column's right side; otherwise it lies on its left side
+    right : whether the grip lies on the column's right side; if False, it lies on the left side
     """
     last = len(stack.counts) * stack.p
     side = indices_of_unknowns_along_symmetric_half_row(stack.p, 0).left

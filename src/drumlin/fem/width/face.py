@@ -45,7 +45,7 @@ class ContactFaceWithWidth(ContactLine):
 
     Attributes
     ----------
-    nodes : (n m,) numbers of the nodes
+    nodes : (n m,) indices of the nodes
     xy : (2, n m) coordinates of the nodes in the section [m]
     phi : (n m,) angles of the nodes [rad]
     pieces : nodes of each edge of `line`, as indices into the nodes of `line`

@@ -814,10 +814,11 @@ def hp_elements_to_compare_width_degrees(
 ) -> HpElementsForComparingWidthDegrees:
     """The hp elements of the shoes on which degrees across the width are compared.
 
-    If all parts of each shoe have one width, the elements are coarse. Otherwise the elements of the
-    first level of a solve are taken, as coarse elements show too little of the error beside a web.
-    This level is solved with degree WIDTH_DEGREE_COMPARED_WITH_PLANE_STRESS across the width, so
-    that it has small elements at the ends of the contact with widths.
+    If all parts of each shoe have one width, the elements are coarse. If parts have several widths,
+    the elements of the first level of a solve are taken, since coarse elements show too little of
+    the error beside a web. This level is solved with degree
+    WIDTH_DEGREE_COMPARED_WITH_PLANE_STRESS across the width, so that it has small elements at the
+    ends of the contact with widths.
 
     Parameters
     ----------
@@ -829,8 +830,8 @@ def hp_elements_to_compare_width_degrees(
     Raises
     ------
     NoAnswer
-        if the brake has no answer on the first level: in plane stress for shoes of one width,
-        otherwise with widths
+        if the brake has no answer on the first level: in plane stress if all parts of each shoe
+        have one width, with widths if parts have several widths
     """
     if not has_shoe_with_parts_of_different_widths(brake):
         coarse = plane_stress_solution_on_coarse_hp_elements(

@@ -51,8 +51,8 @@ class _CholeskyFactorOfNodeLine(NamedTuple):
 
     Attributes
     ----------
-    own : (n,) numbers of the line's unknowns among the unknowns of the shoe
-    later : (k,) numbers of the unknowns of the next line
+    own : (n,) indices of the line's unknowns among the unknowns of the shoe
+    later : (k,) indices of the unknowns of the next line
     L : (n, n) lower Cholesky factor of the line's stiffness
     rows_of_later_unknowns : (k, n) rows of the factor for the unknowns of the next line
     forces : (n, m) L^-1 f with the forces f on the line in m load cases
@@ -66,18 +66,18 @@ class _CholeskyFactorOfNodeLine(NamedTuple):
 
 
 class _ElementColumnWithNumbersOfUnknowns(NamedTuple):
-    """A column of elements: its nodes, and the numbers of its unknowns.
+    """A column of elements: its nodes, and the indices of its unknowns.
 
-    The numbers of unknowns count all unknowns of the shoe.
+    The index of an unknown is its position among all unknowns of the shoe.
 
     Attributes
     ----------
-    nodes : (rows, p + 1) numbers of the nodes in the section
-    first : number of the column's first layer of elements, counted from the contact
+    nodes : (rows, p + 1) indices of the nodes in the section
+    first : index of the column's first layer of elements, counted from the contact
     plan : the plan that condenses the column to the nodes on its two sides
-    kept, rest : (k,), (r,) numbers of the unknowns on the two sides, and on the other edges of
+    kept, rest : (k,), (r,) indices of the unknowns on the two sides, and on the other edges of
         elements
-    boundary, within : for each layer, the numbers of the unknowns on the boundary of its element
+    boundary, within : for each layer, the indices of the unknowns on the boundary of its element
         and inside the element
     """
 
@@ -175,12 +175,12 @@ class EliminatedUnknownsOfShoeWithWidth:
     def _indices_of_displacements_among_unknowns(
         self, nodes: Ints, function: Ints, component: Ints, along_z: Ints
     ) -> Ints:
-        """The numbers (n,) of n displacements among the unknowns of the shoe.
+        """The indices (n,) of n displacements among the unknowns of the shoe.
 
         Parameters
         ----------
         nodes : (n,) nodes of the section
-        function : (n,) numbers of their functions across the width
+        function : (n,) indices of their functions across the width
         component : (n,) 0 for x and 1 for y
         along_z : (n,) 1 for a displacement along z, for which the component is ignored; 0 for
             others
@@ -201,9 +201,9 @@ class EliminatedUnknownsOfShoeWithWidth:
         return forces.reshape(-1, cases)
 
     def _indices_of_unknowns_and_unit_loads_on_loaded_end(self) -> tuple[Ints, Floats]:
-        """The numbers (n,) of unknowns on the loaded end face, and the unit loads (n, 3) on them.
+        """The indices (n,) of unknowns on the loaded end face, and the unit loads (n, 3) on them.
 
-        They are the same unit loads as in `shoe.condense_shoe_with_width`.
+        The unit loads are the same as in `shoe.condense_shoe_with_width`.
         """
         div, nodes = self.division, self.grid.sets["actuation"]
         loads = self.layers.unit_loads_on_end_face(
@@ -256,7 +256,7 @@ class EliminatedUnknownsOfShoeWithWidth:
     ) -> list[_ElementColumnWithNumbersOfUnknowns]:
         """The element columns of a block of elements, from left to right.
 
-        `number` (rows, nodes of a row) are the numbers of the block's nodes. `first` is the number
+        `number` (rows, nodes of a row) are the indices of the block's nodes. `first` is the index
         of the block's first layer of elements, counted from the contact.
         """
         p = self.division.degree
@@ -275,7 +275,7 @@ class EliminatedUnknownsOfShoeWithWidth:
             def indices_of_column_unknowns(
                 unknowns: list[ColumnDisplacementUnknown], nodes: Ints = nodes
             ) -> Ints:
-                """The numbers of a column's unknowns among the unknowns of the shoe."""
+                """The indices of a column's unknowns among the unknowns of the shoe."""
                 z, place, row, function = np.array(unknowns, dtype=int).reshape(-1, 4).T
                 node = nodes[row, np.where(z == 1, place, place // 2)]
                 return self._indices_of_displacements_among_unknowns(node, function, place % 2, z)

@@ -171,8 +171,8 @@ class UnknownsAcrossBodyThickness(NamedTuple):
     ----------
     z : 1 for a displacement along z, across the width; 0 for a displacement in the section
     component : 0 for a displacement along the radius, 1 for a displacement around the drum
-    row : number of the row of nodes, counted from the body's face towards the lining
-    function : number of the function across the width
+    row : index of the row of nodes, counted from the body's face towards the lining
+    function : index of the function across the width
     """
 
     z: Ints
@@ -206,7 +206,8 @@ def layers_with_width_functions(
         # `prepare.reason_why_width_model_does_not_apply` refuses brakes with orthotropic materials.
         assert isinstance(material, Material)
         E, nu = material.E, material.nu
-        # With degree 0, lambda has its value for plane stress, otherwise its value for a solid.
+        # With degree 0 across the width, lambda has its value for plane stress. With higher degrees
+        # it has its value for a solid.
         free = E * nu / (1 - nu**2)
         solid = E * nu / ((1 + nu) * (1 - 2 * nu)) if functions.degree > 0 else free
         lame[name] = LameConstants(solid, E / (2 * (1 + nu)))
@@ -220,7 +221,7 @@ def layers_with_width_functions(
 class _CondensedColumnsUnderAndBesideLining(NamedTuple):
     """The columns of elements of a shoe: under the lining, before the lining and behind the lining.
 
-    `grip` has the numbers of the first column in the grip and of the first column behind it,
+    `grip` has the indices of the first column in the grip and of the first column behind it,
     counted from the first column under the lining. Both are 0 without a grip.
     """
 
@@ -235,7 +236,7 @@ MakeCondensedColumnsFunction = Callable[
 ]
 """The type of a function that makes one condensed column of elements for each given kind.
 
-Columns of one kind have equal shape. The arguments are the kinds (c,), the number of the columns'
+Columns of one kind have equal shape. The arguments are the kinds (c,), the index of the columns'
 first layer, counted from the contact, and the layers of the columns.
 """
 
