@@ -1025,9 +1025,10 @@ def _pressure_errors_due_to_penalty_and_round_off(
     """The first-order change (2, n) of all pressures: by the penalty, and by round-off.
 
     The contact's compliance is x = 1/alpha, with the penalty factor alpha. Its effect on the
-    pressure grows as x/(1 + x). The slope at x times x would be too small by the factor 1 + x, so
-    that the change is multiplied by this factor. The round-off of the elimination acts as if the
-    rigid-body modes strained the bodies a little. This strain changes the gaps.
+    pressure grows as x/(1 + x). The slope of this effect at x, multiplied by x, is smaller than the
+    effect by the factor 1 + x. The change is therefore multiplied by 1 + x. The round-off of the
+    elimination acts as if the rigid-body modes strained the bodies a little. This strain changes
+    the gaps.
 
     Parameters
     ----------

@@ -32,7 +32,7 @@ BRAKE_FILE_KEY_OF_ELEMENT_GROUP = {
 Without the table or key the mesh needs no such group.
 """
 LARGEST_LINING_END_ANGLE_DIFFERENCE_OF_MESH = math.radians(2)
-"""Largest difference [rad] between the ends of the lining in the brake's file and in the mesh.
+"""Largest difference [rad] between an end of the lining in the brake's file and in the mesh.
 
 With a larger difference the mesh and the brake's file do not describe the same shoe, and the mesh
 is refused.

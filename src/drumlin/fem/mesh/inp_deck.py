@@ -115,7 +115,7 @@ class AbaqusDeck:
             refuse_or_note_ignored_section(section, self.unknown)
 
     def _add_nodes_of_section(self, section: KeywordSectionOfDeck) -> None:
-        """Add the nodes of a *NODE section; a *SYSTEM section before it may move or turn them."""
+        """Add the nodes of a *NODE section, shifted or rotated by a *SYSTEM section before it."""
         kind, scope = section.value_of_option_in_keyword_line("SYSTEM") or "R", self._scope
         if kind not in ("R", "C"):
             raise ValueError(f"*NODE, SYSTEM={kind} is not read; write rectangular coordinates")

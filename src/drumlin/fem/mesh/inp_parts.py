@@ -54,9 +54,9 @@ class DeckPart:
     turned : whether a *SYSTEM section or cylindrical coordinates rotate the coordinates of nodes
     blocks : elements of each *ELEMENT section
     labels : labels of all elements
-    node_sets, element_sets : members of each set, by its name
-    surfaces : type and data lines of each *SURFACE, by its name
-    refused : reasons why a set or a surface cannot be read, by its name
+    node_sets, element_sets : members of each set, by the set's name
+    surfaces : type and data lines of each *SURFACE, by the surface's name
+    refused : reason why a set or a surface cannot be read, by the name of the set or surface
     """
 
     name: str = ""

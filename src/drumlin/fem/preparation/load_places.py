@@ -41,7 +41,7 @@ NAMES_OF_BODY_LAYERS = ("table", "shoe")
 
 
 NAMES_OF_LOADS_AT_POINTS_AND_MASS = (FURTHER_FORCE_LOAD_NAME, MASS_LOAD_NAME)
-"""Names of the load columns of `unit_loads_at_points_and_mass`."""
+"""Names of the unit loads that `unit_loads_at_points_and_mass` returns."""
 
 
 def points_where_shoe_body_is_loaded(shoe: Shoe) -> Floats:

@@ -129,9 +129,9 @@ WIDTH_DEGREE_FOR_HP_ELEMENT_ERROR_ESTIMATE = 1
 Degree 1 represents the bending of a table over its web by straight lines. The error is estimated
 from the distance of the pressures on two levels. On ten random brakes ("built" 3100 to 3117 of
 `drumlin_studies.solid_error`) the distance of the first two levels with degree 1 is 0.2 to 2.3
-times the distance with degree 2 (median 0.9). In plane stress it may be 9.5 times smaller than with
-degree 2, and would not show the error. With degree 2 the second level takes 5 times as long as with
-degree 1.
+times the distance with degree 2 (median 0.9). In plane stress the distance may be 9.5 times smaller
+than with degree 2, and would not show the error. With degree 2 the second level takes 5 times as
+long as with degree 1.
 """
 NUMBER_OF_LEVELS_FOR_SECTION_ERROR_ESTIMATE = 2
 """Number of levels that give the estimate of the hp elements' error, if parts differ in width.
