@@ -67,9 +67,10 @@ if TYPE_CHECKING:
     from drumlin.fem.error_control.refinement import RefinedSolutionOfShoeGroup
 
 RELATIVE_SPACING_OF_DOUBLES = float(np.finfo(float).eps)
-"""Relative spacing of double-precision numbers.
+"""Relative spacing of double-precision numbers, 2.2e-16.
 
-No smaller relative error is stated for a solution that iterative refinement has corrected.
+For a solution that iterative refinement has corrected, the stated relative error is at least this
+spacing.
 """
 LONG_DOUBLE_IS_WIDER = float(np.finfo(np.longdouble).eps) < RELATIVE_SPACING_OF_DOUBLES
 """Whether long double has more digits than double, so that iterative refinement gains digits.
@@ -81,32 +82,33 @@ stiffness itself has lost. Soft shoes are then solved without refinement, or ref
 LARGEST_SILENT_OVERLAP_OVER_LINING_THICKNESS = 0.01
 """Largest overlap of drum and shoe, in lining thicknesses, that causes no warning.
 
-The overlap arises if the mesh of a shoe's file reaches into the drum.
-
-A larger overlap squeezes the lining noticeably before any force acts, and a warning is printed. The
-value changes no result.
+The overlap arises if the mesh in a shoe's mesh file reaches into the drum. A larger overlap
+squeezes the lining noticeably before any force acts, and a warning is printed. The value changes no
+result.
 """
 DEFAULT_PENALTY_FACTOR = 1e8
 """Default penalty factor alpha: the contact stiffness per area is alpha E/t.
 
-E is the modulus of the lining and t its thickness. The lining then penetrates the drum by 1e-8 of
-its own compression p t/E. The error of the pressure is about the same fraction, or more if the
-contact is short compared with the lining's thickness. Each response states this error.
+E is the modulus of the lining, t its thickness, and p the pressure. With the default the lining
+penetrates the drum by 1e-8 of its own compression p t/E. The relative error of the pressure is
+about 1e-8 as well, or more if the contact is short compared with the lining's thickness. Each
+response states this error.
 """
 LARGEST_ACCEPTED_FORCE_IMBALANCE_OF_SHOE = 1e-8
-"""Largest imbalance of forces and moments on a shoe, relative to the largest of them.
+"""Largest imbalance of forces and moments on a shoe, relative to the largest force or moment.
 
 A larger imbalance shows that round-off in the condensed bodies has cost too many digits. The full
-system is then solved by iterative refinement. If the imbalance is still larger after the
-refinement, the solution is refused.
+(not condensed) system is then solved by iterative refinement. If the imbalance is above the limit
+even after the refinement, the solution is refused.
 """
 LARGEST_PRESSURE_ROUND_OFF_LEFT_UNREFINED = 1e-5
 """Relative round-off error of the pressure up to which a solution needs no refinement.
 
-On elements of degree 1 or 2 it is also the largest round-off error that is accepted after a
-refinement. A solve on such a mesh states no error, so a solution with a larger round-off error is
-refused; the discretisation error is some hundred times larger. Hp elements include the round-off
-error in their stated error. The value is a judgement, and the refusal prints the round-off error.
+On elements of degree 1 or 2 the value is also the largest round-off error that is accepted after a
+refinement: a solve on these elements states no error, so that a solution with a larger round-off
+error is refused. The discretisation error of such a solve is some hundred times larger than the
+value. On hp elements the stated error includes the round-off error. The value is a judgement, and
+the refusal prints the round-off error.
 """
 LARGEST_ACCEPTED_PRESSURE_ROUND_OFF = 1e-3
 """Relative round-off error of the pressure up to which a solution on hp elements is accepted.
@@ -116,7 +118,7 @@ stated error contains the round-off error. A solution with a larger round-off er
 value is a judgement, and the refusal prints the round-off error.
 """
 LARGEST_SIZE_OF_REFINED_SYSTEM = 240_000
-"""Largest size of a group of shoes whose full system is refined.
+"""Largest size of a group of shoes whose full system is solved by iterative refinement.
 
 The size is the number of unknowns times the squared polynomial degree of the elements. The
 iterative refinement of a group of this size takes seconds. The sparse factors of larger systems of
@@ -126,8 +128,8 @@ LARGEST_CORRECTION_OF_CONVERGED_REFINEMENT = 1e-10
 """Last relative correction of the pressures up to which an iterative refinement has converged.
 
 The full system has two forms: its displacements include the rigid-body motion of the shoe or are
-relative to it. If the last correction in one form is larger than this, the other form is refined as
-well, and the solution with the smaller last correction is taken.
+relative to it. If the last correction in one form is larger than this limit, the other form is
+refined as well, and the solution with the smaller last correction is used.
 """
 ROUND_OFF_TOO_LARGE_REASON = "stiffnesses or sizes are too far apart for the arithmetic"
 """Reason that is printed if a solution has lost too many digits by round-off."""
@@ -181,7 +183,7 @@ def solve_prepared_model(
 def _solve_response_and_spring_motions_under_known_pulls(
     scene: PreparedModel, brake: Brake, penalty: float, start: Response | None
 ) -> tuple[Response, Floats]:
-    """Solve a brake whose springs have known pulls; parameters as in `solve_prepared_model`.
+    """Solve a brake whose spring forces (pulls) are known; parameters as in `solve_prepared_model`.
 
     Returns the response, and the motion (springs,) [m] by which the two points of each spring come
     nearer to each other.
@@ -243,7 +245,7 @@ def require_positive_penalty(penalty: float) -> None:
         raise BadInput(f"--penalty = {penalty}: must be greater than 0 (or inf)")
 
 
-# The following functions make lines of text about the brake as a whole.
+# The following functions make notes and warnings on the brake as a whole.
 
 
 def _warnings_on_overlap_of_mesh_and_drum(scene: PreparedModel, brake: Brake) -> Iterator[str]:
@@ -265,7 +267,7 @@ def _warnings_on_overlap_of_mesh_and_drum(scene: PreparedModel, brake: Brake) ->
 def _notes_on_mesh_files(
     scene: PreparedModel, brake: Brake, responses: Sequence[ShoeResponse]
 ) -> Iterator[str]:
-    """Yield the notes on the shoes' mesh files: omitted parts, moved nodes and gaps.
+    """Yield the notes on the shoes' mesh files: ignored parts, moved contact nodes, and gaps.
 
     Raises BadInput for a contact line that does not have the shape of a lining.
     """
@@ -275,10 +277,10 @@ def _notes_on_mesh_files(
 
 
 def _notes_on_loads_moved_to_actuation_point(scene: PreparedModel, brake: Brake) -> Iterator[str]:
-    """Yield a note that names elastic shoes whose further loads act at the point of actuation.
+    """Yield a note that names elastic shoes all of whose loads act at the point of actuation.
 
-    Further loads are springs, weight and further forces. They act as one resultant at the point of
-    actuation if the model cannot place them at their own points.
+    The loads besides the actuation are springs, weight and other forces. If the model cannot place
+    these loads at their own points, their resultant acts at the point of actuation.
     """
     names = [
         repr(shoe.name)
@@ -467,7 +469,10 @@ def _solve_group_of_coupled_shoes(
 def _error_that_round_off_of_group_is_too_large(
     group: ShoeGroup, answers: dict[int, _ShoeResponseAndImbalance], most: float
 ) -> AnswerLostToRoundOff:
-    """The exception for a group whose round-off error exceeds `most`, or that does not balance."""
+    """The exception for a group whose round-off error or force imbalance is too large.
+
+    `most` is the largest round-off error of the pressure that is accepted.
+    """
     lost = _largest_relative_round_off_of_pressure(answers)
     balance = f"it balances only to {_largest_imbalance_of_shoes(answers):.1e}"
     why = f"its pressure is certain only to {lost:.1e}" if lost >= most else balance
@@ -607,11 +612,11 @@ def _largest_relative_round_off_of_pressure(answers: dict[int, _ShoeResponseAndI
 def _largest_relative_round_off_that_matters(
     group: ShoeGroup, answers: dict[int, _ShoeResponseAndImbalance]
 ) -> float:
-    """The largest relative round-off error of the results of a solved group that can be known.
+    """The largest relative round-off error of those results of a group that a response states.
 
-    It is the round-off error of the pressure. If the contact of a shoe on hp elements is too short
-    to know its pressure, the response states so, whatever a refinement gains. The round-off errors
-    of torque and support reaction then take the place of the pressure's.
+    It is the round-off error of the pressure. If the contact of a shoe is too short for the hp
+    elements to give its pressure, the response says so, and a refinement would not help. For such a
+    shoe the round-off errors of torque and support reaction count instead.
     """
     errors = []
     for i, shoe, body in zip(group.members, group.shoes, group.substructures_of_shoes, strict=True):
@@ -660,8 +665,8 @@ def solve_full_system_of_group_by_refinement(
     )
     if refined.correction < LARGEST_CORRECTION_OF_CONVERGED_REFINEMENT:
         return refined
-    # The other form of the system, whose displacements include the rigid-body motion, may converge
-    # better if a soft shoe turns behind a lining that the drum holds.
+    # In the other form of the system the displacements include the rigid-body motion. This form may
+    # converge better if a soft shoe rotates while the drum holds its lining.
     other = solve_full_system_by_iterative_refinement(
         assemble_full_system_of_group(group, relative_to_rigid_motion=False), active, order
     )
@@ -742,11 +747,12 @@ class _ForcesOnShoeInShoeFrame(NamedTuple):
 
     Attributes
     ----------
-    resultant_of_pressure : (3,) force x, y [N] and moment about the centre [N m] of the pressures
-        on the drum
-    force_of_drum : (3,) force x, y [N] and moment about the centre [N m] of the drum on the lining
-    actuation_force : (2,) force of the actuation, with springs, weight and further forces [N]
-    actuation_moment : moment of the same loads about the pin [N m]
+    resultant_of_pressure : (3,) force x, y [N] and moment about the centre [N m] that the pressures
+        exert on the drum
+    force_of_drum : (3,) force x, y [N] and moment about the centre [N m] that the drum exerts on
+        the linings, by pressure and friction
+    actuation_force : (2,) sum of the actuation force, spring forces, weight and other forces [N]
+    actuation_moment : moment of all these loads about the pin [N m]
     support_force : (2,) force of the support [N]
     guide_moment : moment [N m] of a guide or of one-sided supports on the shoe, about the pin; 0
         for other supports
@@ -813,7 +819,7 @@ def _resultant_of_support_forces_at_pin(
 def _relative_force_and_moment_imbalance_of_shoe(
     solution: _ShoePartOfGroupSolution, acting: _ForcesOnShoeInShoeFrame
 ) -> ForceAndMomentImbalance:
-    """The imbalance of the forces and of the moments on a shoe, relative to the largest of them."""
+    """The force and moment imbalance of a shoe, relative to the largest force and moment on it."""
     group, shoe = solution.group, solution.group.shoes[solution.shoe_number]
     pin = shoe.pin_position_in_shoe_frame
     # The moment of the actuation about the drum's centre is listed as two terms: its moment about
@@ -896,7 +902,7 @@ def _penalty_and_round_off_errors(
 def _note_on_accuracy_of_shoe_contact(
     solution: _ShoePartOfGroupSolution, errors: _PenaltyAndRoundOffErrors
 ) -> str:
-    """The note on a shoe's penetration, the effect of the penalty on torque, and any refinement."""
+    """The note on how deep the lining enters the drum, the effect on torque, and any refinement."""
     group, k, p = solution.group, solution.shoe_number, solution.pressures
     shoe, lever = group.shoes[k], group.substructures_of_shoes[k].coupling.lever
     contact = "exact contact, no penetration"
@@ -983,7 +989,8 @@ def _response_of_shoe_in_brake_frame(
 def _is_shoe_self_energising(solution: _ShoePartOfGroupSolution) -> bool:
     """Whether the work of the friction on the first test mode of a shoe helps the actuation.
 
-    For a shoe on anchors the work is taken in the computed motion of the shoe instead.
+    A test mode is a rigid-body motion on which the support of the shoe does no work. For a shoe on
+    anchors the computed motion of the shoe takes the place of the test mode.
     """
     group, k, p = solution.group, solution.shoe_number, solution.pressures
     drag = group.brake.signed_friction_stress_over_pressure_in_shoe_frame(group.shoes[k])
@@ -1015,10 +1022,11 @@ def _pressure_errors_due_to_penalty_and_round_off(
 ) -> Floats:
     """The first-order change (2, n) of all pressures: by the penalty, and by round-off.
 
-    The effect of the contact's compliance x = 1/alpha grows as x/(1 + x), so that the slope at x
-    times x would be too small by the factor 1 + x. The change is multiplied by this factor. The
-    round-off of the elimination acts as if the bodies were strained a little by their rigid-body
-    modes. This strain changes the gaps.
+    The contact's compliance is x = 1/alpha, with the penalty factor alpha. Its effect on the
+    pressure grows as x/(1 + x). The slope of this effect at x, multiplied by x, is smaller than the
+    effect by the factor 1 + x. The change is therefore multiplied by 1 + x. The round-off of the
+    elimination acts as if the rigid-body modes strained the bodies a little. This strain changes
+    the gaps.
 
     Parameters
     ----------
@@ -1103,7 +1111,7 @@ def _node_areas_with_zero_in_edge_zones(shoe: Shoe, phi: Floats, area: Floats) -
 
 
 def _mask_of_nodes_touching_in_earlier_response(group: ShoeGroup, k: int, start: Response) -> Bools:
-    """Mark the contact nodes (n_k,) of a shoe that touched in an earlier response.
+    """A mask (n_k,) of a shoe's contact nodes, True for nodes that touched in an earlier response.
 
     Parameters
     ----------

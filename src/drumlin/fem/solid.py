@@ -35,18 +35,18 @@ def solve(
 ) -> Response:
     """The response of a brake's solid shoes, with its stated errors.
 
-    Without a tolerance DEFAULT_ERROR_TOLERANCE_OF_SOLID_MODEL is aimed at, and a note states the
-    error that is reached.
+    Without a given tolerance the solve aims at DEFAULT_ERROR_TOLERANCE_OF_SOLID_MODEL. If it is not
+    reached, a warning in the notes states the estimated error.
 
     Parameters
     ----------
     brake : the brake
     across : degree of the polynomials across the width; None for the smallest degree that meets the
         tolerance
-    tolerance : relative error of p (mean over the width, L2) and of the torque that must be reached
+    tolerance : largest allowed relative error of p (mean over the width, L2 norm) and of the torque
     penalty : factor alpha of the contact stiffness alpha E/t
-    fields : name of a .vtu file for the displacements and stresses inside the shoes; half of each
-        shoe, on one side of its mid-plane
+    fields : name of a .vtu file for displacements and stresses in half of each shoe, on one side of
+        its mid-plane; None for no file
     cache : condensed bodies of earlier models; bodies found in it are reused, new ones are added
 
     Raises

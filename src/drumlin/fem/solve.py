@@ -56,9 +56,10 @@ from drumlin.response.response import Response
 SMALLEST_REPORTED_PRESSURE_CURVE_IMBALANCE = 1e-8
 """Imbalance of the pressure curve p(theta) above which a note is added to the response.
 
-It is the relative imbalance of forces or moments under p(theta), less the imbalance under the nodal
-forces. Elements with straight or parabolic sides lie a little off the round drum, so that p(theta)
-on the drum balances worse than the forces at the nodes. The value changes no result.
+The imbalance is the relative imbalance of forces or moments under p(theta) minus the relative
+imbalance under the nodal forces. Elements with straight or parabolic sides lie a little off the
+round drum, so that p(theta) on the drum balances worse than the forces at the nodes. The value
+changes no result.
 """
 
 
@@ -98,9 +99,9 @@ def solve(
     self_locking : whether the response states how far the friction is from locking the brake
     use_model : called with the prepared model and its response in plane stress, before any
         correction, for instance to write the stresses inside the shoes
-    use_first_level : called with the response on the first level, without errors of its own, if the
-        first level has a solution; not called for brakes with mesh files, and with a tolerance,
-        elements or their kind
+    use_first_level : called with the response on the first level, which has no error estimate, if
+        the first level has a solution; not called for brakes with mesh files, nor if a tolerance,
+        elements or a kind are given
     cache : keeps the condensed bodies of earlier solves
 
     Raises
@@ -165,11 +166,11 @@ def solve_brake_on_first_level_without_error_estimate(
     model_error: bool = False,
     cache: CacheOfCondensedBodies | None = None,
 ) -> Response:
-    """The response of a brake on the first level of a solve, which states no errors of its own.
+    """The response of a brake on the first level of a solve, without an error estimate.
 
-    On a drum it has no figures of merit and no notes on the assumptions: a sweep, which needs the
-    response many times, shows neither. The parameters are those of `solve`. Raises NoAnswer if the
-    first level has no solution.
+    On a drum the response has no figures of merit and no notes on the assumptions: a sweep, which
+    needs the response many times, shows neither. The parameters are those of `solve`. Raises
+    NoAnswer if the first level has no solution.
     """
     require_positive_penalty(penalty)
     brake.check_shoes_can_be_meshed()
@@ -208,8 +209,9 @@ def _solved_model_in_plane_stress(
 ) -> SolvedLevel:
     """The prepared model and the response of a brake in plane stress; parameters as in `solve`.
 
-    A given tolerance must be met, except on the meshes of files. There, and without options, the
-    tolerance is met as well as possible. Given elements are solved once without error estimate.
+    A given tolerance must be met, except on the meshes of files. On these meshes, and without a
+    given tolerance, the solve comes as close to its tolerance as it can. If elements or their kind
+    are given, the brake is solved once, without error estimate.
     """
     answer = partial(solve_prepared_model, penalty=penalty)
     if tolerance is not None:
@@ -257,7 +259,7 @@ class FinestPreparedModelWithErrors(NamedTuple):
     Attributes
     ----------
     scene : the prepared model
-    error : estimated relative errors of the response in sliding, as in `Response.error`; None
+    error : estimated relative errors of the response in full slip, as in `Response.error`; None
         without an estimate or without a solution
     """
 
@@ -274,8 +276,8 @@ def finest_prepared_model_with_stated_errors(
 ) -> FinestPreparedModelWithErrors:
     """The prepared model of the finest division that `solve` uses, with the errors that it states.
 
-    The elements of a mesh file are split and their degree is raised as in `solve`. A brake without
-    a solution in sliding gets the second of the levels of refinement.
+    The elements of a mesh file are split and their degree is raised as in `solve`. For a brake
+    without a solution in full slip, the second level of refinement is taken.
 
     Parameters
     ----------
@@ -351,7 +353,7 @@ def _is_brake_solved_on_hp_element_levels(
 def _response_with_note_on_curve_balance(brake: Brake, response: Response) -> Response:
     """A copy of the response with a note, if the curve p(theta) balances worse than nodal forces.
 
-    Otherwise the response itself is returned.
+    If the curve balances as well as the nodal forces, the response itself is returned.
     """
     # Positive differences mean that p(theta) balances worse than the nodal forces do.
     under_forces = brake_with_forces_of_response(brake, response)

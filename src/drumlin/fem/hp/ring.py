@@ -77,14 +77,14 @@ from drumlin.response.resultants import (
 )
 
 RING_ERROR_OVER_LINING_ERROR = 0.1
-"""Error of the displacement that the ring's columns leave, relative to that of the lining's.
+"""Displacement error due to the ring's columns that is allowed, over that due to the lining's.
 
 A column of width w on a body of modulus E leaves an error of about p w/E of the displacement under
-the pressure p. The ring's columns may therefore be wider than the lining's columns by this fraction
-of the ratio of the moduli, rounded down to a power of two. Without the rounding, on 23 random
-brakes with rings (seeds 0 to 7 of each of the three kinds), the error of p was at most 1.15 times
-the error with the lining's columns; with 0.3 it was up to 2.7 times as large. Smaller values give
-the ring more columns, and the solve takes more time.
+the pressure p, in proportion to w. The ring's columns may therefore be wider than the lining's
+columns by the ratio of the two moduli times the value given here, rounded down to a power of two.
+Without the rounding, on 23 random brakes with rings (seeds 0 to 7 of each of the three kinds), the
+error of p was at most 1.15 times the error with the lining's columns; with 0.3 it was up to 2.7
+times as large. Smaller values give the ring more columns, and the solve takes more time.
 """
 FULL_TURN_IN_RADIANS = 2 * math.pi
 """The angle of a whole turn [rad]."""
@@ -133,7 +133,7 @@ class RingDivision(NamedTuple):
 
     @property
     def first_element_column_of_each_contact_and_gap(self) -> Ints:
-        """The number of the first column under each lining and in each gap between two linings.
+        """The index of the first column under each lining, and in each gap between two linings.
 
         The columns under one lining, or between two linings, are called a run.
         """
@@ -154,12 +154,12 @@ def divide_ring_into_hp_elements(
     """The division of the drum's ring into columns and layers of hp elements.
 
     Columns of the ring end where the lining's columns are smallest: at the ends of the lining, and
-    where its pressure is singular. There they are wider than the lining's columns by the factor
-    `widening`, and they grow away from there.
+    where its pressure is singular. At these places the ring's columns are wider than the lining's
+    columns by the factor `widening`. Away from these places the ring's columns become wider.
 
     Parameters
     ----------
-    section : section of the ring
+    section : cross-section of the ring
     radius : radius of the friction surface [m]
     linings : for each lining the angles of the ends of its columns [rad], growing, in the brake's
         frame
@@ -169,8 +169,8 @@ def divide_ring_into_hp_elements(
     widening : width of the ring's narrowest columns over that of the lining's, see
         `largest_ratio_of_ring_to_lining_column_widths`
     """
-    # `places` are the ends of the columns of all linings, as angles from the first end on, from 0
-    # to a whole turn.
+    # `places` are the ends of the ring's columns under all linings. They are angles from 0 to a
+    # whole turn, counted from the smallest start of a lining.
     origin = min(float(ends[0]) % FULL_TURN_IN_RADIANS for ends in linings)
     thickness = section.thickness / radius
     wider = [
@@ -216,10 +216,10 @@ def divide_ring_into_hp_elements(
 def largest_ratio_of_ring_to_lining_column_widths(
     brake: Brake, section: RectangularCrossSection
 ) -> float:
-    """How many times wider the ring's columns may be than the lining's columns, at least 1.
+    """The largest allowed ratio of the ring's column widths to the lining's, at least 1.
 
-    The stiffest lining decides, see RING_ERROR_OVER_LINING_ERROR. `section` is the section of the
-    brake's ring.
+    The stiffest lining decides, see RING_ERROR_OVER_LINING_ERROR. `section` is the cross-section of
+    the brake's ring.
     """
     lining = max(
         shoe.lining.width * shoe.lining.material.young_modulus_of_equivalent_half_plane
@@ -292,7 +292,7 @@ def condensed_ring_in_hp_elements(
     ----------
     brake : the brake, which has a ring with a section
     level : degree of the elements, and sizes of columns and layers
-    linings : contact line of each lining, in its shoe's frame
+    linings : contact line of each shoe with all its linings, in the frame of the shoe
     face_layer_size_at_unbounded_pressure : upper limit of the size of the thinnest layer of
         elements [m]
 
@@ -383,9 +383,9 @@ def _condense_ring_to_contact_nodes(
     # A free ring is supported at three unknowns of its rim, which is statically determinate.
     if free:
         A = _ring_stiffness_held_against_rigid_motion(A, extra, n, line, div)
-    # The nodes between neighbouring runs of columns, inside the ring, are eliminated. The
-    # displacements of the contact nodes are converted from axes along the radius and around the
-    # drum to x and y.
+    # A run is all columns under one lining, or between two linings. The nodes inside the ring at
+    # the ends of the runs are eliminated. The displacements of the contact nodes are converted from
+    # axes along the radius and around the drum to x and y.
     A = eliminate_nodes_on_column_side(ColumnSubstructure(A, 0, len(A) - extra - n), right=True).K
     back = -displacement_axis_angles_at_contact_nodes(div.angles, div.degree)[div.contact_nodes]
     L, info = dpotrf(rotate_node_axes_of_matrix(A[extra:, extra:], back), lower=1)
@@ -415,7 +415,7 @@ def _ring_stiffness_under_and_between_linings(
 
     Parameters
     ----------
-    section : section of the ring
+    section : cross-section of the ring
     radius : radius of the friction surface [m]
     sign : 1 if the ring's depth grows outwards, -1 if it grows inwards
     div : division of the ring into columns and layers of elements
@@ -508,8 +508,9 @@ def _condensed_stiffness_of_column_run(
 def _nodal_rim_forces_in_axes_of_column_sides(radius: float, along: Floats, p: int) -> Floats:
     """The nodal forces (c, 2 (p + 1), 3) of three unit loads on the rim of c columns of the ring.
 
-    They are the forces of `_unit_rim_loads_on_element_columns`. The forces on the first and the
-    last node of each column are measured along the radius at this node and square to it.
+    They are the forces of `_unit_rim_loads_on_element_columns` in other axes. The forces on the
+    first and the last node of each column have components along the radius at this node and square
+    to this radius.
 
     Parameters
     ----------
@@ -529,10 +530,10 @@ def _unit_rim_loads_on_element_columns(radius: float, along: Floats, p: int) -> 
     """The nodal forces (c, 2 (p + 1), 3) on the rim of c columns of the drum's ring.
 
     Three unit loads are spread over the whole rim like the displacements of the ring's rigid-body
-    modes: translation in x and y, and rotation. The forces are the part of each load on each
-    column, in the frame of the column, whose x axis runs through the column's middle. `along` (c, p
-    + 1) are the angles of the nodes from the middle [rad], `radius` is the rim's radius [m], and p
-    the degree.
+    modes: translation in x and y, and rotation. The result is the part of each load that acts on
+    each column. It is given in the frame of the column, whose x axis runs through the column's
+    middle. `along` (c, p + 1) are the angles of the nodes from the middle [rad], `radius` is the
+    rim's radius [m], and p is the degree of the elements.
     """
     xy = radius * np.array([np.cos(along), np.sin(along)])  # (2, c, p + 1)
     psi, slope = shape_functions_and_derivatives_at_gauss_points(p)
@@ -611,7 +612,8 @@ def _ring_stiffness_held_against_rigid_motion(
 
     The fixed displacements hold the ring against rigid-body motion. Two of them are the
     displacements of one node. The third is a displacement of another node, in a direction in which
-    a rotation about the first node moves this other node. The unknowns are removed from the matrix.
+    a rotation about the first node moves this other node. The three unknowns are removed from the
+    matrix.
 
     Parameters
     ----------

@@ -51,7 +51,9 @@ from drumlin.response.resultants import (
 )
 
 PointAtDepthAndAngleFunction = Callable[[Floats, Floats], Floats]
-"""A function from depths below the lining's face and positions phi to a shoe's points (2, ...) [m].
+"""A function from depths behind the lining's face and positions phi [rad] to points (2, ...) [m].
+
+The points are in the frame of the shoe.
 """
 
 
@@ -137,8 +139,8 @@ class CondensedShoe(NamedTuple):
     centre : (2,) point that the unit actuations act at [m]
     rigid_mode_forces : (2n, 3) forces on the contact nodes due to rigid-body motions of the shoe;
         they would be zero without round-off
-    force_imbalance : resultant of a unit actuation force and its reactions [1], which is not zero
-        because of round-off alone
+    force_imbalance : largest component x or y of the sum of a unit actuation force and its
+        reactions [1]; it would be zero without round-off
     columns : which columns of `loads` belong to which unit load, by the load's name
     """
 
@@ -303,8 +305,8 @@ class _ElementColumnKinds(NamedTuple):
     along : (kinds, p + 1) positions of the nodes of each kind along the lining
     angular : integrals along the columns of each kind on an arc or a plane, see
         `angular_factors_of_column_stiffness`; None for a straight beam
-    which : (columns,) number of each column's kind: first the columns under the lining, then those
-        before it, then those behind it
+    which : (columns,) index of each column's kind: first the columns under the lining, then the
+        columns before the lining, then the columns behind the lining
     """
 
     along: Floats
@@ -409,8 +411,8 @@ def _condensed_hp_columns_of_row(
     Parameters
     ----------
     whole : the shoe
-    row : number of the kind of each column
-    layer : number of the columns' first layer of elements; 0 is the layer at the lining's face
+    row : (c,) index of the kind of each column
+    layer : index of the columns' first layer of elements; 0 is the layer at the lining's face
     contact : whether the columns' edge at the lining's face is in contact
     held : whether the nodes on the edge farthest from the contact are fixed
     """
@@ -452,7 +454,7 @@ def _condensed_elements_of_straight_beam_shoe(
     ----------
     whole : the shoe
     along : (c, p + 1) positions of the nodes of each column along the lining
-    layer : number of the first layer of elements; 0 is the layer at the lining's face
+    layer : index of the first layer of elements; 0 is the layer at the lining's face
     """
     p = whole.div.degree
     place = function_from_depth_and_angle_to_point(whole.shoe, whole.radius)
@@ -675,9 +677,9 @@ def condensed_shoe_corrected_for_round_off(
     end : the unit loads on the loaded end face
     R : (2n, 3) rigid-body modes of the contact nodes
     pin : (2,) point about which the rigid face at the hinge turns [m]
-    forces_in_frame : function that turns forces (m, .) on the contact's unknowns in `A` into forces
-        (m, 2n) on the contact nodes along the axes of the shoe
-    stiffness_in_frame : function that turns the stiffness on the contact's unknowns into the
+    forces_in_frame : function that converts forces (m, .) on the contact's unknowns in `A` to
+        forces (m, 2n) on the contact nodes along the axes of the shoe
+    stiffness_in_frame : function that converts the stiffness on the contact's unknowns to the
         stiffness (2n, 2n) along the axes of the shoe
     """
     extra = end.columns.number_of_load_columns
@@ -915,7 +917,8 @@ def contact_stiffness_without_strain_in_rigid_motion(
     ----------
     S : (2n, 2n) stiffness of the contact nodes
     R : (2n, 3) rigid-body modes of the contact nodes
-    held : (2n, 3) forces on the contact nodes due to motions of the frame
+    held : (2n, 3) forces on the contact nodes due to unit motions of the frame, while the contact
+        nodes are fixed
     """
     # The first correction changes the 2 x 2 block of each node.
     S, own = S.copy(), np.arange(len(S)).reshape(-1, 2)
@@ -935,8 +938,8 @@ def stiffness_of_hinge_face_and_contact_nodes(S: Floats, R: Floats) -> Floats:
     """The stiffness on the frame and the contact nodes, from the stiffness S on the contact nodes.
 
     The frame is the rigid face that the hinge holds; its three motions are the first unknowns. S
-    (2n, 2n) alone is enough, because no forces arise if frame and contact nodes move together as a
-    rigid body, by the modes R (2n, 3).
+    (2n, 2n) alone is enough: no forces arise if frame and contact nodes move together as a rigid
+    body, by the modes R (2n, 3).
     """
     SR = S @ R
     whole = np.empty(

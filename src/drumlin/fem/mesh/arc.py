@@ -30,7 +30,7 @@ class MeshKind(NamedTuple):
     Attributes
     ----------
     mesh_name : name of scikit-fem's class of the mesh
-    degree : degree of the sides of the elements
+    degree : polynomial degree of the sides of the elements, 1 or 2
     cell, edge : meshio's names of the elements and of their edges
     """
 
@@ -73,7 +73,8 @@ def _move_nearest_element_ends_to_angles(angles: Floats, places: tuple[float, ..
     """The angles [rad] of element ends, changed so that elements end at each of the `places` [rad].
 
     The inner angle nearest to a place is moved to this place. If it has been moved to another place
-    already, or if there is no inner angle, the place is added as a new angle.
+    already, or if there is no inner angle, the place is added as a new angle. Inner angles are all
+    angles but the first and the last.
     """
     inner = angles[1:-1]
     moved: list[int] = []
@@ -86,8 +87,9 @@ def _move_nearest_element_ends_to_angles(angles: Floats, places: tuple[float, ..
 EDGE_ON_ARC_FACE_TOLERANCE = 1e-9
 """Largest distance from a face of the shoe at which the middle of an edge counts as on the face.
 
-The edge is an edge of an element. Distances in depth are relative to the drum's radius, and
-distances along the shoe are in rad. Distances of this size are round-off.
+The edge is an edge of an element. At the contact the distance in depth is relative to the drum's
+radius, and at the back relative to the depth of the back. Distances along the shoe are in rad.
+Distances of this size are round-off.
 """
 
 

@@ -64,7 +64,8 @@ def _reason_why_no_block_fits_behind_lining(
     """The reason why no block fits between lining and beam, as a text; None if a block fits."""
     back = radius + shoe.lining.thickness
     # The lining's back is nearest to the beam at the foot of the beam's axis (the point of the axis
-    # nearest to the drum's centre). If the lining does not reach the foot, it is nearest at an end.
+    # nearest to the drum's centre). If the lining does not reach the foot, the lining's back is
+    # nearest to the beam at one of its ends.
     ends = axis.angle(np.array([shoe.lining.start, shoe.lining.end]))
     x = axis.x_of_perpendicular_foot + back * np.sin(ends)
     nearest = back * (1.0 if ends.min() < 0 < ends.max() else float(np.cos(ends).max()))
@@ -82,9 +83,9 @@ def _reason_why_no_block_fits_behind_lining(
 def relative_depth_in_block_of_beam_shoe(shoe: Shoe, radius: float, points: Floats) -> Floats:
     """The relative depths (...) of points in the block between a lining and a straight beam.
 
-    The depth is 0 on the back of the lining and 1 on the face of the beam, and grows evenly along
-    the lines between them that are square to the beam. The thickness of the block varies along the
-    beam, whatever `thickness` the brake file gives for the backing.
+    The depth is 0 on the back of the lining and 1 on the face of the beam. It grows evenly along
+    lines square to the beam. The thickness of the block varies along the beam. The key `thickness`
+    of the backing in the brake file has no effect on the depth.
 
     Parameters
     ----------
@@ -236,7 +237,7 @@ def _geometry_of_straight_beam_shoe(
     start, end = float(angles[0]), float(angles[-1])
     thickness = shoe.lining.thickness
     back = radius + thickness
-    # Here `foot` has the distances from the hinge along the beam at both ends of the lining's back.
+    # `foot` has the distances of both ends of the lining's back from the hinge, along the beam.
     foot = axis.x_of_perpendicular_foot + back * np.sin(np.array([start, end]))
     position_of_beam_start = start - foot[0] / back
     position_of_beam_end = end + (axis.length - foot[1]) / back

@@ -27,9 +27,12 @@ BRAKE_FILE_KEY_OF_ELEMENT_GROUP = {
     "shoe": "table [shoe.body]",
     "table": "key table in [shoe.body]",
 }
-"""Groups of elements that a mesh needs only if the brake file has the table or key beside them."""
+"""The table or key of the brake file that makes a mesh need a group of elements, by the group.
+
+Without the table or key the mesh needs no such group.
+"""
 LARGEST_LINING_END_ANGLE_DIFFERENCE_OF_MESH = math.radians(2)
-"""Largest difference [rad] between the ends of the lining in the brake's file and in the mesh.
+"""Largest difference [rad] between an end of the lining in the brake's file and in the mesh.
 
 With a larger difference the mesh and the brake's file do not describe the same shoe, and the mesh
 is refused.
@@ -48,8 +51,8 @@ memory holds, so that the message only says that there are many.
 LARGEST_RELATIVE_MESH_COORDINATE = 1e6
 """Largest coordinate of a mesh, relative to the drum's radius or to the length of a pad.
 
-A larger mesh is refused: round-off makes its checks unsure. Nearly always its unit of length is
-wrong.
+A mesh with a larger coordinate is refused, because round-off makes its checks unsure. The cause is
+nearly always a wrong unit of length.
 """
 LARGEST_RELATIVE_MIDDLE_NODE_OFFSET = 0.5
 """Largest distance of an edge's middle node from the middle of the chord, relative to the chord.
@@ -199,7 +202,7 @@ def _mesh_with_only_needed_groups(mesh: Any, shoe: Shoe, fault: str, names: Sequ
 
 
 def _check_nodes_are_near_and_distinct(mesh: Any, shoe: Shoe, radius: float, fault: str) -> None:
-    """Refuse a mesh with nodes too far from the drum, or with two nodes at the same position."""
+    """Refuse a mesh with coordinates that are too large, or with two nodes at the same position."""
     size = float(np.abs(mesh.doflocs).max())
     if size > LARGEST_RELATIVE_MESH_COORDINATE * radius:
         where = (
@@ -211,8 +214,8 @@ def _check_nodes_are_near_and_distinct(mesh: Any, shoe: Shoe, radius: float, fau
             f"{fault}: reaches {size:.3g} m far; must be a shoe {where} "
             f"(coordinates are read in {shoe.mesh_unit})"
         )
-    # Many nodes at the same position would form too many pairs to count. Such nodes are found
-    # first: they lie in the same square of a fine grid.
+    # Many nodes at the same position would form too many pairs to count. A first check therefore
+    # counts the squares of a fine grid that contain a node: nodes at one position share a square.
     cells = np.unique(np.round(mesh.doflocs / (SAME_NODE_POSITION_TOLERANCE * size)), axis=1)
     if cells.shape[1] < mesh.doflocs.shape[1] - MOST_COUNTED_COINCIDENT_NODES:
         raise BadInput(f"{fault}: many nodes stand in one place; merge them, the parts are bonded")
@@ -254,8 +257,8 @@ def _check_elements_are_valid_and_connected(mesh: Any, shoe: Shoe, fault: str) -
         )
     if np.bincount(mesh.t2f.ravel()).max() > 2:
         raise BadInput(f"{fault}: more than two elements meet in an edge")
-    # Neighbours must lie on opposite sides of their common edge; otherwise one is folded over the
-    # other.
+    # Two neighbours must lie on opposite sides of their common edge. If both lie on the same side,
+    # one of them is folded over the other.
     inner = np.flatnonzero(mesh.f2t[1] >= 0)
     sides = np.array(
         [_sign_of_edge_side_where_element_lies(mesh, inner, mesh.f2t[i, inner]) for i in (0, 1)]
@@ -293,7 +296,7 @@ def _text_with_count_of_faulty_elements(mesh: Any, elements: Ints, shoe: Shoe) -
 def _sign_of_edge_side_where_element_lies(mesh: Any, facets: Ints, elements: Ints) -> Floats:
     """The side of each edge (n,) on which the centre of an adjoining element lies: 1 or -1.
 
-    `facets` (n,) are the numbers of the edges, and `elements` (n,) are the numbers of the elements.
+    `facets` (n,) are the indices of the edges, and `elements` (n,) are the indices of the elements.
     """
     a, b = mesh.p[:, mesh.facets[:, facets]].transpose(1, 0, 2)
     to = mesh.p[:, mesh.t[:, elements]].mean(axis=1) - a

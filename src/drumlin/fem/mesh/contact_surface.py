@@ -34,10 +34,11 @@ stay.
 SMOOTHING_NODES_ON_EACH_SIDE = 8
 """Distance on each side of a node over which the offsets from the drum are averaged.
 
-The distance is relative to the median distance of neighbouring contact nodes, so that 17 nodes are
-averaged on an even mesh, or to the length within which nodes share a rounding error, if that is
-longer. The mean rounding error of 17 nodes is a quarter of the rounding error of one node. The
-shape of a lining is then seen even if its height is less than the rounding of coordinates.
+The distance is relative to the longer of two lengths: the median distance of neighbouring contact
+nodes, and the length within which nodes have about the same rounding error. On an even mesh 17
+nodes are averaged. The mean rounding error of 17 nodes is a quarter of the rounding error of one
+node. The shape of a lining is then seen even if its height is less than the rounding of
+coordinates.
 """
 LINING_SHAPE_OFFSET_IN_STANDARD_ERRORS = 4.0
 """Ratio of a mean offset to its standard error above which the lining has a shape of its own.
@@ -66,7 +67,7 @@ class _ContactNodes:
 
     Parameters
     ----------
-    nodes : (n,) numbers of the nodes in the mesh
+    nodes : (n,) indices of the nodes in the mesh
     middle : (n,) whether each node is the middle node of an element's edge
     phi : (n,) angle of each node [rad]
     off : (n,) offset of each node from the drum or the plane [m], positive for an open gap
@@ -128,7 +129,7 @@ def move_contact_nodes_onto_drum_or_plane(
 def mesh_without_gaps_below_rounding(
     mesh: Any, largest_rounding_offset: float, shoe: Shoe, radius: float
 ) -> Any:
-    """The mesh with those contact nodes on the drum or the plane that rounding may have moved off.
+    """The mesh with contact nodes put on the drum or the plane if rounding may have moved them off.
 
     Parameters
     ----------
@@ -242,7 +243,7 @@ def _heights_of_drum_arc_over_chords(
 def _largest_middle_node_offsets_of_straight_edges(
     mesh: Any, line: _ContactNodes, shoe: Shoe, radius: float
 ) -> Floats:
-    """The largest offsets (n,) [m] of middle nodes on edges that may be straight; 0 at other nodes.
+    """The largest offset (n,) [m] of middle nodes whose edge may be straight; 0 for other nodes.
 
     If the arc over an edge is lower than twice the rounding of the coordinates, the coordinates do
     not show whether the edge is straight. Its middle node may then lie off the drum by the sum of
@@ -263,11 +264,11 @@ def _largest_middle_node_offsets_of_straight_edges(
 def _contact_offsets_without_rounding(
     line: _ContactNodes, free: Bools, shoe: Shoe, radius: float
 ) -> Floats:
-    """The offsets (k,) [m] of contact nodes from the surface without the rounding of coordinates.
+    """The offsets (k,) [m] of contact nodes from the drum or the plane, freed from rounding errors.
 
-    The result has an entry for each node marked in `free`. An offset becomes 0 if rounding can
-    explain it. Other offsets follow the smooth line through the nodes, or stay if no smooth line
-    fits.
+    The result has an entry for each node marked in `free`. An offset becomes 0 if rounding of the
+    file's coordinates can explain it. Other offsets follow the smooth line through the nodes, or
+    stay if no smooth line fits.
     """
     off, offset_bound_by_rounding, place = (
         line.off[free],
@@ -341,8 +342,8 @@ def _mesh_with_moved_contact_nodes(
 ) -> Any:
     """The mesh with its contact nodes moved by `moves` (n,) [m], square to the drum or the plane.
 
-    Positive moves go away from the drum. The centre node of a quadrilateral follows its edges, so
-    that the element keeps its shape.
+    A positive value of `moves` is a displacement away from the drum. The centre node of a
+    quadrilateral follows its edges, so that the element keeps its shape.
     """
     doflocs = mesh.doflocs.copy()
     doflocs[:, line.nodes] += moves * _unit_normals_away_from_drum(doflocs[:, line.nodes], shoe)

@@ -8,9 +8,9 @@ import numpy as np
 from drumlin.base.arrays import Floats, Ints
 
 CellNumbersByGroupAndType = Mapping[str, Mapping[str, Ints]]
-"""The cells in each group: group name -> meshio's cell type -> numbers (m,) of the cells.
+"""The cells in each group: group name -> meshio's cell type -> indices (m,) of the cells.
 
-The number of a cell is its position among all cells of its type.
+The index of a cell is its position among all cells of its type.
 """
 
 
@@ -25,11 +25,11 @@ class MeshFileContent:
     cell_groups : cells in each named group
     node_groups : nodes (m,) in each named group
     edge_groups : corner nodes (m, 2) of the edges in each named group
-    outline_edge_groups : corner nodes (m, 2) of edges by group; edges inside the mesh are to be
-        left out
+    outline_edge_groups : corner nodes (m, 2) of the edges in each named group of which only the
+        edges on the outline of the mesh count
     rounding : (n, 2) largest rounding error of x and y in the file, in the file's unit; None if it
         has to be found from the coordinates
-    turned : whether the reader turned the coordinates, which mixes the rounding errors of x and y
+    turned : whether the reader rotated the coordinates, which mixes the rounding errors of x and y
     broken : reasons why a group of the file cannot be read, by the group's name
     notes : lines that tell which parts of the file were ignored
     """
@@ -53,7 +53,7 @@ class MeshFileContent:
 
 
 FEWEST_DIGITS_OF_EXACT_COORDINATE = 12
-"""Number of digits from which on a coordinate in a mesh file counts as exact.
+"""Smallest number of digits with which a coordinate in a mesh file counts as exact.
 
 The digits are decimals or significant digits. Double precision has 16 digits. Rounding to 12 digits
 moves a node by some billionths of the lining's compression.
@@ -71,10 +71,11 @@ def largest_rounding_errors_of_coordinates(points: Floats) -> Floats:
     """The largest possible rounding error (n, k) of coordinates (n, k) that were written as text.
 
     All coordinates are assumed to be written with the same number of decimals, or with the same
-    number of significant digits. The smallest number with which all coordinates are exact is found.
-    The rounding error is half of its last digit.
+    number of significant digits. The smallest number of digits that all coordinates agree with is
+    found. The rounding error is half of the last digit.
     """
-    # If both numbers of digits are possible, the larger rounding error counts.
+    # The coordinates may agree with both assumptions: with a number of decimals, and with a number
+    # of significant digits. The larger of the two rounding errors then counts.
     size = np.abs(points)
     exponents = np.floor(np.log10(np.where(size > 0, size, 1.0))) + 1
     found = np.zeros(points.shape)

@@ -4,8 +4,8 @@ A mesh file gives elements of degree 1 or 2. Displacements of a higher degree on
 are more accurate, and the difference between the answers of two degrees gives an estimate of their
 errors. The elements are isoparametric: the same polynomials describe the shape of an element and
 its displacements. The sides of elements keep the shape that the mesh gives them. Only sides on the
-lining's face follow the drum: each of their nodes has the distance off the drum that the nodes of
-the mesh have there.
+lining's face follow the drum: the distances of the mesh's own nodes from the drum are interpolated
+along each side, and give the distances of the side's new nodes.
 """
 
 from collections.abc import Mapping
@@ -30,10 +30,11 @@ CORNER_PAIRS_OF_TRIANGLE_SIDES = ((0, 1), (1, 2), (0, 2))
 CORNER_PAIRS_OF_SQUARE_SIDES = ((0, 1), (1, 2), (2, 3), (0, 3))
 """The corners at the ends of each side of the reference square, in scikit-fem's order."""
 STRAIGHT_TRIANGLE = 1e-12
-"""Distance of a triangle's nodes from their places in a straight triangle that is neglected.
+"""Distance of a triangle's nodes from a straight triangle below which it counts as straight.
 
-The distance is relative to the triangle's size. It is some hundred times the round-off of the nodes
-of usual triangles. Straight triangles take less time to integrate.
+In a straight triangle all sides are straight, and the nodes lie where a linear map of the reference
+triangle puts them. The distance is relative to the triangle's size. It is some hundred times the
+round-off of the nodes of usual triangles. Straight triangles take less time to integrate.
 """
 
 
@@ -52,7 +53,7 @@ class LagrangeElement:
 
     Attributes
     ----------
-    degree : degree of the polynomials; of a square the degree in each direction
+    degree : degree of the polynomials; for a square the degree in each of the two directions
     corners : number of corners, 3 or 4
     """
 
@@ -155,19 +156,20 @@ class LagrangeElement:
 class NodalBasis:
     """The finite-element basis of one displacement component, of any degree on a mesh.
 
-    It has the attributes of scikit-fem's basis that bodies use, by the same names.
+    It has those attributes of scikit-fem's basis that the stiffness and the loads of a body need,
+    by the same names.
 
     Attributes
     ----------
     mesh : scikit-fem's mesh
     elem : the element
-    doflocs : (2, N) places of the nodes [m]
-    element_dofs : (nodes of an element, elements) numbers of the nodes
+    doflocs : (2, N) positions of the nodes [m]
+    element_dofs : (nodes of an element, elements) indices of the nodes of each element
     nodal_dofs : (1, vertices) nodes at the corners
     facet_dofs : (degree - 1, facets) nodes inside each side, from its corner of smaller number on
     X, W : (2, points), (points,) points and weights of the quadrature in the reference element
-    split : the elements of a mesh that the elements are parts of, see `splitting.SplitElements`;
-        None for the elements of the mesh itself
+    split : the larger elements that were split into the elements of this basis, see
+        `splitting.SplitElements`; None if no elements were split
     """
 
     mesh: Any
@@ -186,7 +188,7 @@ class NodalBasis:
         return int(self.doflocs.shape[1])
 
     def get_dofs(self, facets: Ints) -> Ints:
-        """The numbers of all nodes on the sides `facets` of elements; the name is scikit-fem's."""
+        """The indices of all nodes on the sides `facets` of elements; the name is scikit-fem's."""
         return np.unique(nodes_along_element_edges(self, facets))
 
     def shape_function_gradients_and_jacobian_determinants(
@@ -197,11 +199,12 @@ class NodalBasis:
         Parameters
         ----------
         at : (2, points) points in the reference element
-        elements : numbers (m,) of the elements, or a slice
+        elements : indices (m,) of the elements, or a slice
         """
         dofs = self.element_dofs[:, elements]
         # In long double the slopes of all shape functions at a point add up to zero more exactly.
-        # Otherwise round-off would cause considerable stresses in rigid motions of a soft shoe.
+        # In double precision, rigid motions of a soft shoe would cause considerable stresses by
+        # round-off.
         fine = at.astype(np.longdouble)
         local = np.array([self.elem.lbasis(fine, i)[1] for i in range(len(dofs))]).astype(float)
         J = np.einsum("caj,adq->cdjq", self.doflocs[:, dofs], local, optimize=True)
@@ -210,7 +213,7 @@ class NodalBasis:
         return np.einsum("adq,dcjq->acjq", local, inverse, optimize=True), determinant
 
     def numbers_of_straight_triangles(self) -> Ints:
-        """The numbers (m,) of the triangles whose map from the reference triangle is linear."""
+        """The indices (m,) of the triangles whose map from the reference triangle is linear."""
         if self.elem.corners != 3:
             return np.zeros(0, dtype=np.int64)
         first, *others = self.doflocs[:, self.element_dofs].transpose(1, 0, 2)
@@ -243,7 +246,7 @@ class NodalBasis:
         return self._shape_function_gradients_and_areas[1]
 
     def positions_of_points_in_elements(self, elements: Ints, at: Floats) -> Floats:
-        """The places (2, m, q) [m] of q points in each of m elements.
+        """The positions (2, m, q) [m] of q points in each of m elements.
 
         `at` (m, q, 2) are the points in the reference triangle or square.
         """
@@ -258,7 +261,7 @@ class NodalBasis:
     def basis_of_some_elements(self, elements: Ints) -> "NodalBasis":
         """The basis with only some of the elements; the nodes keep their numbers.
 
-        `elements` (m,) are the numbers of these elements. The mesh of the basis has only the
+        `elements` (m,) are the indices of these elements. The mesh of the basis has only the
         attributes that `substructure.body.sparse_stiffness_of_body` uses.
         """
         position = np.full(self.element_dofs.shape[1], -1)
@@ -274,7 +277,8 @@ class NodalBasis:
 class ElementsOfGroups(NamedTuple):
     """Some elements of a mesh by their groups, with the attribute names of scikit-fem's meshes.
 
-    `nelements` is the number of elements, and `subdomains` has the elements of each group.
+    `nelements` is the number of these elements, and `subdomains` has their indices by the name of
+    the group.
     """
 
     nelements: int
@@ -312,7 +316,7 @@ def nodal_basis_of_mesh(mesh: Any, degree: int | None = None) -> NodalBasis:
     If no degree is given, the basis has the degree of the mesh itself, 1 or 2.
     """
     elem = LagrangeElement(degree or mesh_kind_of_scikit_fem_mesh(mesh).degree, len(mesh.t))
-    # The mapping of the mesh gives the places of the nodes.
+    # The mapping of the mesh gives the positions of the nodes.
     shape = (2, mesh.nelements, len(elem.doflocs))
     places = np.broadcast_to(mesh.mapping().F(elem.doflocs.T), shape)
     return nodal_basis_with_given_node_positions(mesh, elem, places)
@@ -321,13 +325,13 @@ def nodal_basis_of_mesh(mesh: Any, degree: int | None = None) -> NodalBasis:
 def nodal_basis_with_given_node_positions(
     mesh: Any, elem: LagrangeElement, places: Floats
 ) -> NodalBasis:
-    """The basis on a mesh for elements of the type `elem`, with its nodes at given places.
+    """The basis on a mesh for elements of the type `elem`, with its nodes at given positions.
 
     Parameters
     ----------
     mesh : scikit-fem's mesh, of which only the vertices of elements and sides are used
     elem : the element
-    places : (2, elements, nodes of an element) places of the nodes [m]
+    places : (2, elements, nodes of an element) positions of the nodes [m]
     """
     vertices, facets, inner = mesh.nvertices, mesh.nfacets, elem.degree - 1
     facet_dofs = vertices + np.arange(inner * facets).reshape(inner, facets)
@@ -378,16 +382,17 @@ def _basis_with_contact_distances_off_drum_of_mesh(
 def node_displacements_that_follow_moved_sides(
     basis: NodalBasis, facets: Ints, moves: Floats
 ) -> Floats:
-    """The moves (2, N) [m] of all nodes if the nodes on some sides are moved.
+    """The displacements (2, N) [m] of all nodes if the nodes on some sides are moved.
 
-    The nodes inside the elements at these sides follow the move of their side, so that the elements
-    keep their shape. The corners stay.
+    The nodes inside the elements at these sides follow their side, so that the elements keep their
+    shape. The corners stay where they are.
 
     Parameters
     ----------
     basis : the basis
-    facets : (m,) numbers of the sides
-    moves : (2, degree + 1, m) moves [m] of the nodes on each side, from end to end; 0 at corners
+    facets : (m,) indices of the sides
+    moves : (2, degree + 1, m) displacements [m] of the nodes on each side, from end to end; 0 at
+        corners
     """
     mesh, elem = basis.mesh, basis.elem
     change = np.zeros_like(basis.doflocs)
@@ -411,7 +416,7 @@ def node_displacements_that_follow_moved_sides(
 def _node_places_along_side_and_shares_of_its_move(
     elem: LagrangeElement, a: int, b: int
 ) -> tuple[Floats, Floats]:
-    """How the nodes of an element follow one side: place along the side, and share of its move.
+    """How the nodes of an element follow one side: a place on the side, and a share of its move.
 
     When a side is moved, each node follows the move of one place on the side. The first result
     (nodes,) is this place, from -1 at corner a to 1 at corner b. The second result (nodes,) is the

@@ -18,7 +18,7 @@ def nodes_along_element_edges(basis: Any, facets: Ints) -> Ints:
 
 
 def element_edges_between_vertices_and_missing_count(mesh: Any, ends: Ints) -> tuple[Ints, int]:
-    """The numbers of the mesh's edges between pairs of vertices `ends` (n, 2), each once.
+    """The indices of the mesh's edges between pairs of vertices `ends` (n, 2), each once.
 
     The second result is the number of pairs that are no edge of the mesh.
     """

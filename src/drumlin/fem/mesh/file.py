@@ -2,9 +2,9 @@
 
 A named group is a set of cells or edges (Gmsh's physical names, ELSET, SURFACE), a set of nodes
 (NSET), or an array of cells or points that is 1 on the members and 0 elsewhere (VTU). A set of
-nodes stands for those outer edges whose nodes all belong to the set. Upper and lower case of names
-are the same. If the file has other names or numbers of groups, the key `groups` of a shoe in the
-brake's file gives them.
+nodes stands for those outer edges whose nodes all belong to the set. Names may be in upper or lower
+case. If the file has other names for the groups, or numbers, the key `groups` of a shoe in the
+brake's file tells which name or number stands for which group.
 """
 
 import contextlib
@@ -61,7 +61,7 @@ MESH_GROUP_NAMES = ("lining", "backing", "table", "shoe", "contact", "hinge", "a
 MOST_NODES_IN_MESH_FILE = 1_000_000
 """Largest number of nodes of a mesh in a file; a file with more nodes is refused to save memory."""
 LARGEST_NODE_NUMBER_IN_FILE = 10_000_000
-"""Largest number that an .msh file may give to a node; a file with a larger one is refused.
+"""Largest label (number) of a node in an .msh file; a file with a larger label is refused.
 
 meshio's reader makes an array as long as the largest number, which could fill the memory.
 """
@@ -74,8 +74,8 @@ LONGEST_REPEATED_MESHIO_MESSAGE = 160
 def write_shoe_mesh_to_file(path: Path, mesh: Any, shoe: Shoe) -> None:
     """Write a shoe's mesh with its groups to a file, in the brake's frame [m].
 
-    The suffix of the path is .msh (Gmsh 2.2), .inp or .vtu; BadInput is raised for another one. In
-    an .inp file quadratic quadrilaterals have eight nodes, without the centre node.
+    The suffix of the path is .msh (Gmsh 2.2), .inp or .vtu; BadInput is raised for another suffix.
+    In an .inp file quadratic quadrilaterals have eight nodes, without the centre node.
     """
     if path.suffix not in MESH_FILE_SUFFIXES:
         raise BadInput(
@@ -192,8 +192,9 @@ def read_shoe_mesh_with_notes(
     if shoe.mesh_frame == "brake":
         points = shoe.convert_points_to_shoe_frame(points)
     plane = convert_plane_cells_to_one_kind(content, points, fault, on_drum=not shoe.is_on_plane)
-    # Nodes that were added lie between other nodes and have no rounding of their own. A middle
-    # node that was added on a third-order side has the rounding errors of the side's nodes.
+    # Nodes that drumlin added lie between nodes of the file and have no rounding error of their
+    # own. An added middle node of a third-order side is the exception: it has the rounding errors
+    # of the side's four nodes.
     slack = np.zeros((len(plane.points), 2))
     if set(content.cells) & set(SECOND_ORDER_CELL_OF_THIRD_ORDER_CELL):
         slack[:] = np.abs(CUBIC_EDGE_MIDDLE_WEIGHTS).sum() * rounding.max(axis=0) * unit
@@ -403,7 +404,7 @@ def _mesh_with_named_groups_of_file(
     shoe : the shoe, whose key `groups` may give other names for groups in the file
     plane : plane cells of the file, all of one kind
     mesh : scikit-fem's mesh of these cells
-    vertex : (n,) number in the mesh of each node that is a corner of a cell, otherwise -1
+    vertex : (n,) index in the mesh of each node that is a corner of a cell; -1 for other nodes
     fault : beginning of each message
     """
     subdomains, boundaries = {}, {}
@@ -443,7 +444,7 @@ def _check_given_groups_are_in_file(content: MeshFileContent, shoe: Shoe, fault:
 def _find_elements_in_named_groups(
     content: MeshFileContent, plane: PlaneCellsOfOneKind, names: list[str]
 ) -> Ints:
-    """The numbers of the elements in the groups of the given names, each number once."""
+    """The indices of the elements in the groups of the given names, each index once."""
     found = [np.zeros(0, dtype=np.int64)]
     for name in names:
         for cell, rows in content.cell_groups.get(name, {}).items():
@@ -460,7 +461,7 @@ def _find_element_edges_in_named_groups(
     names: list[str],
     fault: str,
 ) -> Ints:
-    """The numbers of the mesh's edges in the groups of the given names in a file.
+    """The indices of the mesh's edges in the groups of the given names in a file.
 
     Groups of edges are used. If the file has none of these names, groups of nodes are used.
 
@@ -500,7 +501,7 @@ def _find_element_edges_in_named_groups(
 def _element_edges_with_all_nodes_in_set(
     plane: PlaneCellsOfOneKind, mesh: Any, vertex: Ints, inside: Bools, fault: str
 ) -> Ints:
-    """The numbers of the mesh's edges whose nodes all belong to a set of nodes.
+    """The indices of the mesh's edges whose nodes all belong to a set of nodes.
 
     If no middle node belongs to the set, only the corners of the edges must belong to it. `inside`
     (n,) marks the nodes of the set; the other parameters are those of
@@ -517,7 +518,7 @@ def _element_edges_with_all_nodes_in_set(
 
 
 def _numbers_of_element_edges_between_vertices(mesh: Any, ends: Ints, fault: str) -> Ints:
-    """The numbers of the mesh's edges between pairs of vertices `ends` (n, 2), each once.
+    """The indices of the mesh's edges between pairs of vertices `ends` (n, 2), each once.
 
     BadInput is raised for pairs that are no edge of the mesh; its message begins with `fault`.
     """

@@ -18,16 +18,17 @@ The distance is relative to the lining's mean compression p t/E. The pressure ch
 same fraction.
 """
 ZIGZAG_WAVE_HEIGHT_OVER_LINING_COMPRESSION = 0.2
-"""Height of a wave in a lining's meshed face above which its top and bottom count as turns.
+"""Height of a wave in a lining's meshed face above which its top and its bottom are counted.
 
-The height is relative to the lining's mean compression p t/E. A zigzag of this height makes the
-pressure go up and down by a tenth of its mean.
+A top or a bottom is called a turn: the face changes there between rise and fall. The height is
+relative to the lining's mean compression p t/E. A zigzag of this height makes the pressure go up
+and down by a tenth of its mean.
 """
 MOST_RISE_FALL_CHANGES_ON_ANY_MESH = 5
 """Largest number of turns between rise and fall that a lining's face may have on any mesh.
 
 Real linings have flats, steps or a worn end, which cause a few turns. A face with more turns is
-accepted only if the mesh has FEWEST_NODES_PER_RISE_FALL_CHANGE nodes for each of them.
+accepted only if the mesh has at least FEWEST_NODES_PER_RISE_FALL_CHANGE contact nodes per turn.
 """
 FEWEST_NODES_PER_RISE_FALL_CHANGE = 8
 """Smallest number of contact nodes per turn between rise and fall that shows a real shape.
@@ -65,7 +66,7 @@ class MeshWithMovedContactNodes:
 
 @dataclass(frozen=True)
 class ShoeMeshReadFromFile:
-    """A shoe's mesh that was read from a file, with notes on changes.
+    """A shoe's mesh that was read from a file, with notes on what was ignored or changed.
 
     Attributes
     ----------

@@ -29,8 +29,8 @@ MOST_QUADRATIC_LAYERS_BEHIND_LINING = 8
 """Largest number of layers of quadratic elements through a shoe's backing, and through its body.
 
 With this limit the number of unknowns is in proportion to the number of elements along the lining,
-not to its square. On 22 random brakes twice as many layers take 1.4 times the unknowns for the same
-error of the pressure. Half as many layers make the error up to 2.4 times as large.
+not to its square. On 22 random brakes twice as many layers took 1.4 times the unknowns and gave the
+same error of the pressure. Half as many layers made the error up to 2.4 times as large.
 """
 MOST_LINEAR_LAYERS_BEHIND_LINING = 80
 """Largest number of layers of linear elements through a shoe's backing, and through its body.
@@ -50,7 +50,7 @@ class LiningDivision:
     depths : (l + 1,) depths of the ends of the lining's layers below its face [m]
     step : length [rad] of the elements of the body beyond the lining, and thickness of the layers
         of backing and body divided by the drum's radius
-    behind : smallest number of layers through the backing, and through the body
+    behind : smallest number of element layers through the backing, and through the body
     """
 
     angles: Floats
@@ -171,7 +171,7 @@ def element_ends_beyond_lining(near: float, far: float, division: LiningDivision
 def relative_layer_depths_behind_lining(
     thickness: float, division: LiningDivision, size: float, most: int
 ) -> Floats:
-    """The depths (m,) of the ends of m layers of a backing or a body, relative to its thickness.
+    """The depths (m,) at which m element layers of a backing or a body end, over its thickness.
 
     The layers have equal thickness, and the last depth is 1.
 
@@ -179,7 +179,7 @@ def relative_layer_depths_behind_lining(
     ----------
     thickness : thickness of the backing or the body [m]
     division : division of the lining
-    size : largest thickness of a layer [m]; with `most` layers it may be exceeded
+    size : largest thickness of a layer [m]; it is exceeded if `most` layers are too few for it
     most : largest number of layers
     """
     count = max(division.behind, min(math.ceil(thickness / size), most))
@@ -207,8 +207,9 @@ def points_graded_to_both_ends(
 ) -> Floats:
     """Points (count + 1,) from `start` to `end`, whose steps become smaller towards both ends.
 
-    At the distance d from the nearer end the step is about h(d) = h_0 min(1, smallest + d / zone).
-    The integral of 1/h(d) has the same value from each point to the next.
+    At the distance d from the nearer end the step is about h(d) = h_0 min(1, smallest + d / zone),
+    with the step h_0 in the middle. The integral of 1/h(d) has the same value from each point to
+    the next.
 
     Parameters
     ----------

@@ -32,7 +32,7 @@ NodeOrElementKey = tuple[str, int]
 
 
 class CellTypeAndRowOfElement(NamedTuple):
-    """The place of an element of a deck among the cells of the mesh that is read.
+    """The cell of the mesh that an element of an Abaqus deck becomes.
 
     Attributes
     ----------
@@ -55,8 +55,8 @@ def read_mesh_from_inp_text(
     ----------
     text : text of the file
     folder : folder in which files that it includes are looked for
-    wanted : names of the groups of elements of the shoe. If some instances of an assembly have
-        elements in these groups and others have none, the others are ignored.
+    wanted : names of the groups of elements of the shoe. If only some instances of an assembly have
+        elements in these groups, the instances without such elements are ignored.
 
     Raises
     ------
@@ -162,7 +162,8 @@ class _AssembledDeckMesh:
             found = [
                 self._node_number_of_label(body.name, node, f"element {label}") for node in nodes
             ]
-            # The middle node of a quadratic line is the second one in Abaqus, the last in meshio.
+            # Of the three nodes of a quadratic line, the middle node is the second node in Abaqus
+            # and the last node in meshio.
             if cell == "line3":
                 first, middle, last = found
                 found = [first, last, middle]
@@ -260,7 +261,7 @@ class _AssembledDeckMesh:
         )
 
     def _is_chosen_instance(self, owner: str) -> bool:
-        """True if `owner` names one of the chosen bodies, or if it is "" and names no instance."""
+        """Whether `owner` is the name of a chosen body, or "", which stands for no instance."""
         return owner == "" or any(body.name == owner for body in self.bodies)
 
     def _collect_members_by_group_name(
@@ -270,9 +271,9 @@ class _AssembledDeckMesh:
     ) -> dict[str, list[ParsedMemberTypeVariable]]:
         """The members of each named group of the deck, by the group's name.
 
-        A group of the assembly replaces groups of the same name in other bodies. Otherwise the
-        members in all bodies are collected. If a group cannot be read, the reason is kept in
-        `broken`.
+        A group of the assembly replaces groups of the same name in other bodies. If the assembly
+        has no group of this name, the members in all bodies are collected. If a group cannot be
+        read, the reason is kept in `broken`.
 
         Parameters
         ----------
@@ -296,7 +297,7 @@ class _AssembledDeckMesh:
     def _cell_numbers_of_elements_by_cell_type(
         self, keys: list[NodeOrElementKey]
     ) -> dict[str, Ints]:
-        """The cells of the elements of a group: type of cell -> numbers of the cells.
+        """The cells of the elements of a group: type of cell -> indices of the cells.
 
         `keys` are the elements of the group. Elements without a cell, such as springs, are left
         out.

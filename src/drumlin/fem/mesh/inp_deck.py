@@ -55,7 +55,7 @@ REFUSED_SET_OPTIONS = {
 }
 """Options that change the members of an Abaqus set or surface and are not read, with the reason.
 
-The reason also tells what to do instead. It becomes the message if the shoe needs the set.
+The reason also tells what to do instead. It becomes the error message if the shoe needs the set.
 """
 
 
@@ -87,8 +87,8 @@ class AbaqusDeck:
     def _add_section_to_its_part(self, section: KeywordSectionOfDeck) -> None:
         """Add the nodes, elements, sets or surfaces of one section of the deck to its part.
 
-        A section that begins or ends a part, an instance or the assembly changes the part that
-        later sections belong to.
+        If a section begins or ends a part, an instance or the assembly, the next sections belong to
+        another part.
         """
         keyword, scope = section.keyword, self._scope
         for option, reason in REFUSED_KEYWORD_OPTIONS.get(keyword, {}).items():
@@ -115,7 +115,7 @@ class AbaqusDeck:
             refuse_or_note_ignored_section(section, self.unknown)
 
     def _add_nodes_of_section(self, section: KeywordSectionOfDeck) -> None:
-        """Add the nodes of a *NODE section; a *SYSTEM section before it may move or turn them."""
+        """Add the nodes of a *NODE section, shifted or rotated by a *SYSTEM section before it."""
         kind, scope = section.value_of_option_in_keyword_line("SYSTEM") or "R", self._scope
         if kind not in ("R", "C"):
             raise ValueError(f"*NODE, SYSTEM={kind} is not read; write rectangular coordinates")
@@ -270,8 +270,8 @@ class AbaqusDeck:
                 yield from self.members_of_named_set(holder, which, word, above)
                 continue
             labels = word if isinstance(word, range) else (_parse_label_in_set(word, name),)
-            # A slice that is not empty shows that there are more labels than allowed. The function
-            # len would fail for a very long range.
+            # There are more labels than allowed if the slice after the allowed number is not empty.
+            # The function len would fail for a very long range.
             if labels[self._room :]:
                 raise ValueError(
                     f"the sets have more than {MOST_MEMBERS_OF_ALL_DECK_SETS} members together"

@@ -1,7 +1,8 @@
 """The Abaqus and CalculiX keywords that the reader of meshes refuses or ignores.
 
 A keyword that moves nodes, makes nodes or elements, or changes the members of a group is either
-read or refused. Another keyword is ignored, and a note names it unless it is known to be harmless.
+read or refused. All other keywords are ignored. A note names an ignored keyword unless the keyword
+is known to be harmless.
 """
 
 from drumlin.fem.mesh.inp_text import KeywordSectionOfDeck

@@ -1,6 +1,6 @@
 """The parts of an Abaqus or CalculiX input file (deck), and their instances in an assembly.
 
-An instance is a part that is moved and turned to its place in the assembly.
+An instance is a part that is translated and rotated to its place in the assembly.
 """
 
 import math
@@ -18,7 +18,7 @@ class DeckSetMember(NamedTuple):
 
     Attributes
     ----------
-    owner : name of the instance that the labels belong to; "" if it is the instance of the set
+    owner : name of the instance that the labels belong to; "" for the instance of the set itself
     word : range of labels, or one label or the name of another set as a text
     """
 
@@ -49,14 +49,14 @@ class DeckPart:
     Parameters
     ----------
     nodes : label of each node -> x, y, z in the file's unit
-    coordinates_as_written : label of each node -> its two coordinates as the deck writes them,
-        which show how they were rounded
-    turned : whether a *SYSTEM or a cylindrical system turns the coordinates
+    coordinates_as_written : label of each node -> its first two coordinates as the deck has them,
+        before any conversion; they show how the deck's coordinates were rounded
+    turned : whether a *SYSTEM section or cylindrical coordinates rotate the coordinates of nodes
     blocks : elements of each *ELEMENT section
     labels : labels of all elements
-    node_sets, element_sets : members of each set, by its name
-    surfaces : type and data lines of each *SURFACE, by its name
-    refused : reasons why a set or a surface cannot be read, by its name
+    node_sets, element_sets : members of each set, by the set's name
+    surfaces : type and data lines of each *SURFACE, by the surface's name
+    refused : reason why a set or a surface cannot be read, by the name of the set or surface
     """
 
     name: str = ""
@@ -105,7 +105,7 @@ class PlacementOfPartInAssembly:
 
     @property
     def has_rotation_of_part_axes(self) -> bool:
-        """Whether the placement turns the part's axes."""
+        """Whether the placement rotates the part's axes."""
         return bool(np.any(self.turn != np.eye(3)))
 
 
@@ -147,7 +147,7 @@ def placement_of_instance_in_assembly(
         raise ValueError(
             f"*INSTANCE, NAME={name}: its second data line must be two points and an angle"
         )
-    # The translated part is turned about the axis, which need not run through the origin.
+    # The translated part is rotated about the axis, which need not run through the origin.
     turn = _rotation_matrix_about_axis(
         (second - first) / np.linalg.norm(second - first), math.radians(given[6])
     )

@@ -12,7 +12,8 @@ from drumlin.fem.mesh.content import LARGEST_INCLUDE_DEPTH, read_bytes_of_mesh_f
 FIRST_CHARACTERS_OF_KEYWORD_AND_NUMBER_LINES = frozenset("*+-.0123456789")
 """First characters of lines of an Abaqus input file that begin with a keyword or a number.
 
-After a keyword line that ends with a comma, such a line does not continue the keyword's options.
+If a keyword line ends with a comma, the next line continues its options, unless the next line
+begins with one of these characters.
 """
 
 
@@ -119,9 +120,9 @@ def _read_text_and_folder_of_included_file(
 ) -> tuple[str, Path | None]:
     """The text and the folder of the file that an *INCLUDE section names.
 
-    `folder` is the folder of the including file. `depth` is 0 if this is the mesh file itself, 1 if
-    the mesh file includes it, and so on. ValueError is raised for a file that cannot be found, and
-    for a depth of LARGEST_INCLUDE_DEPTH.
+    `folder` is the folder of the including file. `depth` is 0 if the including file is the mesh
+    file itself, 1 if the mesh file includes the including file, and so on. ValueError is raised for
+    a file that cannot be found, and for a depth of LARGEST_INCLUDE_DEPTH.
     """
     name = section.options.get("INPUT", "")
     if not name or folder is None:

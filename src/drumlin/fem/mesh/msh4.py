@@ -137,7 +137,7 @@ def _read_physical_groups_of_entities(
 def _read_node_numbers_and_points(
     lines: list[str], old: bool
 ) -> tuple[dict[int, int], list[list[float]]]:
-    """The number of each node by its tag, and the points [x, y, z] of the nodes.
+    """The index of each node by its tag (its label in the file), and the points [x, y, z].
 
     `lines` are the lines of the block $Nodes, and `old` tells whether the file has format 4.0.
     """

@@ -15,8 +15,8 @@ from drumlin.fem.mesh.content_of_file import MeshFileContent
 MOST_GROUP_NUMBERS_IN_ARRAY = 1000
 """Largest number of different values in an array of whole numbers that defines groups of cells.
 
-Each value of such an array, for example of material numbers, makes a group. An array with more
-values, for example of element numbers, makes none.
+In an array of material numbers, for example, each value makes a group. An array with more different
+values, for example an array of element numbers, makes no groups.
 """
 
 
@@ -31,9 +31,9 @@ def content_of_meshio_mesh(raw: Any) -> MeshFileContent:
 
 
 def _cell_groups_by_name(raw: Any) -> dict[str, dict[str, Ints]]:
-    """The groups of cells in a `meshio.Mesh`: group name -> cell type -> numbers of the cells.
+    """The groups of cells in a `meshio.Mesh`: group name -> cell type -> indices of the cells.
 
-    The number of a cell is its position among all cells of its type.
+    The index of a cell is its position among all cells of its type.
     """
     # First come the groups that the file names as sets of cells.
     groups: dict[str, dict[str, Ints]] = {}
@@ -83,7 +83,7 @@ def _cell_groups_by_number(raw: Any) -> dict[str, dict[str, Ints]]:
 
 
 def _node_groups_by_name(raw: Any) -> dict[str, Ints]:
-    """The groups of nodes in a `meshio.Mesh`: group name -> numbers of the nodes."""
+    """The groups of nodes in a `meshio.Mesh`: group name -> indices of the nodes."""
     groups = {name.lower(): np.asarray(members) for name, members in raw.point_sets.items()}
     for name, values in raw.point_data.items():
         if ":" not in name and _is_array_marking_group_members(values):

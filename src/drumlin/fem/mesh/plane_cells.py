@@ -1,9 +1,10 @@
 """The plane cells of a mesh file, converted to elements of one kind.
 
 Cells of third order become cells of second order on the same curves. If a mesh has quadrilaterals
-and triangles, all become quadratic triangles: each quadrilateral is cut into two, and linear cells
-get middle nodes on their straight edges. So do all cells of a mesh in which a quadrilateral has a
-corner of 180 degrees. Such a quadrilateral has no area in that corner, and is cut from there.
+and triangles, all cells become quadratic triangles: each quadrilateral is cut into two triangles,
+and linear cells get middle nodes on their straight edges. All cells also become quadratic triangles
+if a quadrilateral has a corner of 180 degrees. This quadrilateral has no area in the corner, and
+the cut begins at the corner.
 """
 
 from collections.abc import Mapping
@@ -37,17 +38,18 @@ They are the values of the four cubic shape functions in the middle of the edge.
 CIRCULAR_EDGE_RADIUS_TOLERANCE = 0.1
 """Largest change of the distance from the drum's centre along an edge that follows a circle.
 
-The change is relative to the edge's chord. The middle of a third-order edge up to this limit is put
-on the circle. On all other edges it is the middle of the cubic curve. The value is a judgement:
-edges on circles about the centre are far below it, and radial edges have 1.
+The change is relative to the edge's chord. If a third-order edge follows a circle, the middle node
+of its second-order edge is put on the circle. On all other edges the middle node is the middle of
+the cubic curve. The value is a judgement: edges on circles about the centre are far below it, and
+radial edges have the value 1.
 """
 FLAT_CORNER = np.radians(1.0)
 """Largest difference of a quadrilateral's corner from 180 degrees at which the corner is flat.
 
-Gmsh joins two triangles at a smooth outline to such a quadrilateral, two sides of which are parts
-of one curve. Rounded coordinates change the angle: by 0.06 degrees on three meshes by Gmsh with
-coordinates in 0.001 mm. Corners that bend inwards by more are faults, and the mesh is refused. The
-value is a judgement.
+Gmsh makes a quadrilateral with a flat corner from two triangles at a smooth outline: two sides of
+the quadrilateral are then parts of one curve. Rounded coordinates change the angle: by 0.06 degrees
+on three meshes by Gmsh with coordinates rounded to 0.001 mm. If a corner bends inwards by more than
+this difference, the mesh is refused as faulty. The value is a judgement.
 """
 
 
@@ -61,7 +63,7 @@ class PlaneCellsOfOneKind:
     cells : (m, k) nodes of each cell
     points : (n, 2) coordinates of the nodes: the nodes of the file first, then added nodes
     parent : for each type of cells in the file, two arrays with an entry for each cell of this
-        type: the number of the first new cell made of it, and how many were made
+        type: the index of the first new cell made of the cell, and how many new cells were made
     added : (n,) whether each node was added
     notes : lines that tell how the cells were changed
     """
@@ -79,7 +81,7 @@ class PlaneCellsOfOneKind:
         return CORNERS_PER_PLANE_CELL[self.cell]
 
     def indices_of_new_cells_made_of_file_cells(self, cell: str, rows: Ints) -> Ints:
-        """The numbers of the new cells that were made of some cells of the file.
+        """The indices of the new cells that were made of some cells of the file.
 
         `cell` is the type of the file's cells, and `rows` are their numbers.
         """
@@ -225,7 +227,8 @@ class _NodesWithAddedMiddleNodes:
     points : (n, 2) coordinates of the nodes before nodes are added
     middles : number of the middle node of each edge that has one, by the edge's two corners, the
         smaller number first
-    added : coordinates (2,) of the added nodes, numbered on from the nodes in `points`
+    added : coordinates (2,) of each added node; the first added node has the index n, the next n +
+    1
     """
 
     points: Floats
@@ -262,7 +265,7 @@ def _convert_cells_to_quadratic_triangles(
     kinds : cells (m, k) of each type, of first or second order
     points : (n, 2) coordinates of the nodes
     flat : for each type the position (m,) of the corner of 180 degrees in each cell; -1 without one
-    own : number of nodes that the file has; later ones were added
+    own : number of nodes in the file; nodes with a larger index were added
     """
     nodes = _NodesWithAddedMiddleNodes(points, _middle_nodes_of_quadratic_cells(kinds), [])
     # Each triangle of the file makes one triangle, and each quadrilateral makes two.

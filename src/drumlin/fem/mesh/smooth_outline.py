@@ -1,8 +1,8 @@
-"""The smooth curves whose chords the straight sides of elements may be.
+"""Smooth arcs in place of straight element sides, to estimate the error of a polygonal outline.
 
-A mesh of straight sides has no curves: an arc of the shoe is a polygon. Whether a polygon is meant
-cannot be seen in the mesh. How much the answer changes with arcs in place of the chords is
-therefore counted as an error.
+In a mesh with straight sides each arc of the shoe is a polygon, whose sides are chords of the arc.
+The mesh does not show whether the polygon or the arc is meant. The change of the answer with arcs
+in place of the chords is therefore counted as an error.
 """
 
 from typing import Any, NamedTuple
@@ -19,10 +19,10 @@ from drumlin.fem.mesh.edges import nodes_along_element_edges
 from drumlin.response.resultants import gauss_lobatto_points
 
 LARGEST_NONSINGULAR_CORNER_ANGLE = np.radians(185.0)
-"""Largest inner angle of a corner between two free faces of one layer that is no singular point.
+"""Largest angle inside a corner of one layer, between free faces, without a singular point.
 
-Stresses are singular at angles above 180 degrees. Angles slightly above are left out, since the
-singularity is very weak there.
+Stresses are singular at angles above 180 degrees. Angles slightly above 180 degrees are left out,
+since the singularity is very weak there.
 """
 LARGEST_TURN_BETWEEN_CHORDS_OF_CURVE = np.radians(35.0)
 """Largest angle between the directions of two neighbouring sides that may be chords of one curve.
@@ -44,7 +44,7 @@ class _VerticesBetweenChordsOfCurve(NamedTuple):
     starts_after : (n,) whether the first corner of the side `after` is at the vertex
     curvature : (n,) curvature [1/m] of the circle through the ends of both sides; positive for a
         turn to the left on the way from `before` to `after`
-    vertices : (n,) numbers of the vertices
+    vertices : (n,) indices of the vertices
     """
 
     before: Ints
@@ -56,11 +56,11 @@ class _VerticesBetweenChordsOfCurve(NamedTuple):
 
 
 def node_displacements_onto_smooth_outline(basis: NodalBasis) -> Floats:
-    """The moves (2, N) [m] of all nodes by which the chords of curved lines become arcs.
+    """The displacements (2, N) [m] of all nodes by which the chords of curved lines become arcs.
 
     The lines are the outline of the shoe and the interfaces of its layers. Sides on the contact
-    line do not move. The chords are the sides of the elements of the mesh; if these elements were
-    split, the nodes of their parts follow them.
+    line do not move. The chords are sides of the mesh's elements. If these elements were split into
+    triangles, the nodes of the triangles follow the elements.
     """
     if basis.split is not None:
         # The module loads scikit-fem, which takes long, and solves without split elements do
@@ -86,8 +86,8 @@ def node_displacements_onto_smooth_outline(basis: NodalBasis) -> Floats:
     along = 0.5 + 0.5 * gauss_lobatto_points(basis.elem.degree)[:, None]
     # A curve to the left bulges to the right of its chord. The height of a circle's arc over its
     # chord is the root of r^2 - x^2 minus the root of r^2 - length^2 / 4, with the radius r and the
-    # distance x from the middle of the chord. The quotient below is the same without cancellation,
-    # relative to the length.
+    # distance x from the middle of the chord. `bulge` is this height divided by the chord's length,
+    # in a form without a difference of nearly equal numbers.
     angle = curvature * np.hypot(*chord)
     roots = [np.sqrt(1 - (angle * x) ** 2) for x in (along - 0.5, 0.5)]
     bulge = angle * along * (1 - along) / (roots[0] + roots[1])
@@ -122,12 +122,12 @@ def _sides_on_outline_and_interfaces(mesh: Any) -> tuple[Ints, Ints]:
 def _vertices_between_chords_of_outline_curves(
     mesh: Any, facets: Ints, kinds: Ints
 ) -> _VerticesBetweenChordsOfCurve:
-    """The bends of all lines: vertices where just two sides of a line meet, at a small angle.
+    """The vertices at which exactly two sides of a line meet at a small angle, called bends.
 
     Parameters
     ----------
     mesh : scikit-fem's mesh
-    facets : (m,) numbers of the sides
+    facets : (m,) indices of the sides
     kinds : (m,) number of the line of each side
     """
     ends = mesh.facets[:, facets]

@@ -3,9 +3,9 @@
 Stresses are singular at a few points, where the elements of a mesh file are usually too large.
 Triangles near these points are bisected again and again (newest-vertex bisection: Mitchell, ACM
 Trans. Math. Softw. 15, 1989). A quadrilateral is first cut into two triangles. The first cut of a
-triangle is across its longest side. A cut also cuts the neighbour at the same side. The parts of
-an element together keep the element's shape: the element's map takes the nodes of the parts from
-the reference triangle or square to their places. Curved sides thus stay as they are, and sides on
+triangle halves its longest side. The neighbour at a halved side is cut as well. The parts of an
+element together keep the element's shape: the element's map takes the nodes of the parts from the
+reference triangle or square to their positions. Curved sides thus stay as they are, and sides on
 the drum stay on the drum.
 """
 
@@ -60,7 +60,7 @@ class TrianglesOfSplitElements:
     t : (m, 3) vertices of each triangle; the first two end the side that is bisected next
     parent : (m,) element of the mesh that each triangle is a part of
     at : (m, 3, 2) corners of each triangle in the reference triangle or square of its parent
-    xy : (2, n) places of the vertices [m]
+    xy : (2, n) positions of the vertices [m]
     lines : vertices (k, 2) at both ends of each side of the named groups, by the group's name
     """
 
@@ -253,7 +253,7 @@ def nodal_basis_on_split_triangles(
 def _positions_of_nodes_in_triangles(
     shape: NodalBasis, parent: Ints, at: Floats, elem: LagrangeElement
 ) -> Floats:
-    """The places (2, m, nodes) [m] of the nodes of triangles that are parts of elements.
+    """The positions (2, m, nodes) [m] of the nodes of triangles that are parts of elements.
 
     Parameters
     ----------
@@ -280,12 +280,13 @@ def _barycentric_coordinates_of_nodes(elem: LagrangeElement) -> Floats:
 
 
 def node_displacements_that_follow_split_elements(basis: NodalBasis, moves: Floats) -> Floats:
-    """The moves (2, N) [m] of all nodes of split triangles whose elements are moved.
+    """The displacements (2, N) [m] of the nodes of triangles that follow their moved elements.
 
     Parameters
     ----------
     basis : basis on the triangles into which elements are split
-    moves : (2, M) moves [m] of the nodes of the basis `basis.split.shape` on these elements
+    moves : (2, M) displacements [m] of the nodes of the elements before the split, whose basis is
+        `basis.split.shape`
     """
     split: SplitElements = basis.split
     is_moved = (np.hypot(*moves) > 0)[split.shape.element_dofs].any(axis=0)

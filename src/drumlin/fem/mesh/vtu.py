@@ -26,7 +26,7 @@ The check of the file's size then takes no longer than reading the file.
 _BYTES_OF_VTU_HEADER_INTEGER = {"UInt32": 4, "UInt64": 8}
 """Size [bytes] of an integer in the header of a compressed array, by the file's header type."""
 _APPENDED_DATA_TAG_PATTERN = re.compile(rb"<AppendedData[^>]*>")
-"""Pattern of the XML tag in a .vtu file after which its appended data begin, raw or as text."""
+"""Pattern of the XML tag in a .vtu file after which the appended arrays begin, raw or as text."""
 
 
 def check_decompressed_vtu_size_fits_memory(data: bytes) -> None:
@@ -136,7 +136,7 @@ def _compressed_sizes_of_vtu_array_blocks(
 
 
 def _number_of_base64_letters_for_bytes(count: int) -> int:
-    """The number of letters that `count` bytes take as text in base64."""
+    """The number of characters that `count` bytes take as text in base64."""
     return -(-count // 3) * 4
 
 

@@ -61,10 +61,12 @@ class ShoeSubstructure:
     """One shoe with its lining as a condensed body, coupled with the drum or the plane.
 
     All vectors are in the frame of the shoe. The condensed body is supported at its frame, the face
-    that the hinge holds. The matrices N and T (see `ContactCouplingMatrices`) turn displacements u
-    of the n contact nodes into weighted gap closure N u and weighted slip T u. The forces on the
-    contact nodes are -N^T p due to nodal pressures p and T^T t due to friction per area t; l unit
-    loads act as well. The arrays for friction are None in a brake with mu = 0.
+    that the hinge holds. With the matrices N and T (see `ContactCouplingMatrices`) the
+    displacements u of the n contact nodes give the weighted gap closure N u and the weighted slip T
+    u [m^3]. Entry i is the closure or slip times the shape function of contact node i, integrated
+    over the lining's face. The forces on the contact nodes are -N^T p due to nodal pressures p and
+    T^T t due to friction per area t; l unit loads act as well. The arrays for friction are None in
+    a brake with mu = 0.
 
     Attributes
     ----------
@@ -79,15 +81,15 @@ class ShoeSubstructure:
     gap_closure_by_pressure, gap_closure_by_friction : (n, n) weighted gap closure N u due to unit
         nodal pressures, and due to unit nodal friction
     gap_closure_by_load : (n, l) weighted gap closure N u due to the unit loads
-    load_point_motion_by_friction : (l, n) displacement that does work with each unit load, due to
-        unit nodal friction
-    load_point_motion_by_load : (l, l) displacement that does work with each unit load, due to the
-        unit loads
+    load_point_motion_by_friction : (l, n) work of each unit load on the displacements due to unit
+        nodal friction; for a unit force it is the displacement of its point along the force
+    load_point_motion_by_load : (l, l) work of each unit load on the displacements due to each unit
+        load
     reaction_to_pressure, reaction_to_friction : (3, n) support reaction on the frame (force x,
         force y, moment about the pin) to unit nodal pressures, and to unit nodal friction
     reaction_to_load : (3, l) support reaction on the frame to the unit loads
-    mesh_read_from_file : the mesh that was read from a file, and how it was adapted; None without a
-        file
+    mesh_read_from_file : the mesh that was read from a file, with notes on changes to it; None
+        without a mesh file
     """
 
     mesh: Any
@@ -119,9 +121,9 @@ class ShoeSubstructure:
 
     @cached_property
     def gap_closure_and_slip_per_turn_about_pin(self) -> tuple[Floats, Floats]:
-        """Weighted gap closure N u and slip T u (n, 1) [m^3] as the shoe rotates about its pin.
+        """Weighted gap closure N u and slip T u (n, 1) [m^3] per radian of rotation about the pin.
 
-        The rotation is one radian.
+        The weights are the shape functions of the contact nodes.
         """
         mode = self.rotation_mode[:, None]
         return self.coupling.N @ mode, self.coupling.T @ mode
@@ -130,8 +132,8 @@ class ShoeSubstructure:
     def resultants_of_unit_nodal_pressures_and_tractions(self) -> Floats:
         """Resultants (2, 3, n) of the nodal forces N^T p and T^T p due to each unit nodal pressure.
 
-        The first index is 0 for N^T p and 1 for T^T p. A resultant has force x, force y and the
-        moment about the drum's centre.
+        The first index is 0 for N^T p and 1 for T^T p. The second index is 0 for force x, 1 for
+        force y and 2 for the moment about the drum's centre.
         """
         x, y = self.line.xy
         count = self.line.xy.shape[1]
@@ -264,7 +266,7 @@ def substructure_with_load_of_changed_shape(
     """A copy of a shoe's substructure with a load that stands for a small change of its shape.
 
     The load acts in addition to all other loads, with the factor one. Its nodal forces have no
-    resultant, so that the frame does not react.
+    resultant, so that the support reaction on the frame is zero.
 
     Parameters
     ----------
@@ -303,8 +305,9 @@ def functions_of_free_thermal_strain_by_layer(
 
     The result has a function from points to strains by the name of each heated layer, in the shoe's
     frame. `radius` [m] is the radius of the drum. The strains depend on the depth behind the
-    friction surface, and in the block before a straight beam on the share of the block's thickness
-    there. A body has the layer "shoe", and the layer "table" if it has a flange.
+    friction surface. In the block between lining and straight beam, the depth of a point follows
+    from its relative depth in the block. A body has the layer "shoe", and the layer "table" if it
+    has a flange.
     """
     strains = {}
     for heated in heated_layers_of_shoe(shoe):
@@ -333,9 +336,9 @@ def nodal_forces_of_unit_loads_besides_actuation(
 ) -> dict[str, Floats]:
     """The nodal forces (2 nodes, l) of all unit loads of a shoe except its actuation, by name.
 
-    The unit loads are the load of free thermal strains, unit forces at the points of further forces
-    (all forces at points besides the actuation), and unit loads on the shoe's mass. Loads that the
-    shoe lacks are left out.
+    The unit loads are the load of free thermal strains, unit forces at the points of all forces
+    besides the actuation, and unit loads on the shoe's mass. Loads that the shoe does not have are
+    left out.
 
     Parameters
     ----------
@@ -357,10 +360,10 @@ def unit_load_factors_under_all_loads(
 ) -> Floats:
     """The factors (l,) of a body's load columns under an actuation force [N] and all other loads.
 
-    A load column is the load vector of a unit load. The load on the body is the sum of all columns
-    times their factors. Contact, reactions, fields and refinement take the loads of a shoe from
-    this function. The loads of heat and of a changed shape do not depend on the force, and their
-    factors are one.
+    A load column is the vector of nodal forces of a unit load. The load on the body is the sum of
+    all columns, each times its factor. The computations of contact, reactions, stresses and
+    refinement all take the loads of a shoe from this function. The loads of heat and of a changed
+    shape do not depend on the actuation force, and their factors are one.
     """
     factors, _ = actuation_factors_and_pin_moment_per_newton(body, shoe)
     acting = abs(force) * factors
@@ -378,9 +381,9 @@ def unit_load_factors_of_loads_besides_actuation(
 ) -> Floats:
     """The factors (l,) of a body's unit loads that make up all loads besides the actuation.
 
-    These loads are further forces at points of the shoe, its weight and its inertia. If the body
-    has unit loads for them, each load acts at its own place. A rigid body and some models have no
-    such unit loads. The resultant of the loads then acts where the actuation acts.
+    These loads are forces at points of the shoe, its weight and its inertia. If the body has unit
+    loads for them, each load acts at its own place. A rigid body and some models have no such unit
+    loads. The resultant of the loads then acts where the actuation acts.
     """
     columns = body.load_matrix_columns_by_load_name
     if not has_unit_loads_of_forces_at_points_or_mass(columns):
@@ -393,11 +396,10 @@ def unit_load_factors_of_loads_besides_actuation(
 def unit_load_factors_of_force_at_point(
     body: BodyWithActuationLoads, shoe: Shoe, index: int, force: ForceAtPoint
 ) -> Floats:
-    """The factors (l,) by which a body's load columns make up a further force on a shoe.
+    """The factors (l,) of a body's load columns under one force on a shoe besides its actuation.
 
-    Further forces are all forces at points of the shoe besides the actuation. `force` is one of
-    them with its point, in the frame of the brake. `index` is its number among them, counted from
-    0.
+    `force` has the force and its point, in the frame of the brake. `index` is the position of this
+    force among all forces besides the actuation, counted from 0.
     """
     columns = body.load_matrix_columns_by_load_name
     at_place = columns.column_slice_of_each_load.get(FURTHER_FORCE_LOAD_NAME)
@@ -412,7 +414,10 @@ def unit_load_factors_of_force_at_point(
 def force_resultant_of_unit_load_factors(
     body: BodyWithActuationLoads, shoe: Shoe, load: Floats
 ) -> Floats:
-    """The sum (2,) [N] of the forces on a shoe under load factors (l,), in the shoe's frame."""
+    """The resultant force (2,) [N] of a shoe's loads with the factors `load` (l,).
+
+    The resultant is in the frame of the shoe. It contains neither contact nor support forces.
+    """
     columns = body.load_matrix_columns_by_load_name
     force = columns.column_factors_of_one_named_load(ACTUATION_LOAD_NAME, load)[:2]
     if has_unit_loads_of_forces_at_points_or_mass(columns):
@@ -450,9 +455,9 @@ def actuation_factors_and_pin_moment_per_newton(
 ) -> tuple[Floats, float]:
     """The factors (l,) of a body's load columns under its actuation, and the moment about the pin.
 
-    Both are for an actuation force of 1 N and in the shoe's frame; the moment [m] is thus a lever
-    arm. If the actuation force of the shoe is negative, the 1 N acts in the opposite direction.
-    Columns of other loads have the factor zero.
+    Both are for an actuation force of 1 N and in the shoe's frame. The moment per newton [m] is
+    thus a lever arm. If the actuation force of the shoe is negative, the force of 1 N acts in the
+    opposite direction. Columns of other loads have the factor zero.
     """
     own, moment = actuation_force_and_moments_per_newton(
         body.application_point_of_actuation_loads, shoe
@@ -511,7 +516,8 @@ def support_reaction_of_shoe(
     ----------
     body : the substructure of the shoe
     p : (n,) pressure at the contact nodes [Pa]
-    dragging : (n,) pressures [Pa] whose product with `drag` is the friction per area, see
+    dragging : (n,) friction stress at the contact nodes divided by mu [Pa]; it equals p unless mu
+        depends on the pressure or differs from node to node, see
         `ShoeGroupData.friction_stress_over_friction_coefficient_of_shoe`
     drag : friction coefficient mu times the sense s = +-1 of sliding
     load : (l,) factors of the load columns

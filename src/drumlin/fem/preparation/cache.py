@@ -1,4 +1,4 @@
-"""A cache of condensed bodies, and keys with the data of a brake on which each body depends."""
+"""A cache of condensed bodies; the key of a body has all data of the brake that it depends on."""
 
 from collections import OrderedDict
 from collections.abc import Callable, Hashable
@@ -49,7 +49,8 @@ def cache_key_of_shoe_shape(brake: Brake, shoe: Shoe) -> tuple[object, ...]:
             arcs.append(grip)
     mesh: tuple[object, ...] | None = None
     if shoe.mesh is not None:
-        # If the mesh of a file is in the brake's frame, shoes at other positions have other shapes.
+        # If the mesh of a file is in the brake's frame, shoes at two positions have different
+        # shapes.
         frame = shoe.mesh_frame == "shoe" or shoe.frame
         mesh = (shoe.mesh, shoe.mesh_unit, frame, shoe.groups)
     # Lengths and angles are rounded, because round-off would make equal shapes different.
@@ -131,9 +132,9 @@ def digest_of_mesh_file_of_shoe(shoe: Shoe) -> str | None:
 def brake_without_loads_and_clearances(brake: Brake) -> Brake:
     """A copy of a brake without the data on which its condensed bodies do not depend.
 
-    The copies of two brakes with equal bodies are equal, and serve as a key of the cache. Title,
-    rotation, forces, clearances and misfits are removed. All friction coefficients except zero are
-    made equal.
+    The copies of two brakes with equal condensed bodies are equal, and serve as a key of the cache.
+    Title, rotation, forces, clearances and misfits (deviations of a lining from the drum's circle)
+    are removed. All friction coefficients except zero are made equal.
     """
     shoes = tuple(shoe_without_loads_and_clearances(shoe) for shoe in brake.shoes)
     return brake.brake_reduced_to_stiffness_data().model_copy(update={"shoes": shoes})
@@ -142,9 +143,9 @@ def brake_without_loads_and_clearances(brake: Brake) -> Brake:
 def shoe_without_loads_and_clearances(shoe: Shoe) -> Shoe:
     """A copy of a shoe without the data on which its condensed body does not depend.
 
-    The removed data are the size and direction of the actuation force, in most shoes its point, the
-    sizes of all other loads, the clearance, the misfit and the friction. See
-    `brake_without_loads_and_clearances`.
+    The removed data are the size and direction of the actuation force, the sizes of all other
+    loads, the clearance, the misfit and the friction. The point of the actuation force is removed
+    too, unless the body depends on it. See `brake_without_loads_and_clearances`.
     """
     actuation: dict[str, Any] = {"force": 1.0, "direction": 0.0}
     # The body depends on the point of the actuation force if it is a beam, which ends at this

@@ -1,7 +1,8 @@
 """Bodies of hp elements: divide each parametric shoe into columns of elements and condense it.
 
-Some shoes of the brake may have the mesh of a file; their condensed bodies are given. The ring is
-always divided into hp elements.
+A column is a stack of elements through the thickness of the shoe. Some shoes of the brake may have
+the mesh of a file; the condensed bodies of these shoes are given. The ring is always divided into
+hp elements.
 """
 
 import math
@@ -63,7 +64,7 @@ from drumlin.fem.substructure.elasticity import elastic_layers_of_shoe
 
 
 class _RuleForDividingShoesOfOneShape(NamedTuple):
-    """The rule by which the shoes of one shape are divided into columns of hp elements.
+    """The choices by which the shoes of one shape are divided into columns of hp elements.
 
     Attributes
     ----------
@@ -106,7 +107,7 @@ def make_condensed_shoes_of_hp_elements(
     cache : cache of condensed bodies; bodies found in it are used again, and new ones are added
     seconds : time of each phase [s], to which this function adds its own times
     of_files : condensed bodies of the shoes that have mesh files, by the index of the first shoe of
-        each shape
+        each shape; None if no shoe has a mesh file
 
     Raises
     ------
@@ -150,7 +151,7 @@ def make_condensed_shoes_of_hp_elements(
         with add_elapsed_time_of_block_to_phase(seconds, "ring"):
             ring = cache.get(key, partial(ring_under, lines), memory_bytes_of_condensed_body)
 
-    # Analyses of changed shoes divide a changed shoe by the same rule as the present shoe.
+    # Some analyses compare a shoe with a slightly changed shoe. Both are divided by the same rule.
     nodes_by_shape: dict[int, Callable[[Shoe], NodePositionsAndActuationForces]] = {
         i: partial(nodes_of_changed_shoe_with_mesh_file, body)
         for i, body in (of_files or {}).items()
@@ -189,7 +190,7 @@ def _rule_for_dividing_shoes_of_one_shape(
     shoe = brake.shoes[i]
     points = places.get(i, ())
     # A cam touches the loaded ends of the shoes, so that the cam's forces depend on the
-    # displacements of these ends. The elements become small towards the ends to compute them.
+    # displacements of these ends. Small elements at the ends make these displacements accurate.
     has_small_elements_at_loaded_end = (
         brake.actuation is not None and brake.actuation.is_cam_or_wedge
     )
@@ -218,10 +219,10 @@ def _rule_for_dividing_shoes_of_one_shape(
 def _refinement_level_for_loads_on_body(
     shoe: Shoe, radius: float, level: RefinementLevel
 ) -> RefinementLevel:
-    """The level, limited to columns no wider than the body is thick if forces act on the body.
+    """The level; if forces act on points of the body, with columns no wider than the body is thick.
 
-    A force at a place of the body is spread over about the body's thickness, which wider columns
-    would not resolve.
+    A force at a point of the body is spread over a length of about the body's thickness. Wider
+    columns would not resolve this distribution.
     """
     if not len(points_where_shoe_body_is_loaded(shoe)):
         return level

@@ -13,7 +13,7 @@ from drumlin.response.response import Response, ShoeResponse
 
 
 def nodal_contact_pressures_of_each_lining(brake: Brake, response: Response) -> list[Floats]:
-    """The pressures (n_i,) [Pa] at the lining nodes of each shoe.
+    """For each shoe i, the pressures (n_i,) [Pa] at the contact nodes on all its linings.
 
     The nodes are in the order of their angle in the shoe's own frame.
     """
@@ -24,9 +24,10 @@ def nodal_contact_pressures_of_each_lining(brake: Brake, response: Response) -> 
 def friction_stress_over_friction_coefficient_of_lining(
     brake: Brake, shoe: Shoe, answer: ShoeResponse, p: Floats
 ) -> Floats:
-    """The friction stress (n,) [Pa] on one lining divided by the shoe's friction coefficient.
+    """The friction stress (n,) [Pa] on a shoe's linings divided by the shoe's friction coefficient.
 
-    It equals the pressures p (n,), unless friction depends on the pressure.
+    The friction coefficient is the one at zero pressure. The result equals the pressures p (n,),
+    unless the friction depends on the pressure.
     """
     if answer.friction_stress is None:
         return p
@@ -53,7 +54,9 @@ def load_column_factors_and_frame_motion_in_response(
 def nodal_displacements_of_shoe(
     body: ShoeSubstructure, brake: Brake, shoe: Shoe, answer: ShoeResponse, p: Floats
 ) -> Floats:
-    """The displacements (d nodes,) [m] of all nodes of a shoe in d dimensions, in its own frame.
+    """The displacements (d nodes,) [m] of all nodes of a shoe in its own frame, d for each node.
+
+    d is 2 in plane stress. In the model with widths it is the number of unknowns of a node.
 
     Parameters
     ----------
@@ -61,8 +64,8 @@ def nodal_displacements_of_shoe(
     brake : the brake
     shoe : the shoe, with the actuation force of the response
     answer : the response of the shoe
-    p : pressures (n,) [Pa] on the lining of the shoe, in the order of their angle in the shoe's own
-        frame
+    p : pressures (n,) [Pa] at the contact nodes on all linings of the shoe, in the order of their
+        angle in the shoe's own frame
     """
     load, motion = load_column_factors_and_frame_motion_in_response(body, brake, shoe, answer)
     # The pressures and friction stresses give the nodal forces (2n,) [N] on the contact nodes.

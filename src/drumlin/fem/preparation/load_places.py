@@ -3,13 +3,13 @@
 A force at a point acts on the cross-section of the body there. It is spread uniformly over the
 body's thickness, and along the body by the normal distribution with a standard deviation of
 FORCE_SPREAD_RELATIVE_TO_BODY_THICKNESS times the thickness. A traction that grows linearly from the
-centre of this area adds a couple, so that the resultant acts at the point of the force, as on the
-end face on which the actuation acts. If the point lies beyond an end of the body, the cross-section
-at this end is loaded.
+centre of the loaded area adds a couple, so that the resultant acts at the point of the force. If
+the point lies beyond an end of the body, the cross-section at this end is loaded.
 
 Lining, backing and body of a shoe have one common density. Weight and centrifugal force act on this
-mass everywhere. The centre of mass in the brake file may differ from the centre of this mass. The
-resultant that is then missing acts on the cross-section at the centre of mass of the file.
+mass everywhere. The centre of mass in the brake file may differ from the centre of the uniformly
+distributed mass. An additional load makes up for the difference: it acts on the cross-section at
+the file's centre of mass, and gives the load on the mass the right resultant.
 """
 
 from collections.abc import Mapping
@@ -31,25 +31,25 @@ from drumlin.fem.substructure.loads import (
 FORCE_SPREAD_RELATIVE_TO_BODY_THICKNESS = 0.5
 """Standard deviation of the distribution of a force along the body, relative to its thickness.
 
-Two thirds of the force then act within one thickness of the body. A body bends by the resultant of
-a force alone: at more than about one thickness from the force it does not matter how the force is
-spread (Saint-Venant's principle). A smaller value needs smaller elements and raises the lining's
-pressure opposite the force; with a larger value the force is smeared over more of the body. The
-value is a judgement.
+Two thirds of the force then act on a length of one thickness of the body. At more than about one
+thickness from the force it does not matter how the force is spread (Saint-Venant's principle). A
+smaller value needs smaller elements and raises the lining's pressure opposite the force; with a
+larger value the force is smeared over more of the body. The value is a judgement.
 """
 NAMES_OF_BODY_LAYERS = ("table", "shoe")
 """Names of the layers of a shoe's body, on which forces at points of the shoe act."""
 
 
 NAMES_OF_LOADS_AT_POINTS_AND_MASS = (FURTHER_FORCE_LOAD_NAME, MASS_LOAD_NAME)
-"""Names of the load columns of `unit_loads_at_points_and_mass`."""
+"""Names of the unit loads that `unit_loads_at_points_and_mass` returns."""
 
 
 def points_where_shoe_body_is_loaded(shoe: Shoe) -> Floats:
     """The points (k, 2) [m] at which an elastic shoe is loaded, in the shoe's own frame.
 
-    They are the points of its further forces, and last its centre of mass if it has a mass. A rigid
-    shoe has no such points, because only the resultant of its forces matters.
+    They are the points of all forces besides the actuation, and last the centre of mass if the
+    brake file gives the shoe a mass. A rigid shoe has no such points, because only the resultant of
+    its forces matters.
     """
     if shoe.body is None or shoe.are_all_loads_moved_to_actuation:
         return np.zeros((0, 2))
@@ -66,8 +66,8 @@ class _LoadedBodyQuadrature(NamedTuple):
     ----------
     xy : (2, e, q) quadrature points [m]
     shapes : (a, q) shape functions
-    areas : (e, q) area of the element that each point stands for [m^2]
-    nodes : (e, a) numbers of the nodes of each element
+    areas : (e, q) part of the element's area that each point stands for [m^2]
+    nodes : (e, a) indices of the nodes of each element
     node_places : (2, N) coordinates of all nodes of the mesh [m]
     """
 
@@ -121,13 +121,11 @@ def unit_loads_at_points_and_mass(basis: Any, shoe: Shoe, radius: float) -> dict
     shoe : the shoe
     radius : radius of the drum [m]; on a plane the length of phi = 1
 
-    Returns
-    -------
-    FURTHER_FORCE_LOAD_NAME has the unit force x and the unit force y at the point of each further
-    force. MASS_LOAD_NAME has the forces on a mass of 1 kg by unit acceleration x, unit acceleration
-    y and unit square of the angular speed, in the axes of the shoe's frame. The result is empty
-    for a shoe without such loads, for a shoe without a body, and for a mesh file without elements
-    of a body.
+    Returns ------- Under the name FURTHER_FORCE_LOAD_NAME, the unit force x and the unit force y at
+    the point of each force besides the actuation. Under the name MASS_LOAD_NAME, the forces on a
+    mass of 1 kg by unit acceleration x, unit acceleration y and unit square of the angular speed,
+    in the axes of the shoe's frame. The result is empty for a shoe without such loads, for a shoe
+    without a body, and for a mesh file without elements of a body.
     """
     places = points_where_shoe_body_is_loaded(shoe)
     if not len(places):

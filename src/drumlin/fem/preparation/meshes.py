@@ -66,10 +66,10 @@ from drumlin.response.response import angle_of_edge_zone_left_out_of_peak_search
 DEFAULT_ELEMENTS_ALONG_LINING = 80
 """Default number of elements of a mesh along a lining.
 
-With this number the error of the pressure p in L2 is about 0.2 % on most brakes, and the error of
-the torque 0.001 %. On 22 random brakes, half the number made the median error of p twice as large,
-and the median error of the torque three times as large. Twice the number multiplied these errors by
-0.7 and by 0.5 and took four times the work.
+With this number the relative error of the pressure p (L2 norm) is about 0.2 % on most brakes, and
+the error of the torque 0.001 %. On 22 random brakes, half the number made the median error of p
+twice as large, and the median error of the torque three times as large. Twice the number multiplied
+these errors by 0.7 and by 0.5 and took four times the work.
 """
 MOST_ELEMENTS_ALONG_LINING = 4000
 """Largest number of elements of a mesh along a lining; larger numbers are refused.
@@ -92,11 +92,11 @@ A solve with this number of nodes takes a minute. A degree that needs more nodes
 
 
 DEGREE_OF_SPLIT_ELEMENT_GEOMETRY = 5
-"""Degree of the polynomials that map elements when they are split, and so place the new nodes.
+"""Degree of the polynomials that describe the shape of elements that are split into triangles.
 
-Element sides on the drum that are a third of the drum's radius long then follow the drum to 1e-7 of
-the radius, which is far less than the lining is compressed. A higher degree takes longer and
-changes nothing.
+The polynomials give the positions of the triangles' nodes. An element side on the drum, a third of
+the drum's radius long, then follows the drum to 1e-7 of the radius. This distance is far less than
+the compression of the lining. A higher degree takes longer and changes nothing.
 """
 
 
@@ -105,14 +105,15 @@ class DegreeAndSplittingOfMesh(NamedTuple):
 
     Attributes
     ----------
-    degree : the degree; None for the degree that the mesh has in the file
-    fitting : whether contact nodes are put on the drum or the plane that lie off it by no more than
-        the rounding of coordinates
+    degree : the degree of the displacements; None for the degree that the mesh has in the file
+    fitting : whether contact nodes are put on the drum or the plane if their distance from it is
+        not larger than the rounding of the file's coordinates
     level : sizes of the elements at singular points; None if no element is split
     points : singular points of the pressure on each shoe; none for a shoe that has the same shape
         as an earlier shoe
-    keep_factors : whether the factors of the eliminated unknowns are kept, which makes further
-        loads and displacements cheap
+    keep_factors : whether the Cholesky factors of the eliminated unknowns are kept; additional
+    loads
+        and displacements inside the body are then cheap to compute
     """
 
     degree: int | None = None
@@ -225,7 +226,10 @@ def condensed_bodies_of_mesh_files(
 
 
 def _cache_key_of_meshed_body(brake: Brake, shoe: Shoe) -> tuple[object, ...]:
-    """A key of the body of a meshed shoe, which does not yet contain how the shoe is meshed."""
+    """The first part of the cache key of a meshed shoe's body.
+
+    It does not contain the number, kind or degree of the elements, which the caller appends.
+    """
     return (
         shoe_without_loads_and_clearances(shoe),
         brake.size,
@@ -309,7 +313,7 @@ class AssembledUncondensedShoe:
 def contact_line_of_meshed_shoe(basis: Any, facets: Ints, shoe: Shoe, radius: float) -> ContactLine:
     """The contact line of a shoe with a mesh.
 
-    `basis` is the scalar basis of the mesh. `facets` are the numbers of the element sides on the
+    `basis` is the scalar basis of the mesh. `facets` are the indices of the element sides on the
     friction surface, and `radius` is the radius of the drum [m].
     """
     middle = sum(shoe.arc) / 2
@@ -317,7 +321,8 @@ def contact_line_of_meshed_shoe(basis: Any, facets: Ints, shoe: Shoe, radius: fl
     line = make_contact_line_of_lining(
         basis, facets, middle, unit, angle_of_edge_zone_left_out_of_peak_search(shoe, radius)
     )
-    # A lining ends at an edge whose last node is not the first node of the next edge.
+    # A lining ends with an edge of the contact line whose last node is not the first node of the
+    # next edge.
     first, last = line.pieces[0], line.pieces[-1]
     return replace(line, further_linings=tuple(first[1:][first[1:] != last[:-1]].tolist()))
 
@@ -400,11 +405,11 @@ def mesh_and_assemble_shoe(
 def _basis_of_raised_degree(
     mesh: Any, raised: DegreeAndSplittingOfMesh, shoe: Shoe, radius: float
 ) -> Any:
-    """The basis of nodes and shape functions on the mesh of a shoe, with `raised` applied to it.
+    """The basis of nodes and shape functions on a shoe's mesh, with split elements if needed.
 
-    The degree of the displacements may be raised and elements may be split. `radius` is the radius
-    of the drum [m], on a plane the length of the pad. Raises NoAnswer if the basis has too many
-    nodes.
+    `raised` tells the degree of the displacements and how elements are split. `radius` is the
+    radius of the drum [m], on a plane the length of the pad. Raises NoAnswer if the basis has too
+    many nodes.
     """
     if raised.degree is None:
         return nodal_basis_of_mesh(mesh)

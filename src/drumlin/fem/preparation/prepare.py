@@ -55,10 +55,10 @@ def make_prepared_model(
     elements : number of elements along each lining with a parametric mesh
     kind : kind of the elements of a parametric mesh, "quad2", "quad1", "tri2" or "tri1"
     mesher : function that makes the mesh of a shoe without a file, in place of
-        `parametric_mesh_of_shoe`; `elements` then divides an elastic ring only, and no body is
+        `parametric_mesh_of_shoe`; `elements` then holds for an elastic ring only, and no body is
         taken from the cache
-    raised : degree of the displacements on meshes from files, and how their elements are split,
-        together with a `level`; without a level these meshes keep their degree and elements
+    raised : degree of the displacements on meshes from files, and how their elements are split; if
+        `level` is None, it has no effect, and these meshes keep their degree and elements
     cache : cache of condensed bodies; bodies found in it are used again, and new ones are added
 
     Raises

@@ -38,9 +38,9 @@ class CondensedBodiesOfBrake(NamedTuple):
     """The condensed bodies of a brake: one for each shoe, and one for the drum's ring.
 
     The function `nodes_of_changed_shoe` divides a changed shoe into elements by the rule by which
-    these bodies were divided. The function `ring_under_contact_lines` divides the ring, in the same
-    way, for other contact lines of the shoes. Both are explained in `PreparedModel`. `divisions`
-    are the divisions into hp elements, by the index of the first shoe of each shape; it is empty
+    these bodies were divided. The function `ring_under_contact_lines` divides the ring by the same
+    rule for other contact lines of the shoes. `PreparedModel` explains both functions. `divisions`
+    has the divisions into hp elements, by the index of the first shoe of each shape; it is empty
     for meshes.
     """
 
@@ -61,7 +61,7 @@ class PreparedModel:
     bodies : the substructure of each shoe; shoes of one shape share one substructure
     ring : the substructure of the drum's ring; None for a rigid drum
     seconds : time of each phase of the preparation [s]
-    left_out : messages: one for each effect or part that the model neglects or does not compute
+    left_out : a message for each effect or part that the model neglects or does not compute
     apart : whether each shoe deforms the elastic ring as if no other shoe pressed on the ring
     model : name of the model whose bodies these are: "fem" (plane stress) or "solid" (with widths)
     nodes_of_changed_shoe : function of an index i and a changed shoe that returns the nodes of the
@@ -97,7 +97,7 @@ class PreparedModel:
 
     @cached_property
     def locking_frictions_of_rigid_shoes(self) -> list[float]:
-        """The friction coefficient at which each shoe locks by the rigid-shoe law."""
+        """For each shoe, the friction coefficient at which it locks by the rigid-shoe law."""
         return [
             rigid.self_locking_friction_of_rigid_shoe(self.brake, shoe) for shoe in self.brake.shoes
         ]

@@ -1,4 +1,4 @@
-"""Substructures: bodies reduced to the unknowns that their contact and supports need.
+"""Substructures: bodies reduced to the displacements of their contact nodes and supports.
 
 The reduction is static condensation (Schur complement). Its input is a mesh with the elasticity of
 its layers. Its results are condensed bodies, the matrices that couple the contact line of a lining

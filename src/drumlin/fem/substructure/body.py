@@ -6,8 +6,9 @@ holds. All other degrees of freedom are eliminated once, which leaves the Schur 
 and f.
 
 If the frame does not move (f = 0), nodal forces G on the contact nodes do the work G^T S_cc^-1 G =
-Y^T Y. Here S_cc = L_cc L_cc^T is the Cholesky factorisation, and Y = L_cc^-1 G is called the half
-flexibility. The forces L_fc Y, with L_fc = S_fc L_cc^-T, then keep the frame in its place.
+Y^T Y on the displacements that they cause. Here S_cc = L_cc L_cc^T is the Cholesky factorisation of
+the block of S on c, and Y = L_cc^-1 G is called the half flexibility. The forces L_fc Y on the
+frame, with L_fc = S_fc L_cc^-T and the block S_fc of S on f and c, keep the frame in its place.
 """
 
 from collections.abc import Mapping
@@ -63,8 +64,8 @@ class UncondensedBodySystem(NamedTuple):
     A : (unknowns, unknowns) sparse stiffness
     constraints : the constraints that define the reduced unknowns
     loads : (unknowns, l) l unit loads, as forces on the reduced unknowns
-    factors : factors of the eliminated unknowns, which make further loads and displacements cheap;
-        None if they are not kept
+    factors : Cholesky factors of the eliminated unknowns, with which additional loads and
+        displacements are cheap to compute; None if they are not kept
     """
 
     A: Any
@@ -81,7 +82,7 @@ class UncondensedBodySystem(NamedTuple):
         return cls(A.tocsc(), constraints, loads)
 
     def equations_of_body_before_condensation(self) -> "UncondensedBodySystem":
-        """Return the system itself, as the protocol of all bodies requires."""
+        """Return the system itself; the method exists because bodies of all kinds have it."""
         return self
 
     def condense_loads_and_stiffness(self) -> CondensedSystem:
@@ -180,10 +181,10 @@ class CondensedBody:
         need the forces L_fc Y to keep the frame in its place
     load_on_contact, load_on_frame : (2n, l) and (3, l) the l unit loads, condensed to the contact
         nodes and to the frame
-    load_work : (l, l) work of the unit loads on each other's displacements, without motion of
-        contact nodes and frame
-    inner : the eliminated unknowns, from which displacements inside the body are recovered
-    columns : the names of the l unit loads, and the columns of the arrays above that each load has
+    load_work : (l, l) work of each unit load on the displacements due to each unit load, while
+        contact nodes and frame are fixed
+    inner : the eliminated unknowns, from which displacements inside the body are recovered columns
+    : the names of the l unit loads, and which columns of the load arrays belong to each load
     force_imbalance : estimate of the imbalance that round-off of the elimination causes, relative
         to the acting force; 0 if it is not known
     rigid_mode_error : (2n, 3) estimate of the contact displacement [m] that round-off adds to each
@@ -232,7 +233,7 @@ class CondensedBody:
         """The half flexibility Y = L_cc^-1 G of nodal forces G (2n, m) on the contact nodes.
 
         L_cc is the Cholesky factor of the condensed stiffness. Y^T Y (m, m) is a flexibility: the
-        work of each of the m load cases on the displacements of each other case.
+        work of the forces of each load case on the displacements of each load case.
         """
         return solve_lower_triangular_system(self.L_cc, forces)
 
@@ -268,8 +269,9 @@ class CondensedBody:
 
         Parameters
         ----------
-        loads : nodal forces (2 nodes, k) of each further load on all nodes, by its name, in the
-            body's own frame; for thermal strain see `expansion.nodal_forces_of_thermal_expansion`
+        loads : nodal forces (2 nodes, k) of each additional load on all nodes, by the load's name,
+            in the body's own frame; for thermal strain see
+            `expansion.nodal_forces_of_thermal_expansion`
 
         Raises
         ------
@@ -308,10 +310,11 @@ def sparse_stiffness_of_body(
 
         K_ai,bj = b Int lambda psi_a,i psi_b,j + mu psi_a,j psi_b,i + mu delta_ij psi_a,k psi_b,k dA
 
-    where b is the width and psi are the shape functions. Orthotropic layers add the terms of
-    `hp.element.plane_stress_stiffness_of_elements`. One batched matrix product for each element
-    multiplies the gradients of all shape functions. skfem would evaluate the form once for each
-    pair of shape functions.
+    where b is the width, lambda and mu are the Lame constants of plane stress, and psi_a,i is the
+    derivative of the shape function of node a by coordinate i. Orthotropic layers add the terms of
+    `hp.element.plane_stress_stiffness_of_elements`. One matrix product for each element multiplies
+    the gradients of all shape functions. scikit-fem would evaluate the integrand once for each pair
+    of shape functions.
 
     Parameters
     ----------
@@ -320,8 +323,9 @@ def sparse_stiffness_of_body(
     precise : whether everything is computed in long double, beginning with the node coordinates
     """
     if hasattr(basis, "stiffness"):
-        # A grid of hp elements also has a skeleton, its nodes on the boundaries of elements. The
-        # skeleton's stiffness exists in double precision only and has no option `precise`.
+        # The basis is a grid of hp elements, or its skeleton (the nodes on the boundaries of
+        # elements). The skeleton's stiffness exists in double precision only and has no option
+        # `precise`.
         return basis.stiffness(layers, precise=True) if precise else basis.stiffness(layers)
     K = _isotropic_stiffness_of_elements(basis, layers, precise=precise)
     orthotropic = {
@@ -369,13 +373,13 @@ def _isotropic_stiffness_of_elements(
 def _isotropic_stiffness_of_straight_triangles(basis: Any, elements: Ints, lame: Floats) -> Floats:
     """The isotropic part (m, a, 2, a, 2) of the stiffness of straight triangles [N/m].
 
-    The map of such a triangle from the reference triangle is linear. The integrals of products of
-    slopes are then those of the reference triangle times constants of the element.
+    The map of a straight triangle from the reference triangle is linear. The integrals of products
+    of slopes are then the integrals over the reference triangle times constants of the element.
 
     Parameters
     ----------
     basis : basis with the attributes of `mesh.degree.NodalBasis`
-    elements : (m,) numbers of the triangles
+    elements : (m,) indices of the triangles
     lame : (2, m) Lame constants of plane stress times the width [N/m] in each triangle
     """
     at = basis.X.astype(np.longdouble)
@@ -465,8 +469,8 @@ class ElementQuadrature(NamedTuple):
     xy : (2, e, q) quadrature points [m]
     shapes : (a, q) values of the shape functions at the q points
     areas : (e, q) areas that the points stand for [m^2]
-    nodes : (e, a) numbers of the nodes of each element
-    parts : numbers of the elements of each part of the body, by the name of the part
+    nodes : (e, a) indices of the nodes of each element
+    parts : indices of the elements of each part of the body, by the name of the part
     """
 
     xy: Floats
@@ -576,8 +580,8 @@ def multi_point_constraints_of_body(
     contact : (n,) contact nodes by growing angle
     rigid : nodes of the rigid line, which move with u = (dx, dy) + rotation k x (x - pin)
     pin : (2,) point of the pin [m]
-    alone : (3,) numbers of the displacements that take the place of the frame for a body without
-        rigid nodes; None for a body with rigid nodes
+    alone : (3,) indices of three displacements that hold a body without rigid nodes, in place of
+        the frame; None for a body with rigid nodes
     """
     order = elimination_order_by_nested_dissection(basis.doflocs, basis.element_dofs)
     inner = np.ones(basis.N, dtype=bool)
@@ -609,7 +613,7 @@ def matrix_from_unknowns_to_displacements(
 
     Parameters
     ----------
-    dofs : numbers of the displacements that are themselves unknowns, in the order of the unknowns
+    dofs : indices of the displacements that are themselves unknowns, in the order of the unknowns
     count : number of all displacements
     rigid : (n,) for each node that moves with the frame, the number of its x displacement; y has
         the next number; None for a body without a frame

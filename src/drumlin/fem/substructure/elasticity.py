@@ -1,12 +1,13 @@
 """The elastic layers of shoes and rings, and the constants from which their stiffness is computed.
 
 The elasticity matrix D of a layer (brake.elasticity) is split into an isotropic part, which is
-integrated for all layers at once, and the additional stiffness in the layer's two directions,
+integrated for all layers at once, and the additional stiffness along and through the layer,
 
     sigma = lambda tr(eps) 1 + 2 mu eps + a eps_along t t^T + b eps_through n n^T
 
-with the unit vectors t along and n through the layer, lambda = D_12, mu = D_33, a = D_11 - lambda -
-2 mu and b = D_22 - lambda - 2 mu. Isotropic layers have a = b = 0, and both terms are skipped.
+with the stress sigma, the strain eps, the unit vectors t along and n through the layer, lambda =
+D_12, mu = D_33, a = D_11 - lambda - 2 mu and b = D_22 - lambda - 2 mu. Isotropic layers have a = b
+= 0, and the terms with a and b are skipped.
 """
 
 from collections.abc import Mapping, Sequence

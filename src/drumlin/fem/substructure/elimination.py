@@ -20,11 +20,11 @@ from drumlin.base.errors import NoAnswer
 from drumlin.base.lapack import dpotrf, dtrsm
 
 NODES_OF_SMALLEST_DISSECTION_REGION = 128
-"""Number of nodes of the smallest regions of the dissection, in about.
+"""Approximate number of nodes in the smallest regions of the nested dissection.
 
 Smaller regions need more calls of dense routines, and larger regions more multiplications with
-zeros. With 64 or 256 nodes condensations of eight meshes by Gmsh, of degree 1 to 5, took up to 1.4
-times as long. The result is the same apart from round-off.
+zeros. With 64 or 256 nodes in place of 128, the condensation of eight meshes by Gmsh, of degree 1
+to 5, took up to 1.4 times as long. The result is the same apart from round-off.
 """
 
 _PendingSchurComplementsOfEachRegion = list[list[tuple[Ints, Floats]]]
@@ -42,7 +42,7 @@ class EliminationOrder(NamedTuple):
 
     Attributes
     ----------
-    nodes : (n,) numbers of the nodes in the order of elimination
+    nodes : (n,) indices of the nodes in the order of elimination
     region : (n,) number of the region of each of these nodes, not decreasing
     """
 
@@ -57,7 +57,8 @@ class CondensedSystem(NamedTuple):
     ----------
     S : (k, k) Schur complement on the kept unknowns, the condensed stiffness
     loads : (k, l) condensed loads
-    work : (l, l) work of the loads on each other's displacements if the kept unknowns are zero
+    work : (l, l) work of each load on the displacements due to each load, if the kept unknowns are
+        zero
     """
 
     S: Floats
@@ -76,8 +77,8 @@ def elimination_order_by_nested_dissection(xy: Floats, elements: Ints) -> Elimin
     xy : (2, n) or (3, n) nodes [m]
     elements : (k, m) nodes of each of m elements
     """
-    # The bits of an element's `path` tell in which half of each halving the element lies. The bit
-    # of the first halving is the highest.
+    # The set of elements is halved again and again. The bits of an element's `path` tell in which
+    # half the element lies after each halving. The bit of the first halving is the highest bit.
     centre = xy[:, elements].mean(axis=1)
     count = elements.shape[1]
     path = np.zeros(count, dtype=np.int64)
@@ -107,8 +108,9 @@ def elimination_order_by_nested_dissection(xy: Floats, elements: Ints) -> Elimin
     omitted = round(np.log2(NODES_OF_SMALLEST_DISSECTION_REGION * count / xy.shape[1]))
     height = np.maximum(differing_bits, np.clip(omitted, 0, depth))
 
-    # The paths that begin like a region are a range of whole numbers. Regions are eliminated in the
-    # order in which these ranges end. Of two ranges with the same end the shorter one comes first.
+    # The paths of a region's elements are a range of whole numbers. Regions are eliminated in the
+    # order of the ends of their ranges. Of two ranges with the same end, the shorter range is
+    # first.
     end = (first >> height << height) + (1 << height)
     nodes = np.lexsort((height, end))
     other_end = np.diff(end[nodes], prepend=-1).astype(bool)
@@ -205,9 +207,9 @@ class KeptFactors(NamedTuple):
         return CondensedSystem(self.S, f[len(f) - len(self.S) :], work)
 
     def solve_with_given_last_unknowns(self, right: Floats, given: Floats) -> Floats:
-        """The solution x (n, m) of A x = right, in which the last unknowns have given values.
+        """The solution x (n, m) of A x = right, in which the last k unknowns have given values.
 
-        The equations of these unknowns are left out.
+        The equations of these k unknowns are left out.
 
         Parameters
         ----------
@@ -238,9 +240,10 @@ def _condense_loads_by_fronts(
 ) -> tuple[Floats, Floats]:
     """Condense loads (n, l) by forward substitution with each front's factor.
 
-    Returns the loads (n, l) and their work (l, l). Rows of eliminated unknowns then contain the
-    result of the forward substitution, and rows of kept unknowns the condensed loads. The work is
-    that of the loads on each other's displacements if the kept unknowns are zero.
+    Returns an array (n, l) and the work (l, l) of the loads. In the array, rows of eliminated
+    unknowns contain the result of the forward substitution, and rows of kept unknowns the condensed
+    loads. The work is the work of each load on the displacements due to each load, if the kept
+    unknowns are zero.
     """
     f = np.array(loads, dtype=float)
     work = np.zeros((f.shape[1], f.shape[1]))
@@ -307,7 +310,7 @@ def solve_by_multifrontal_elimination(A: Any, region: Ints, right: Floats) -> Fl
 
 
 class _CholeskyFactorOfFront(NamedTuple):
-    """The Cholesky factor of a front, the dense matrix of one region of the dissection.
+    """The Cholesky factor of a front, the dense matrix of one region of the nested dissection.
 
     Attributes
     ----------

@@ -5,9 +5,9 @@ nodal forces
 
     f_ai = b Int sigma^0_ij psi_a,j dA,   sigma^0 = D eps_0
 
-with the width b and the shape functions psi_a deform the body as the free strain does (Duhamel's
-analogy: Timoshenko & Goodier, Theory of Elasticity, ch. 13). These forces are in equilibrium. The
-stress of the body is the stress of its displacements less sigma^0.
+with the elasticity matrix D, the width b and the shape functions psi_a deform the body as the free
+strain does (Duhamel's analogy: Timoshenko & Goodier, Theory of Elasticity, ch. 13). These forces
+are in equilibrium. The stress in the body is the stress D eps of its strain eps minus sigma^0.
 """
 
 from collections.abc import Callable, Mapping
@@ -35,7 +35,7 @@ temperature rise.
 def stress_times_width_of_free_strain(
     layer: ElasticLayer, strain: Floats, points: Floats
 ) -> Floats:
-    """The stress D eps_0 that belongs to the free strain of a layer, times the layer's width [N/m].
+    """The stress D eps_0 of a layer's free strain eps_0, times the layer's width [N/m].
 
     The result is (2, 2, ...) at points (2, ...) [m]. `strain` (2, ...) are the free strains along
     and through the layer at these points.

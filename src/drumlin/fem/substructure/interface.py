@@ -1,8 +1,9 @@
 """The contact line of a lining, and the mortar coupling of its pressure and displacement.
 
 Pressure and displacement are interpolated with the same shape functions psi_i on the contact line.
-Along the discrete arc x(xi) = sum_i psi_i(xi) x_i, with the exact normal n = sign e_r and tangent e
-= e_phi of the drum at every point, and with the lining's width b:
+The discrete arc is x(xi) = sum_i psi_i(xi) x_i, with the contact nodes x_i. At every point n is the
+exact unit normal of the drum: e_r for shoes inside the drum, -e_r for shoes outside. The unit
+tangent is e = e_phi. With the lining's width b the coupling matrices are
 
     M_ij   = b Int psi_i psi_j ds
     N_i,jc = b Int psi_i psi_j n_c ds
@@ -43,11 +44,13 @@ They are normal and tangential to the drum or the plane on which the lining slid
 
 @dataclass(frozen=True)
 class ContactLine:
-    """The friction surface of a lining in the shoe's frame, with nodes sorted by angle.
+    """The friction surface of all linings of a shoe, or of a ring, with nodes sorted by angle.
+
+    Coordinates and angles of a shoe's contact line are in the frame of the shoe.
 
     Attributes
     ----------
-    nodes : (n,) numbers of the contact nodes in the mesh
+    nodes : (n,) indices of the contact nodes in the mesh
     xy : (2, n) coordinates of these nodes [m]
     phi : (n,) angles of these nodes [rad]
     pieces : (order + 1, m) the nodes of each of m element edges, as indices into `nodes`, by
@@ -110,7 +113,7 @@ class ContactLine:
     def node_distances_from_mid_plane(self) -> Floats:
         """Distances (m,) [m] of the nodes across the width from the mid-plane.
 
-        In plane stress there is one such node, at the distance 0.
+        In plane stress there is one node across the width, at the distance 0.
         """
         return np.zeros(1)
 
@@ -118,7 +121,7 @@ class ContactLine:
     def width_fraction_of_each_node_across_width(self) -> Floats:
         """The fraction (m,) of the width that each node across the width stands for.
 
-        In plane stress there is one such node, and its fraction is 1.
+        In plane stress there is one node across the width, and its fraction is 1.
         """
         return np.ones(1)
 
@@ -136,9 +139,11 @@ class ContactLine:
 
 @dataclass(frozen=True)
 class ContactCouplingMatrices:
-    """The matrices that couple a lining's nodal pressures with its displacements (mortar method).
+    """The matrices that couple nodal pressures of linings with displacements (mortar method).
 
-    b is the width of the lining, and psi_i are the shape functions of the contact nodes.
+    b is the width of the lining, and psi_i are the shape functions of the n contact nodes. N u and
+    T u, with the displacements u of the contact nodes, are called weighted gap closure and weighted
+    slip [m^3]: integrals of gap closure and slip times each shape function.
 
     Attributes
     ----------
@@ -215,7 +220,7 @@ def nodal_forces_of_unit_end_loads_and_end_centre(
     Parameters
     ----------
     basis : scalar basis of the mesh
-    facets : numbers of the element edges on the loaded end
+    facets : indices of the element edges on the loaded end
     """
     nodes = nodes_along_element_edges(basis, facets)
     psi, x, ds = edge_quadrature_points(basis.doflocs[:, nodes])
@@ -237,8 +242,8 @@ def make_contact_line_of_lining(
     Parameters
     ----------
     basis : scalar basis of the mesh
-    facets : numbers of the element edges on the friction surface
-    middle : angle [rad] near which the nodes' angles are sought, at most 180 degrees away
+    facets : indices of the element edges on the friction surface
+    middle : angle [rad]; the angle of each node is chosen within half a turn of it
     unit : length [m] by which x is divided to give the "angle" on a plane; None on a drum
     edge : length [rad] of the zone at each end in which no pressure peak is sought
     """
@@ -295,7 +300,7 @@ def coupling_matrices_of_contact_line(
     weight = width * ds
 
     # The five rows of `factors` belong to M, to the two components of N and to the two components
-    # of T. They are the weights in the integrals of psi_a psi_b over every edge.
+    # of T. They multiply psi_a psi_b in the integrals over every edge.
     factors = weight * np.concatenate([np.ones((1, *ds.shape)), *directions(x)])
     products = (psi[:, None] * psi).reshape(len(psi) ** 2, -1)
     blocks = (factors @ products.T).reshape(len(factors), -1)

@@ -1,10 +1,10 @@
 """The load columns of a body: which columns of its load matrices belong to which unit load.
 
-A body is condensed once for all unit loads that its model needs. Each load has a name and as many
-columns as components. The actuation has three components: unit force x, unit force y and unit
-couple on the loaded end, or on the frame of a body whose back is held. Further forces and thermal
-strain have names of their own. A caller gives the factors of the acting loads by name, and receives
-the factors of all columns.
+A body is condensed once for all unit loads that its model needs. Each load has a name and one
+column for each of its components. The actuation has three components: unit force x, unit force y
+and unit couple on the loaded end, or on the frame of a body whose back is held. All other forces,
+the forces on the mass and the thermal strain have names of their own. A caller gives the factors of
+the acting loads by name, and receives the factors of all columns.
 """
 
 from collections.abc import Mapping
@@ -78,7 +78,7 @@ class ColumnsOfUnitLoads:
         return factors
 
     def column_factors_of_one_named_load(self, name: str, factors: Floats) -> Floats:
-        """The factors (k, ...) of load `name`, selected from the factors (l, ...) of all loads."""
+        """The factors (k, ...) of the load `name`, out of the factors (l, ...) of all columns."""
         return factors[self.column_slice_of_each_load[name]]
 
 

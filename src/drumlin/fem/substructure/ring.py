@@ -7,11 +7,12 @@ integrated over the overlaps of the edges of both contact lines,
     N_i,jc = b Int psi_i phi_j n_c ds
     T_i,jc = b Int psi_i [phi_j e_c + (r - r_ring) (k x tau)_c d phi_j/ds_ring] ds
 
-with the lining's width b, the lining's arc length ds at the radius r, and the ring's unit tangent
-tau. Both discrete arcs are only nearly round: the friction acts at the radius r, but the ring's own
-arc lies at r_ring. The second term in the bracket adds the couple by which the friction acts at r,
-which is exact for rigid-body modes. The forces and torques on linings and ring therefore cancel,
-apart from round-off.
+with the lining's width b, the lining's arc length ds at the radius r, the drum's unit normal n and
+unit tangent e, the unit vector k along the drum's axis, and the ring's unit tangent tau. Both
+discrete arcs are only nearly round: the friction acts at the radius r of the lining's arc, but the
+ring's own arc lies at r_ring. The second term in the bracket adds the couple of this offset, and is
+exact for rigid-body modes. The forces and torques on linings and ring therefore cancel, apart from
+round-off.
 """
 
 import math
@@ -61,9 +62,9 @@ MOST_NEWTON_STEPS_TO_RAY_CROSSING = 8
 Each step about squares the error, so that three or four steps reach round-off.
 """
 RAY_CROSSING_STEP_TOLERANCE = float(np.sqrt(np.finfo(float).eps))
-"""Step of Newton's iteration, in local coordinates from -1 to 1, after which it ends.
+"""Size of a step of Newton's iteration, in local coordinates from -1 to 1, below which it ends.
 
-The error after a step is about the square of the step, and this square is the round-off.
+The error after a step is about the square of the step, and the square of this value is round-off.
 """
 RIM_LOAD_NAME = "rim"
 """Name of the unit loads on a free ring's far edge, which balance the forces of the linings."""
@@ -80,9 +81,11 @@ class RingSubstructure:
     condensed : the ring, condensed to its contact nodes
     normal_half_flexibilities, friction_half_flexibilities : for each shoe i the half flexibilities
         Y_i and Z_i (m, n_i) of the ring, under the nodal forces N^T of the pressure and -T^T of the
-        friction. The pressure p_j of shoe j, with its friction, opens the weighted gap of shoe i by
-        Y_i^T (Y_j + drag Z_j) p_j, where drag is mu_j times the sense of sliding, +1 or -1.
-    coupling_matrices : N and T (n_i, 2n) of each shoe
+        friction. The pressure p_j of shoe j, with its friction, opens the weighted gap of shoe i
+        (the gap times each shape function, integrated over the lining's face) by Y_i^T (Y_j + drag
+        Z_j) p_j, where drag is mu_j times the sense of sliding, +1 or -1.
+    coupling_matrices : for each shoe i, with n_i contact nodes on its linings, the matrices N and T
+        (n_i, 2n)
     held : nodes of the far edge (opposite to the friction surface) that are fixed; empty for a free
         ring
     rim_balance : balance of forces on the far edge of a free ring; None if the far edge is fixed
@@ -105,10 +108,10 @@ class RingSubstructure:
 
         Parameters
         ----------
-        pressures : (n_i,) nodal pressure of each lining [Pa]
-        dragging : (n_i,) friction stress at the nodes of each lining, divided by mu [Pa]; the
-            pressure itself unless mu differs from node to node
-        drags : friction coefficient mu of each lining times the sense of sliding, +1 or -1
+        pressures : for each shoe i, the nodal pressures (n_i,) on all its linings [Pa]
+        dragging : for each shoe i, the friction stress (n_i,) at these nodes divided by mu [Pa]; it
+            equals the pressure unless mu differs from node to node
+        drags : for each shoe, its friction coefficient mu times the sense of sliding, +1 or -1
         """
         nodal = np.zeros(2 * len(self.line.nodes))
         for i, (N, T) in enumerate(self.coupling_matrices):
@@ -250,7 +253,7 @@ def condense_meshed_drum_ring_to_contact_nodes(
     ----------
     brake : the brake, which has a ring with a section
     elements : number of elements along each lining
-    linings : contact line of each lining, in its shoe's frame
+    linings : contact line of each shoe with all its linings, in the frame of the shoe
     """
     # `scene.reason_against_finite_element_model` refuses a ring without a section.
     ring = brake.ring
@@ -325,7 +328,7 @@ def condensed_ring_coupled_with_linings(
     Parameters
     ----------
     brake : the brake
-    linings : contact line of each lining, in its shoe's frame
+    linings : contact line of each shoe with all its linings, in the frame of the shoe
     mesh, basis, line, condensed, held, rim_balance : attributes of the `RingSubstructure`
     """
     matrices = _coupling_matrices_of_all_linings_and_ring(brake.shoes, linings, line)
@@ -349,7 +352,7 @@ def condensed_ring_coupled_with_linings(
 
 
 def _ring_facets_under_arcs(mesh: Any, arcs: list[tuple[float, float]]) -> Ints:
-    """Numbers of the element edges (facets) of the friction surface under any of the `arcs` [rad].
+    """Indices of the element edges (facets) of the friction surface under any of the `arcs` [rad].
 
     An edge on the ring's friction surface counts if it lies at least partly under an arc.
     """
@@ -374,14 +377,15 @@ def _angles_wrapped_to_half_turn(angle: Floats) -> Floats:
 def _coupling_matrices_of_all_linings_and_ring(
     shoes: Sequence[Shoe], linings: Sequence[ContactLine], ring: ContactLine
 ) -> list[tuple[Floats, Floats]]:
-    """The coupling matrices N and T of each lining with the ring.
+    """The coupling matrices N and T of each shoe's linings with the ring.
 
-    Linings of one degree are integrated together, which takes less time than one after the other.
+    Contact lines of one polynomial degree are integrated together, which takes less time than one
+    after the other.
 
     Parameters
     ----------
-    shoes : the shoes of the linings
-    linings : contact line of each lining, in its shoe's frame
+    shoes : the shoes
+    linings : contact line of each shoe with all its linings, in the frame of the shoe
     ring : contact line of the ring, in the brake's frame
     """
     found: dict[int, tuple[Floats, Floats]] = {}
@@ -407,7 +411,7 @@ def _coupling_matrices_of_all_linings_and_ring(
 def _contact_line_of_several_linings(
     shoes: Sequence[Shoe], linings: Sequence[ContactLine]
 ) -> ContactLine:
-    """The contact lines of several linings of one degree as one line, in the brake's frame."""
+    """The contact lines of several shoes, all of one degree, as one line in the brake's frame."""
     firsts = np.cumsum([0, *(len(lining.nodes) for lining in linings[:-1])])
     xy = [
         shoe.frame.convert_vectors_from_shoe_to_brake_frame(lining.xy.T).T
@@ -434,7 +438,7 @@ def coupling_matrices_of_lining_and_ring(
     Parameters
     ----------
     lining, ring : contact lines in the brake's frame
-    width : width of the lining [m]; (e,) at each of its e edges if they differ
+    width : width of the lining [m]; if widths differ, (e,) the width at each of the e edges
     sign : 1 if the lining presses outwards, -1 if it presses inwards
     """
     own, other = _edges_with_angles_of_their_ends(lining), _edges_with_angles_of_their_ends(ring)
@@ -524,7 +528,7 @@ def _quadrature_of_overlaps(
 class _OverlapsOfLiningAndRingEdges(NamedTuple):
     """The k overlaps of a lining's edges with edges of the ring.
 
-    `lining` (k,) and `ring` (k,) are the numbers of the two edges that overlap. The overlap goes
+    `lining` (k,) and `ring` (k,) are the indices of the two edges that overlap. The overlap goes
     from the angle `start` (k,) to the angle `end` (k,) [rad].
     """
 
@@ -537,7 +541,10 @@ class _OverlapsOfLiningAndRingEdges(NamedTuple):
 def _overlaps_of_lining_and_ring_edges(
     lining: "_EdgesWithAnglesOfTheirEnds", ring: "_EdgesWithAnglesOfTheirEnds"
 ) -> _OverlapsOfLiningAndRingEdges:
-    """The overlaps of a lining's edges with the ring's edges; angles may differ by whole turns."""
+    """The overlaps of a lining's edges with the ring's edges.
+
+    The angles of two overlapping edges may differ by a whole turn.
+    """
     turns = np.subtract.outer(lining.start + lining.end, ring.start + ring.end)
     whole_turns = 2 * math.pi * np.round(0.5 * turns / (2 * math.pi))
     first = np.maximum(lining.start[:, None], ring.start + whole_turns)
@@ -595,9 +602,9 @@ def _edge_coordinates_where_rays_cross(xy: Floats, angle: Floats) -> Floats:
 def rim_forces_distributed_like_rigid_modes(basis: Any, facets: Ints) -> Floats:
     """Nodal forces (2 nodes, 3) on a ring's far edge, distributed like its rigid-body modes.
 
-    The work of these forces on a displacement of the ring is the mean of the displacement along the
-    edge, weighted by each of the three modes. `facets` are the numbers of the element edges on the
-    far edge.
+    The far edge is the edge opposite to the friction surface. The work of these forces on a
+    displacement of the ring is the mean, along the far edge, of the scalar product of the
+    displacement and each mode. `facets` are the indices of the element edges on the far edge.
     """
     nodes = nodes_along_element_edges(basis, facets)
     psi, x, ds = edge_quadrature_points(basis.doflocs[:, nodes])
@@ -609,10 +616,10 @@ def rim_forces_distributed_like_rigid_modes(basis: Any, facets: Ints) -> Floats:
 
 
 def indices_of_displacements_that_hold_free_ring(basis: Any, support: Ints) -> Ints:
-    """Numbers (3,) of three displacements whose fixing keeps a free ring from rigid-body motion.
+    """Indices (3,) of three displacements that, if fixed, keep a free ring from rigid-body motion.
 
-    They belong to two nodes of the far edge. The support is statically determinate: it takes no
-    force under balanced loads.
+    They are displacements of two nodes of the far edge. This support is statically determinate: it
+    takes no force if the loads are in equilibrium.
     """
     angle = np.arctan2(basis.doflocs[1, support], basis.doflocs[0, support])
     right = support[np.argmin(np.abs(angle))]
@@ -624,17 +631,18 @@ def indices_of_displacements_that_hold_free_ring(basis: Any, support: Ints) -> I
 class FreeRingForceBalance:
     """The balance of a free ring: forces on its far edge that balance the forces of the linings.
 
-    The far edge, or rim, is the edge opposite to the friction surface. The rim forces -B lambda
-    balance the contact forces f, and the mean motion of the rim is zero. With the rigid-body modes
-    R, lambda = (R^T B)^-1 R^T f. Three displacements of the ring are fixed, which is statically
-    determinate, so that no force acts on them. The work of the forces is (Y - Y_B lambda)^T (Y -
-    Y_B lambda) + lambda^T beta lambda, where Y is the half flexibility under f, and beta is the
-    work of B if the contact nodes are fixed too.
+    The far edge, or rim, is the edge opposite to the friction surface. B are unit rim forces that
+    are distributed like the rigid-body modes R. The rim forces -B lambda balance the contact forces
+    f of the linings, with lambda = (R^T B)^-1 R^T f. The mean motion of the rim is zero. Three
+    displacements of the ring are fixed, which is statically determinate, so that no force acts on
+    them. The work of the forces is (Y - Y_B lambda)^T (Y - Y_B lambda) + lambda^T beta lambda. Y
+    and Y_B are the half flexibilities under f and under B, and beta is the work of B if the contact
+    nodes are fixed as well.
 
     Attributes
     ----------
     forces : (2, nodes, 3) rim forces B
-    factors : (3, 2n) lambda per nodal force on the contact
+    factors : (3, 2n) lambda for each unit nodal force on the contact
     half_flexibility : (2n, 3) Y_B, the half flexibility under B
     root_of_rim_force_work : (3, 3) square root of beta
     """
@@ -648,7 +656,7 @@ class FreeRingForceBalance:
     def force_balance_of_free_ring(
         cls, basis: Any, rim: Floats, condensed: CondensedBody, line: ContactLine
     ) -> "FreeRingForceBalance":
-        """The rim balance of a ring that is condensed with the rim forces B as its loads.
+        """The force balance of a ring that is condensed with the rim forces B as its unit loads.
 
         Parameters
         ----------
@@ -682,7 +690,7 @@ def _half_flexibility_of_ring_under_nodal_forces(
 ) -> Floats:
     """The half flexibility W (m, k) of a drum ring under nodal forces on its contact nodes.
 
-    W^T W (k, k) is the work of each of the k load cases on the displacements of each other case.
+    W^T W (k, k) is the work of the forces of each load case on the displacements of each load case.
 
     Parameters
     ----------

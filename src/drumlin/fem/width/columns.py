@@ -5,10 +5,10 @@ left side and on its right side form its left and its right line. A row of nodes
 from the left line to the right line. The unknowns of a substructure are [left line | contact |
 right line], as in `hp.columns`. At each row a line has the displacements x and y for every even
 function of z, and the displacement z for every odd function. In a row, functions of z that are zero
-on the narrower parts come first. So the unknowns of a narrow body, which continues beyond the
-lining, are the last unknowns of the line. In the unknowns of the contact, x and y of all even
-functions of a node stand together. The contact exerts no force along z, so that u_z of the contact
-nodes is an unknown of the lines.
+on the narrower parts of the shoe come first. So the unknowns of a narrow body, which continues
+beyond the lining, are the last unknowns of the line. Among the unknowns of the contact, x and y of
+all even functions of a node stand together. The contact exerts no force along z. The displacements
+z of the contact nodes are therefore not unknowns of the contact but of the lines.
 """
 
 from collections.abc import Sequence
@@ -31,9 +31,9 @@ from drumlin.fem.width.integrals import (
 
 
 class ConditionAtEdgeFarthestFromContact(IntEnum):
-    """How the column's edge farthest from the contact moves.
+    """How the edge of a column that is farthest from the contact can move.
 
-    It moves freely, along z only (in a grip), or not at all (bonded to a rigid part).
+    The edge moves freely, along z only (in a grip), or not at all (bonded to a rigid part).
     """
 
     FREE = 0
@@ -48,8 +48,8 @@ class ColumnDisplacementUnknown(NamedTuple):
     ----------
     z : 1 for a displacement along z, 0 for a displacement in the section
     along : position along the row of nodes, counted among the row's unknowns with the same `z`
-    row : number of the row of nodes; row 0 is the column's edge nearest to the contact
-    function : number of the function across the width, counted among the even functions for z = 0,
+    row : index of the row of nodes; row 0 is the column's edge nearest to the contact
+    function : index of the function across the width, counted among the even functions for z = 0,
         and among the odd functions for z = 1
     """
 
@@ -60,14 +60,14 @@ class ColumnDisplacementUnknown(NamedTuple):
 
 
 class NumbersOfUnknownsAlongNodeRow(NamedTuple):
-    """The numbers of the unknowns along one row of nodes of a column, for one function of z.
+    """The indices of the unknowns along one row of nodes of a column, for one function of z.
 
     The row consists of the node on the left side, the nodes inside and the node on the right side.
-    The displacements in the section are numbered from left to right, x and y of a node one after
-    the other. The displacements along z are numbered by themselves. Each part of the row has two
-    tuples: the numbers of its displacements in the section, and of its displacements along z. If
-    only the symmetric or only the antisymmetric displacements of a column are unknowns, there is no
-    right side.
+    The displacements in the section are counted from left to right, x and y of a node one after the
+    other. The displacements along z are counted separately, from 0 on as well. Each part of the row
+    has two tuples: the indices of its displacements in the section, and the indices of its
+    displacements along z. If only the symmetric or only the antisymmetric displacements of a column
+    are unknowns, there is no right side.
     """
 
     left: tuple[tuple[int, ...], tuple[int, ...]]
@@ -76,12 +76,12 @@ class NumbersOfUnknownsAlongNodeRow(NamedTuple):
 
     @property
     def indices_of_unknowns_along_row_from_left_to_right(self) -> tuple[int, ...]:
-        """Numbers of the row's displacements in the section, from the left to the right."""
+        """Indices of the row's displacements in the section, from left to right."""
         return tuple(sorted((*self.left[0], *self.inside[0], *self.right[0])))
 
 
 def indices_of_unknowns_along_node_row(p: int) -> NumbersOfUnknownsAlongNodeRow:
-    """The numbers of the unknowns along a row of p + 1 nodes; x and y of a node are neighbours."""
+    """The indices of the unknowns along a row of p + 1 nodes; x and y of a node are neighbours."""
     inside = tuple(range(2, 2 * p)), tuple(range(1, p))
     return NumbersOfUnknownsAlongNodeRow(((0, 1), (0,)), inside, ((2 * p, 2 * p + 1), (p,)))
 
@@ -89,7 +89,7 @@ def indices_of_unknowns_along_node_row(p: int) -> NumbersOfUnknownsAlongNodeRow:
 def indices_of_unknowns_along_symmetric_half_row(
     p: int, symmetry: int
 ) -> NumbersOfUnknownsAlongNodeRow:
-    """The numbers of the symmetric or of the antisymmetric unknowns along a row of p + 1 nodes.
+    """The indices of the symmetric or of the antisymmetric unknowns along a row of p + 1 nodes.
 
     `symmetry` is 0 for displacements that are symmetric about the column's middle, and 1 for
     antisymmetric displacements.
@@ -104,14 +104,13 @@ def indices_of_unknowns_along_symmetric_half_row(
 class LayersOfElementColumn(NamedTuple):
     """The layers of a column of elements, which determine the column's unknowns.
 
-    Attributes
-    ----------
-    p : degree of the hp elements
-    counts : (layers,) numbers of even and of odd functions of z in each layer, from the contact on
-    even, odd : for each even and each odd function of z of the shoe, the number of the first piece
+    Attributes ---------- p : degree of the hp elements counts : (layers,) how many even and how
+    many odd functions of z each layer has, from the contact
+        on
+    even, odd : for each even and each odd function of z of the shoe, the index of the first piece
         of the half width in which the function is not zero
-    contact : whether the column's edge nearest to the contact is itself in contact; otherwise, as
-        in the body beyond the lining, it is free
+    contact : whether the column's edge nearest to the contact is in contact; False in the body
+        beyond the lining, where this edge is free
     back : how the edge farthest from the contact moves
     """
 
@@ -123,7 +122,7 @@ class LayersOfElementColumn(NamedTuple):
     back: ConditionAtEdgeFarthestFromContact
 
     def counts_of_even_and_odd_functions_at_node_row(self, row: int) -> tuple[int, int]:
-        """Numbers of even and of odd functions of z that have unknowns at a row of nodes."""
+        """How many even and how many odd functions of z have unknowns at a row of nodes."""
         layers = len(self.counts)
         if row == layers * self.p and self.back != ConditionAtEdgeFarthestFromContact.FREE:
             return 0, (
@@ -134,10 +133,10 @@ class LayersOfElementColumn(NamedTuple):
         return max(self.counts[layer] for layer in near if layer < layers)
 
     def kind_and_width_function_of_row_unknowns(self, row: int) -> list[tuple[int, int]]:
-        """The pairs (kind, number of the function of z) of the unknowns at a row of nodes.
+        """The pairs (kind, index of the function of z) of the unknowns at a row of nodes.
 
         The kind is 1 for displacements along z and 0 for displacements in the section. Functions
-        that are zero on the narrower parts come first.
+        that are zero on the narrower parts of the shoe come first.
         """
         even, odd = self.counts_of_even_and_odd_functions_at_node_row(row)
         found = []
@@ -180,7 +179,7 @@ class LayersOfElementColumn(NamedTuple):
         """The unknowns of the contact nodes; the list is empty without contact.
 
         For each displacement in the section, from left to right along the contact, the list has one
-        unknown for each even function of z. `along` has the numbers of the displacements along a
+        unknown for each even function of z. `along` has the indices of the displacements along a
         row of nodes.
         """
         if not self.contact:
@@ -221,7 +220,7 @@ def layers_of_element_column_from_half_widths(
 
 
 RunSlicesInElementAndColumnStiffness = tuple[slice, slice]
-"""Where a run of unknowns stands: a slice in an element's stiffness, and one in its column's.
+"""The slices of a run of consecutive unknowns in the stiffness of an element and of its column.
 
 The unknowns inside the element are already eliminated from its stiffness.
 """
@@ -265,7 +264,7 @@ def condensation_plan_of_column(
 ) -> ColumnCondensationPlan:
     """The plan by which columns with the layers `stack` are condensed.
 
-    `along` has the numbers of the unknowns along a row of nodes; they are the same for all rows.
+    `along` has the indices of the unknowns along a row of nodes; they are the same for all rows.
     """
     names = unknowns_of_element_column_by_role_in_condensation(stack, along)
     kept, rest = ({unknown: k for k, unknown in enumerate(row)} for row in (names.kept, names.rest))
@@ -314,7 +313,7 @@ def unknowns_of_element_column_by_role_in_condensation(
 ) -> ColumnUnknownsByRoleInCondensation:
     """The unknowns of a column, sorted by their role in its condensation.
 
-    `stack` are the layers of the column. `along` has the numbers of the unknowns along a row of
+    `stack` are the layers of the column. `along` has the indices of the unknowns along a row of
     nodes; they are the same for all rows.
     """
     p, last = stack.p, len(stack.counts)
@@ -350,7 +349,8 @@ def _is_unknown_of_layer(
 ) -> bool:
     """Whether an unknown belongs to the elements of a layer.
 
-    The layer has the rows of nodes `rows`, and `counts` of even and of odd functions of z.
+    The layer has the rows of nodes `rows`. `counts` tells how many even and how many odd functions
+    of z the layer has.
     """
     return unknown.row in rows and unknown.function < counts[unknown.z]
 
@@ -383,7 +383,7 @@ def _flat_positions_of_element_stiffness_block(
     p: int,
     first: int,
 ) -> Ints:
-    """Where a block of an element's stiffness stands in its flat list of entries.
+    """The positions of a block of an element's stiffness in the flat list of its entries.
 
     The list is a row of the result of `_flat_stiffness_entries_of_each_element`. The positions have
     the shape (rows, columns).
@@ -391,10 +391,10 @@ def _flat_positions_of_element_stiffness_block(
     Parameters
     ----------
     rows, columns : unknowns of the block
-    along : numbers of the unknowns along a row of nodes
-    counts : numbers of even and of odd functions of z in the layer
+    along : indices of the unknowns along a row of nodes
+    counts : how many even and how many odd functions of z the layer has
     p : degree of the hp elements
-    first : number of the layer's first row of nodes
+    first : index of the layer's first row of nodes
     """
     parts = along.left, along.inside, along.right
     sizes = np.array([sum(len(part[z]) for part in parts) for z in (0, 1)])
@@ -422,10 +422,11 @@ def _flat_stiffness_entries_of_each_element(
 ) -> Floats:
     """The entries of the stiffness of c elements, as a flat row for each element (c, entries).
 
-    The entries that couple two of u_x and u_y come first, then the entries that couple u_x or u_y
-    with u_z, then the entries of u_z alone. Each entry belongs to two unknowns. Each of the three
-    parts is flattened from the axes (along, along, row, row, function, function): the positions of
-    both unknowns along their rows, then their rows, then their functions of z.
+    Each entry belongs to two unknowns. First come the entries of two displacements in the section
+    (u_x or u_y), then the entries of a displacement in the section and a displacement u_z, then the
+    entries of two displacements u_z. Each of these three parts is flattened from the axes (along,
+    along, row, row, function, function): the positions of both unknowns along their rows, then
+    their rows, then their functions of z.
 
     Parameters
     ----------
@@ -608,8 +609,8 @@ def condense_mirror_symmetric_columns(
 ) -> list[ColumnSubstructure]:
     """Condense columns that are their own mirror images to their two sides and their contact.
 
-    Symmetric and antisymmetric displacements about the middle of a column do no work on each other,
-    so that the stiffness of each symmetry is condensed alone.
+    Forces of symmetric displacements about the middle of a column do no work on antisymmetric
+    displacements. The stiffness of each symmetry is therefore condensed alone.
 
     Parameters
     ----------
@@ -654,10 +655,10 @@ def condense_mirror_symmetric_columns(
 
 
 def _sign_of_displacement_on_mirrored_side(unknown: ColumnDisplacementUnknown) -> float:
-    """The sign of a displacement on a column's right side relative to its left side.
+    """The sign of a right-side displacement relative to the same displacement on the left side.
 
-    Both sides belong to a displacement that is symmetric about the column's middle. Displacements
-    around the drum then have opposite signs (-1) on the two sides, all others equal signs (+1).
+    The displacements of the column are symmetric about its middle. Displacements around the drum
+    then have opposite signs (-1) on the two sides, and all other displacements equal signs (+1).
     """
     return -1.0 if unknown.z == 0 and unknown.along == 1 else 1.0
 
@@ -671,9 +672,8 @@ def _write_contact_stiffness_of_mirrored_columns(
 
     Parameters
     ----------
-    halves : the stiffness (c, m, m) on the symmetric unknowns, and that on the antisymmetric ones;
-        halves : the stiffness (c, m, m) on the symmetric unknowns, and the stiffness on the
-            antisymmetric unknowns, both in the order [left side | half of the contact]
+    halves : the stiffness (c, m, m) on the symmetric unknowns, and the stiffness (c, m, m) on the
+        antisymmetric unknowns, both in the order [left side | half of the contact]
     mirror : (line,) sign of each displacement on the right side relative to the left side, in
         symmetric displacements
     whole : (c, n, n) stiffness of the columns, in the order [left side | contact | right side]; it
@@ -681,7 +681,7 @@ def _write_contact_stiffness_of_mirrored_columns(
     """
     functions, count = nodal_functions_along_element_column(stack.p), stack.counts[0][0]
     line = len(mirror)
-    # `place` has the number of the symmetric (or antisymmetric) unknown to which each displacement
+    # `place` has the index of the symmetric (or antisymmetric) unknown to which each displacement
     # of the contact nodes belongs. At each node and function of z the displacements x and y follow
     # one another.
     place = (
@@ -717,7 +717,7 @@ def column_beside_grip_with_shared_node_held(
     ----------
     piece : the column, whose edge farthest from the contact is free
     stack : the layers of the column
-    right : whether the grip lies on the column's right side; otherwise it lies on its left side
+    right : whether the grip lies on the column's right side; if False, it lies on the left side
     """
     last = len(stack.counts) * stack.p
     side = indices_of_unknowns_along_symmetric_half_row(stack.p, 0).left

@@ -2,9 +2,8 @@
 
 A brake is solved twice on the same coarse hp elements of the section: with degree 2 across the
 width, and in plane stress. The two answers differ by the effect of the widths. The differences of
-their torques, forces and pressures are added to the answer of plane stress on fine elements. If the
-fine elements were the coarse elements, the corrected answer would be that with degree 2. The
-error that remains is stated as a fraction of the correction.
+their torques, forces and pressures are added to the answer of plane stress on fine elements. The
+error that remains after the correction is stated as a fraction of the correction.
 """
 
 from collections.abc import Mapping
@@ -46,14 +45,14 @@ REMAINING_ERROR_OVER_WIDTH_CORRECTION: Mapping[str, float] = {
 """Error that remains after the correction for the widths, as a fraction of the correction.
 
 The true remaining error is at most this fraction on 95 % of the brakes for the torque, on 93 % for
-the mean pressure (L2 norm) and on 95 % for the reactions. The brakes were 95 random ones; the parts
-of some shoes had one width, and the parts of others several widths. The command was `python -m
-drumlin_studies.width_error 1000 1099`, whose reference has degree 5 across the width. Only brakes
-on which the error of plane stress exceeded 0.1 % were counted. The median fractions are 0.07, 0.21
-and 0.08; the largest are 1.6, 1.9 and 1.4. Where the effects of lateral contraction and of the
-bending of a table on the torque cancel, the correction of the torque is small, and the remaining
-error may exceed the fraction. Larger values state larger errors than most brakes have, and smaller
-values are exceeded more often.
+the pressure averaged over the width (L2 norm) and on 95 % for the reactions. The brakes were 95
+random brakes; the parts of some shoes had one width, and the parts of other shoes several widths.
+The command was `python -m drumlin_studies.width_error 1000 1099`. The reference has degree 5 across
+the width. Only brakes on which the error of plane stress exceeded 0.1 % were counted. The median
+fractions for torque, pressure and reactions are 0.07, 0.21 and 0.08; the largest are 1.6, 1.9 and
+1.4. Where the effects of lateral contraction and of the bending of a table on the torque cancel,
+the correction of the torque is small, and the remaining error may exceed the fraction. Larger
+values state larger errors than most brakes have, and smaller values are exceeded more often.
 """
 WIDTH_CORRECTED_ATTRIBUTES = (
     "torque",
@@ -63,7 +62,7 @@ WIDTH_CORRECTED_ATTRIBUTES = (
     "reaction_moment",
     "force",
 )
-"""Attributes of a shoe's response to which the difference of the coarse answers is added."""
+"""Attributes of a shoe's response to which the difference of the two coarse answers is added."""
 
 
 def correct_response_for_shoe_widths(
@@ -88,9 +87,10 @@ def correct_response_for_shoe_widths(
     Raises
     ------
     BadInput
-        where the model of the width does not apply to the brake
+        if the model of the width does not apply to the brake
     NoAnswer
-        where a brake has no answer on the coarse elements, or a shoe loses its contact
+        if the brake has no answer on the coarse elements, or if a shoe with its width has no
+        contact
     """
     require_that_width_model_applies_to_brake(brake)
     try:
@@ -186,9 +186,9 @@ def pressure_of_shoe_zero_outside_contact(shoe: ShoeResponse, theta: Floats) -> 
 def estimated_error_after_width_correction(
     change: EstimatedErrorOfPlaneStress,
 ) -> EstimatedErrorOfPlaneStress:
-    """The estimated error after the correction.
+    """The estimated error that remains after the correction for the widths.
 
-    It is the relative correction times REMAINING_ERROR_OVER_WIDTH_CORRECTION.
+    It is the relative correction `change` times REMAINING_ERROR_OVER_WIDTH_CORRECTION.
     """
     shoes = []
     for shoe in change.shoes:

@@ -58,9 +58,9 @@ LEVEL_OF_PLANE_STRESS_ERROR_ESTIMATE = replace(
 )
 """Coarse level of hp elements on which the error of plane stress is estimated.
 
-The level is one step coarser than the first level of a solve, by the rule of the levels. By this
-rule the elements at corners and interfaces would be larger than the parts are thick. The sizes of
-these elements are therefore set to the thickness.
+The level is one step coarser than the first level of a solve, by the rule from which all levels
+follow. By this rule the elements at corners and interfaces would be larger than the thickness of
+their layers. The sizes of these elements are therefore set to the thickness.
 """
 WIDTH_DEGREE_COMPARED_WITH_PLANE_STRESS = 2
 """Degree across the width of the answer with which plane stress is compared for its error."""
@@ -76,10 +76,11 @@ most 0.05.
 
 
 class CoarsePlaneStressSolution(NamedTuple):
-    """The coarse hp elements of a brake's shoes, and the answer of plane stress on them, `plane`.
+    """The coarse hp elements of a brake's shoes, and the answer of plane stress on these elements.
 
     `divisions` are the divisions of the shoes' sections into hp elements, by the index of the first
-    shoe of each shape. Degrees across the width are compared on these elements.
+    shoe of each shape. Degrees across the width are compared on these elements. `plane` is the
+    answer of plane stress.
     """
 
     divisions: Mapping[int, ShoeElementDivision]
@@ -175,7 +176,7 @@ def coarse_solutions_with_and_without_shoe_width(
     Raises
     ------
     NoAnswer
-        if the brake has no answer in plane stress, or none with widths, and if a contact is too
+        if the brake has no answer in plane stress or no answer with widths, and if a contact is too
         short for any elements
     """
     reason = reason_if_any_contact_is_too_short(brake, response)
@@ -226,13 +227,13 @@ def estimate_error_of_plane_stress(
 def relative_distance_of_plane_stress_from_width_solution(
     brake: Brake, plane: Response, wide: Response
 ) -> EstimatedErrorOfPlaneStress:
-    """The relative distance of the answer of plane stress from the answer with widths.
+    """The relative difference between the answer of plane stress and the answer with widths.
 
     Parameters
     ----------
     brake : the brake
     plane : the answer of plane stress
-    wide : the answer with widths; the distances are relative to its values
+    wide : the answer with widths; the differences are relative to its values
     """
     pairs = zip(plane.shoes, wide.shoes, strict=True)
     shoes = [
@@ -254,11 +255,11 @@ def relative_distance_of_plane_stress_from_width_solution(
 def relative_torque_pressure_and_reaction_differences(
     unit: float, plane: ShoeResponse, wide: ShoeResponse
 ) -> dict[str, float]:
-    """Relative distances of torque, pressure (L2) and reaction of a shoe without and with width.
+    """Relative differences of torque, pressure (L2) and reaction of a shoe without and with width.
 
-    The pressure is the mean over the width. `unit` says by how much the coordinate along the
-    friction surface grows per unit of phi. It is 1 on a drum, and the length of the lining [m] on a
-    plane (see `ShoeFrame`).
+    The pressure is the mean over the width. `unit` is the growth of the coordinate along the
+    friction surface per unit of phi: 1 on a drum, and the length of the lining [m] on a plane (see
+    `ShoeFrame`).
     """
     zone = length_of_uncompared_edge_zone(float(wide.theta[-1] - wide.theta[0]), unit)
     moved = math.dist(plane.hinge_reaction, wide.hinge_reaction)

@@ -2,9 +2,9 @@
 
 The nodes on the arc are the nodes of the section's contact line. Pressure and displacement are
 products of the line's shape functions and piecewise polynomials of z, the distance from the
-mid-plane. So every matrix of the weak coupling is the matrix of a contact line of width 1, times
-m_kl = Int zeta_k zeta_l dz  over the width. The piecewise polynomial zeta_k is 1 at the node k
-across the width and 0 at the other nodes.
+mid-plane. So every coupling matrix of the face is a Kronecker product: the matrix of a contact line
+of width 1, times the matrix m_kl = Int zeta_k zeta_l dz over the width. The piecewise polynomial
+zeta_k is 1 at the node k across the width and 0 at the other nodes.
 """
 
 from dataclasses import dataclass
@@ -39,12 +39,13 @@ across the width, so that the written values determine the polynomial.
 class ContactFaceWithWidth(ContactLine):
     """The friction surface of a lining with a width, also called its contact face.
 
-    It has n m nodes: the n nodes of the section's contact line times m nodes over half the width.
+    The face has n m nodes: the n nodes of the section's contact line times m nodes over half the
+    width.
     The nodes are sorted by angle, and at each angle by distance from the mid-plane.
 
     Attributes
     ----------
-    nodes : (n m,) numbers of the nodes
+    nodes : (n m,) indices of the nodes
     xy : (2, n m) coordinates of the nodes in the section [m]
     phi : (n m,) angles of the nodes [rad]
     pieces : nodes of each edge of `line`, as indices into the nodes of `line`
@@ -82,16 +83,17 @@ class ContactFaceWithWidth(ContactLine):
 
     @property
     def width_fraction_of_each_node_across_width(self) -> Floats:
-        """The share (m,) of the whole width that each node across the width stands for."""
+        """The fraction (m,) of the whole width that each node across the width stands for."""
         widths = self.tributary_widths_of_nodes_across_width
         return np.asarray(widths / widths.sum())
 
     def coupling_matrices_with_drum_or_plane(
         self, width: float, directions: NormalsAndTangentsFunction
     ) -> ContactCouplingMatrices:
-        """The weak coupling of the face with the drum or the plane.
+        """The matrices that couple the face with the drum or the plane (mortar method).
 
-        The argument `width` has no effect: the face has its own width.
+        The argument `width` has no effect: the face has its own width. `directions` gives the unit
+        normals and tangents of the drum or the plane.
         """
         line, m = (
             coupling_matrices_of_contact_line(self.line, 1.0, directions),
@@ -147,7 +149,10 @@ class ContactFaceWithWidth(ContactLine):
         return np.asarray(np.linalg.lstsq(values, half_widths)[0], dtype=float)
 
     def _values_of_node_polynomials(self, z: Floats) -> Floats:
-        """Values (m, k) at distances z (k,) [m] of m polynomials; each is 1 at one of m nodes."""
+        """Values (m, k) of the m polynomials zeta at k distances z (k,) [m] from the mid-plane.
+
+        Each polynomial is 1 at one of the m nodes across the width and 0 at the other nodes.
+        """
         own = self.functions.even_functions_across_width[
             : self.functions.counts_of_even_and_odd_functions_on_part(self.half)[0]
         ]

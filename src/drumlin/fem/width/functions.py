@@ -38,38 +38,37 @@ WIDTH_BREAKPOINT_DISTANCES_BESIDE_WEB = (1.0, 2.5)
 
 The distances are in thicknesses of the lining. Pressure and displacements change fast over the
 first distance beside the web, and in long overhangs they do not end smoothly where the lining lifts
-off. On four random brakes with overhangs of 5.8 to 17 thicknesses the error of p on coarse elements
-is 3.5 to 7 times as large with the first break alone at degree 3, and 1.1 to 1.7 times at degree 2.
-With degree 4 it is smaller with both breaks on one of them only: there the error is that of the
-elements, which miss the ends of the contact.
+off. On four random brakes with overhangs of 5.8 to 17 thicknesses, leaving out the second break
+made the error of p on coarse elements 3.5 to 7 times as large with degree 3, and 1.1 to 1.7 times
+with degree 2. With degree 4 the second break makes the error smaller on only one of the four
+brakes: the error then comes from the elements, which miss the ends of the contact.
 
-The distances were found by these trials, and so were the three numbers below. Other breaks change
-the number of functions that an error needs. The error itself is stated in any case.
+The distances were found by these trials, and so were the three numbers below. With other breaks an
+answer of the same error needs more or fewer functions. The error is stated in any case.
 
-Beside a wide web the stress is singular on both sides of the web's side, and there is no break
-inside the web. On one brake ("free" 510017 of `drumlin_studies.solid_error`, half width of the web
-1.2 thicknesses) a break there, with two breaks beside the web, divides the error of p with degree 3
-by 2.7, and the error of the torque by 17, for 1.8 times the unknowns. On "free" 510009
-a break inside the web divides the error of p with degree 3 by 15, and on six other brakes by 1 to
-1.7, for 1.6 times the unknowns. On these six brakes degree 4 without the break costs less and gains
-at least as much, and so there is no break inside a web.
+At the side of a wide web the stress is singular, outside the web and inside it, but there is no
+break inside the web. On one brake ("free" 510017 of `drumlin_studies.solid_error`, half width of
+the web 1.2 thicknesses) a break inside the web, with two breaks beside the web, divides the error
+of p with degree 3 by 2.7, and the error of the torque by 17, for 1.8 times the unknowns. On "free"
+510009 a break inside the web divides the error of p with degree 3 by 15, and on six other brakes by
+1 to 1.7, for 1.6 times the unknowns. On these six brakes degree 4 without the break needs fewer
+unknowns and gives an error at least as small.
 """
 LEAST_LENGTH_FROM_WIDTH_BREAKPOINT_TO_SIDE = 0.75
-"""Least length that a break beside a web leaves up to the lining's side, in lining thicknesses.
+"""Least length from a break beside a web to the lining's side, in thicknesses of the lining.
 
-In shorter pieces additional functions of z improve the answer little. A larger value takes breaks
-from long overhangs, and a smaller value puts the break of a short overhang too far from the web.
+In shorter pieces additional functions of z improve the answer little. With a larger value long
+overhangs have fewer breaks, and with a smaller value the break of a short overhang lies too far
+from the web.
 """
 WIDTH_BREAKPOINT_DISTANCE_IN_SHORT_OVERHANG = 0.25
-"""Distance of the break beside a web with an overhang too short for two breaks.
+"""Distance of the break from the side of a web, relative to a short overhang of the lining.
 
-The usual distances are WIDTH_BREAKPOINT_DISTANCES_BESIDE_WEB.
-
-It is relative to the overhang. On seven random brakes with overhangs of 0.7 to 1.6 thicknesses of
-the lining the error of p with degree 3 is 1.4 to 8 times smaller with a break at about this
-distance than with no break, or with a break at one thickness. On one of them distances from 0.12 to
-0.25 of the overhang are equally good; with half the overhang the error with degree 2 is twice as
-large.
+An overhang is short if neither of the WIDTH_BREAKPOINT_DISTANCES_BESIDE_WEB fits into it. On seven
+random brakes with overhangs of 0.7 to 1.6 thicknesses of the lining the error of p with degree 3 is
+1.4 to 8 times smaller with a break at about this distance than with no break, or with a break at
+one thickness. On one of these brakes distances from 0.12 to 0.25 of the overhang are equally good;
+at half the overhang the error with degree 2 is twice as large.
 """
 LARGEST_OVERHANG_WITHOUT_WIDTH_BREAKPOINT = 0.5
 """Overhang up to which there is no break beside a web, in thicknesses of the lining.
@@ -81,9 +80,9 @@ A lining that hardly overhangs its web bends little there, so that a break would
 class FunctionAcrossWidth(NamedTuple):
     """A function of z: the first `piece` in which it is not zero, and its `degree` in this piece.
 
-    Pieces are counted from 0 at the mid-plane. Degrees 0 and 1 in piece 0 are the functions 1 and z
-    divided by half the width, which extend over the whole width. Degree 1 in a further piece is a
-    hat function.
+    Pieces are counted from 0 at the mid-plane. In piece 0, degree 0 is the function 1, and degree 1
+    is the function z divided by half the width; both extend over the whole width. In all other
+    pieces degree 1 is a hat function.
     """
 
     piece: int
@@ -152,7 +151,7 @@ class FunctionsAcrossWidth:
         return int(np.count_nonzero(within))
 
     def counts_of_even_and_odd_functions_on_part(self, half: float) -> tuple[int, int]:
-        """Numbers of even and of odd functions on a part of the shoe of half width `half` [m]."""
+        """How many even and how many odd functions a part of half width `half` [m] has."""
         # In plane stress every part has the single function 1. The only piece is then as wide as
         # the shoe, and so no piece lies within a narrower part.
         pieces = max(self.number_of_width_pieces_in_part(half), 1)
@@ -195,9 +194,10 @@ class FunctionsAcrossWidth:
     def node_distances_across_half_width_of_part(self, half: float) -> Floats:
         """Distances z (n,) [m] of the contact nodes across half the width of a part.
 
-        The n values of a field at these nodes determine the factors of its n even functions. The
-        nodes are the Gauss-Lobatto points of the pieces; of the first piece, which reaches from
-        -z_1 to z_1, only the points with z >= 0. `half` is the half width of the part [m].
+        The n values of a pressure or displacement at these nodes determine the factors of its n
+        even functions. The nodes are the Gauss-Lobatto points of the pieces. Of the first piece,
+        which reaches from -z_1 to z_1, only the points with z >= 0 are nodes. `half` is the half
+        width of the part [m].
         """
         if self.degree == 0:
             return np.zeros(1)
@@ -245,10 +245,9 @@ def integrals_of_function_products_over_width(
 def matrix_from_node_values_to_function_factors(
     functions: FunctionsAcrossWidth, half: float
 ) -> Floats:
-    """The matrix (functions, nodes) that turns values at nodes into factors of even functions.
+    """The matrix (functions, nodes) that converts values at nodes to factors of even functions.
 
-    The nodes lie across a part of half width `half` [m], and the even functions are the functions
-    that this part has.
+    The nodes lie across a part of half width `half` [m]. The even functions are those of this part.
     """
     own = functions.even_functions_across_width[
         : functions.counts_of_even_and_odd_functions_on_part(half)[0]

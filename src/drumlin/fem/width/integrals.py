@@ -3,8 +3,9 @@
 The displacements of a shoe with a width are sums of products of shape functions psi_a of the
 section and functions of z: even functions e_k for u_x and u_y, odd functions o_k for u_z. So the
 energy of an isotropic element is a sum of products of an integral over the section and an integral
-over the width. For two unknowns a and b the two integrals in each line are multiplied, and the two
-products of each case are added:
+over the width. For two unknowns a and b the two integrals in each line are multiplied, and the
+products of the two lines of each case are added. eps_a is the strain in the section due to unknown
+a, and tr eps_a its trace; lambda and mu are the Lame constants:
 
     both in the section:  Int lambda tr eps_a tr eps_b + 2 mu eps_a : eps_b dA  Int e_k e_l dz
                         + Int mu psi_a . psi_b dA                               Int e_k' e_l' dz
@@ -13,12 +14,12 @@ products of each case are added:
     both along z:         Int (lambda + 2 mu) psi_a psi_b dA                    Int o_k' o_l' dz
                         + Int mu grad psi_a . grad psi_b dA                     Int o_k o_l dz
 
-An unknown of the section has two numbers: the number of its row of nodes, counted from the contact,
-and its number along this row. Along a row the displacements x and y are numbered together, and the
-displacements z by themselves. Between circles about one centre each integral is a product of a
-factor of the angles and a factor of the radii, as in fem/hp/arc.py. The displacements of a column
-of elements are then split into displacements that are symmetric and antisymmetric about the
-column's middle. In symmetric displacements u_z is even about the middle, like the radial component.
+An unknown has two indices: the index of its row of nodes, counted from the contact, and its index
+along this row. Along a row the displacements x and y are counted together, and the displacements z
+separately. Between circles about one centre each integral is a sum of products of a factor of the
+angles and a factor of the radii, as in fem/hp/arc.py. The displacements of a column of elements are
+then split into displacements that are symmetric and displacements that are antisymmetric about the
+column's middle. In symmetric displacements u_z and the radial component are even about the middle.
 """
 
 from functools import cache
@@ -43,7 +44,8 @@ SYMMETRY_NUMBERS_OF_COLUMN_DISPLACEMENTS = (0, 1)
 class LameConstants(NamedTuple):
     """The Lame constants lambda and mu of a layer [Pa].
 
-    If the displacements are constant over z (degree 0), `lam` is the lambda of plane stress.
+    If the displacements are constant over z (degree 0 across the width), `lam` is the lambda of
+    plane stress.
     """
 
     lam: float
@@ -53,10 +55,10 @@ class LameConstants(NamedTuple):
 class ElementIntegralsOverShoeSection(NamedTuple):
     """Integrals over each of c elements of a layer, of products of shape functions and gradients.
 
-    Each integral contains the Lame constants. The axes after c are (along, along, row, row), for
-    two unknowns. A is the number of unknowns along a row that are displacements x and y in the
-    section, B is the number of displacements along z, and n is the number of an element's rows of
-    nodes.
+    Each integral contains the Lame constants. The axes after c are (along, along, row, row): the
+    positions of two unknowns along their rows, and the rows of the two unknowns. Of the unknowns
+    along a row, A are displacements x and y in the section, and B are displacements along z. An
+    element has n rows of nodes.
 
     Attributes
     ----------
@@ -109,10 +111,10 @@ def matrix_from_node_to_unknown_forces_along_z(p: int, symmetry: int) -> Floats:
     """The matrix (B, p + 1) from forces along z on a row's nodes to forces on its B unknowns.
 
     The row has p + 1 nodes, and the unknowns describe displacements of one symmetry. Each unknown
-    belongs to a pair of mirrored nodes, and the force on it is half the sum (or half the
-    difference) of the forces on both nodes. The first pair are the nodes on the two sides, and the
-    pairs further inside follow. In symmetric displacements the last unknown belongs to the middle
-    node, if there is one.
+    belongs to a pair of mirrored nodes. The force on the unknown is half the sum of the forces on
+    both nodes, or half their difference for antisymmetric displacements. The first pair are the
+    nodes on the two sides of the column, and the pairs nearer to the middle follow. In symmetric
+    displacements the last unknown belongs to the middle node, if the row has a middle node.
     """
     count = (p + 1) // 2 + (p % 2 == 0 and symmetry == 0)
     fold = np.zeros((count, p + 1))
@@ -155,8 +157,8 @@ def angular_factors_of_section_integrals(
     value = functions.values * np.sqrt(functions.weights * size)[:, None]  # (c, n, q)
 
     # `strain` and `moved` are the strains and displacements due to unit displacements of the nodes,
-    # along a radius (x) and square to it (y). The radius is the radius of the side for nodes on
-    # the two sides, and the radius of the column's middle for all other nodes.
+    # along a radius (x) and square to the radius (y). For nodes on a side of the column it is the
+    # radius at this side, and for all other nodes the radius at the column's middle.
     turn = np.zeros((count, n))
     turn[:, ::p] = 0.0 if flat else angles[:, ::p]
     c, s = np.cos(turn)[:, :, None], np.sin(turn)[:, :, None]
@@ -183,7 +185,7 @@ def angular_factors_of_section_integrals(
     value = across @ value
     gradient = across @ gradient.transpose(1, 2, 3, 0, 4).reshape(count, 2, n, -1)
 
-    # The products for every two unknowns are summed over the Gauss points along the arc.
+    # The products of every two unknowns are summed over the Gauss points along the arc.
     trace = strain[:, :, 0] + strain[:, :, 1]
     whole = np.sqrt(2) * strain.reshape(count, 2 * A, -1)
     by_strains = np.stack(

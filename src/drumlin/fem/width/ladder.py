@@ -1,63 +1,69 @@
 """Solve a brake with widths to a tolerance: choose hp elements and a degree across the width.
 
-The section of a shoe is divided into hp elements on one of the levels of a solve; across the width
-the displacements are polynomials of z of some degree. The error has two parts, which are estimated
-one by one and then added up: the section's error, due to the hp elements, and the width's error,
-due to the degree across the width.
+The section of a shoe is divided into hp elements. A level is one such division, with a degree and
+sizes of the elements; the levels go from coarse to fine. Across the width the displacements are
+polynomials of the distance z from the mid-plane, up to some degree. The error has two parts, which
+are estimated separately and then added: the section's error, due to the hp elements, and the
+width's error, due to the degree across the width. The distance of two answers is their relative
+difference.
 
 - For the section's error the brake is solved with a low degree across the width on finer and finer
   levels, until the error is at most SECTION_ERROR_SHARE_OF_TOLERANCE of the tolerance. If all parts
-  of each shoe have one width, the degree is 0, plane stress. Else the degree is
-  WIDTH_DEGREE_FOR_HP_ELEMENT_ERROR_ESTIMATE, and the error is multiplied by the safety factors
-  `section_pressure` and `section_force`. The error of a coarser level is the distance of its answer
-  from the answer of the last level, plus the stated error of the last answer.
-- For the width's error degrees are compared on the same hp elements: coarse ones, on which degrees
-  cost little, or the first level of a solve if a shoe has parts of several widths. There the
-  distances of the answer with the degree q from the answers with the degrees q + 1 and q + 2 are
-  computed. The next degree alone would not show the error, since the errors of even and of odd
-  degrees fall at different rates. The larger distance is extrapolated to an infinite degree.
+  of each shoe have one width, the degree is 0, which is plane stress. If parts have several widths,
+  the degree is WIDTH_DEGREE_FOR_HP_ELEMENT_ERROR_ESTIMATE, and the error is multiplied by the
+  safety factors `section_pressure` and `section_force`. The error of a coarser level is the
+  distance of its answer from the answer on the last level, plus the stated error of this last
+  answer.
+- For the width's error degrees are compared on the same hp elements: on coarse elements, which take
+  little time, or on the first level of a solve if a shoe has parts of several widths. On these
+  elements the distances of the answer with the degree q from the answers with the degrees q + 1 and
+  q + 2 are computed. The next degree alone would not show the error, since the errors of even and
+  of odd degrees fall at different rates. The larger distance is extrapolated to an infinite degree.
 
 The degrees are tried from low to high, and for each degree all solved levels from coarse to fine,
 until the sum of both errors meets the tolerance. A coarse level with an error above
-SECTION_ERROR_SHARE_OF_TOLERANCE of the tolerance can thus go with a degree whose error is small,
-and the answer that was compared is often the answer that is returned. Higher degrees are not tried
-once the error of p no longer falls, or if the elements alone miss the tolerance.
+SECTION_ERROR_SHARE_OF_TOLERANCE of the tolerance can thus be combined with a degree whose error is
+small, and the answer that was compared is often the answer that is returned. Higher degrees are not
+tried once the error of the pressure p no longer falls, or if the elements alone miss the tolerance.
 
-Where most of a lining overhangs its web, the distance of the lowest degree from the next one alone,
-extrapolated to an infinite degree, gives a provisional error with the safety factors
-NEXT_DEGREE_FACTORS. Where this error meets the tolerance, the second higher degree is not needed.
+If most of a lining overhangs its web, a provisional error of the lowest degree is computed first,
+from the distance to the next degree alone. The distance is extrapolated to an infinite degree and
+multiplied by the safety factors NEXT_DEGREE_FACTORS. If the provisional error meets the tolerance,
+the answer with the second higher degree is not computed.
 
 The width's error e falls as a power of the degree where a side of the shoe is free or a part
 overhangs another part. From e(q) = C q^-k follows e(q) = d / (1 - (q/(q + 2))^k) with the distance
 d = e(q) - e(q + 2). The estimate is this e(q) times a safety factor of
-SAFETY_FACTORS_OF_SOLID_ERRORS. The factor of forces is larger than the factor of pressures, because
-the distances of forces may cancel by accident. The power k is ASSUMED_WIDTH_ERROR_EXPONENT. It is
-not fitted to the distances of a brake, because the distances of few degrees scatter. With k = 1 the
-distance is multiplied by (q + 2)/2.
+SAFETY_FACTORS_OF_SOLID_ERRORS. The factor for forces is larger than the factor for pressures,
+because the distances of forces may cancel by accident. The power k is ASSUMED_WIDTH_ERROR_EXPONENT.
+It is not fitted to the distances of a brake, because the distances of few degrees scatter. With k =
+1 the distance is multiplied by (q + 2)/2.
 
-Beside a web the pressure changes fast across the width and along it, so that smaller elements need
-higher degrees there. Had the distances been computed on coarse elements, the estimate without its
-safety factor would be smaller than the true error in 8 % of 106 cases, and in the worst case 0.44
-of the true error (17 brakes, "free" from 2000 and "built" of `drumlin_studies.solid_error`).
+Beside a web the pressure changes fast across the width and along the arc. On smaller elements a
+higher degree is then needed for the same width's error. If the distances were computed on coarse
+elements, the estimate without its safety factor would be smaller than the true error in 8 % of 106
+cases, and in the worst case 0.44 of the true error (17 brakes, "free" from 2000 and "built" of
+`drumlin_studies.solid_error`).
 
-With widths the contact of a shoe ends at other angles than in plane stress. So each level is
-divided anew with small elements at the ends of the contact of the model with widths, until these
-ends no longer move. On one random brake ("free" 2000 of `drumlin_studies.solid_error`) the
-pressures of the first two levels differ by 0.23 %. They differ by 3.7 % if the small elements lie
-at the ends of the contact in plane stress.
+With widths the contact of a shoe ends at other angles than in plane stress. So on each level the
+shoe is divided again, with small elements at the ends of the contact of the model with widths,
+until these ends no longer move. On one random brake ("free" 2000 of `drumlin_studies.solid_error`)
+the pressures of the first two levels differ by 0.23 %. They differ by 3.7 % if the small elements
+lie at the ends of the contact in plane stress.
 
 Far beside a web the contact may reach farther along the arc than under the web, with hardly any
-pressure. So there are small elements at the ends of the contact in the mid-plane, too. On "built"
+pressure. So there are also small elements at the ends of the contact in the mid-plane. On "built"
 3104, with an overhang of 9.8 lining thicknesses, the pressures of the first two levels then differ
-by 0.4 % with the degrees 1, 2 and 3. Without these elements they differ by 1.6, 4.9 and 4.3 %.
+by 0.4 % with the degrees 1, 2 and 3. Without small elements at these ends the pressures differ by
+1.6, 4.9 and 4.3 %.
 
-Some brakes do not reach 1 %. Their lining lifts off beside the web along a curve that crosses the
-elements of the face. Between any two degrees, and between any two levels, p then differs by 0.3 to
-0.5 % ("built" 510004 and "free" 510017), spread over the whole contact. The difference does not
-become smaller with columns of at most a twelfth of the contact. It becomes smaller with more pieces
-across the overhang: with degree 3 on quarters of the overhang the error of p is 0.24 %, and 0.61 %
-with the break of `functions.WIDTH_BREAKPOINT_DISTANCES_BESIDE_WEB`, but such a shoe has 1.6 times
-the unknowns.
+Some brakes do not reach an error of 1 %. Their lining lifts off beside the web along a curve that
+crosses the elements of the contact face. Between any two degrees, and between any two levels, p
+then differs by 0.3 to 0.5 % ("built" 510004 and "free" 510017), spread over the whole contact. The
+difference does not become smaller if each column covers at most a twelfth of the contact. It
+becomes smaller with more pieces across the overhang: with degree 3 on quarters of the overhang the
+error of p is 0.24 %, in place of 0.61 % with the break of
+`functions.WIDTH_BREAKPOINT_DISTANCES_BESIDE_WEB`. The shoe then has 1.6 times the unknowns.
 """
 
 import math
@@ -118,17 +124,17 @@ On coarse elements of 21 random brakes with the breaks of
 pressure and 1.3 for forces, with the degrees 2 and 3.
 """
 WIDTH_DEGREE_FOR_HP_ELEMENT_ERROR_ESTIMATE = 1
-"""Degree across the width for the estimate of the hp elements' error if parts have several widths.
+"""Degree across the width in the estimate of the hp elements' error, if parts differ in width.
 
 Degree 1 represents the bending of a table over its web by straight lines. The error is estimated
 from the distance of the pressures on two levels. On ten random brakes ("built" 3100 to 3117 of
 `drumlin_studies.solid_error`) the distance of the first two levels with degree 1 is 0.2 to 2.3
-times the distance with degree 2 (median 0.9). In plane stress it may be 9.5 times smaller than with
-degree 2, and would not show the error. With degree 2 the second level takes 5 times as long as with
-degree 1.
+times the distance with degree 2 (median 0.9). In plane stress the distance may be 9.5 times smaller
+than with degree 2, and would not show the error. With degree 2 the second level takes 5 times as
+long as with degree 1.
 """
 NUMBER_OF_LEVELS_FOR_SECTION_ERROR_ESTIMATE = 2
-"""Number of levels on which the hp elements' error is estimated if parts have several widths.
+"""Number of levels that give the estimate of the hp elements' error, if parts differ in width.
 
 Where a lining lifts off beside a web, its contact ends at another angle at each distance from the
 mid-plane, and no level has small elements at all of these ends. On such a brake ("built" 3201 of
@@ -138,33 +144,33 @@ across the width it has some 300 000 unknowns. The level is allowed as well if t
 most MOST_UNKNOWNS_FOR_FURTHER_SECTION_LEVEL unknowns.
 """
 MOST_UNKNOWNS_FOR_FURTHER_SECTION_LEVEL = 9_000
-"""Unknowns of a shoe up to which one more level of the section is allowed.
+"""Largest number of unknowns of a shoe on the last level for which one more level is allowed.
 
-They are counted with WIDTH_DEGREE_FOR_HP_ELEMENT_ERROR_ESTIMATE across the width.
-
-Short contacts have few columns of elements. On one random brake with 8900 unknowns ("free" 510007
-of `drumlin_studies.solid_error`) the stated error of p falls from 3.2 to 0.84 %. With degree 4
-across the width the third level then has 101 000 unknowns, and the process takes 1.1 GB. With a
-larger limit solves take more memory, with a smaller limit the error of short contacts stays larger.
+The unknowns are counted with the degree WIDTH_DEGREE_FOR_HP_ELEMENT_ERROR_ESTIMATE across the
+width. Shoes with short contacts have few columns of elements and few unknowns. On one random brake
+with 8900 unknowns ("free" 510007 of `drumlin_studies.solid_error`) one more level lowers the stated
+error of p from 3.2 to 0.84 %. With degree 4 across the width the third level then has 101 000
+unknowns, and the process takes 1.1 GB. With a larger limit solves take more memory; with a smaller
+limit the error of short contacts stays larger.
 """
 LARGEST_WIDTH_DEGREE_IF_TOLERANCE_IS_OPTIONAL = 5
-"""Largest degree across the width for parts of several widths, if a tolerance may be missed.
+"""Largest degree across the width if parts differ in width and a tolerance may be missed.
 
 If the tolerance must be met, LARGEST_WIDTH_DEGREE_WITH_STATED_ERROR is the limit. With degree 7 the
 brake "built" 3201 of `drumlin_studies.solid_error` takes 2 GB on the first level.
 """
 LARGEST_SOLID = 90_000
-"""Largest number of unknowns of a shoe with parts of several widths, if a tolerance may be missed.
+"""Largest number of unknowns of a shoe if its parts differ in width and a tolerance may be missed.
 
 A solve with 80 000 unknowns takes 0.9 GB, and a solve with 105 000 unknowns takes 1.5 GB ("built"
 510003 and "free" 510000 of `drumlin_studies.solid_error`). If the tolerance must be met, there is
 no limit.
 """
 LEAST_FALL = 0.8
-"""Error of p with a degree across the width, relative to the smallest error with a lower degree,
-below which the error counts as falling.
+"""Ratio of errors of p below which a higher degree across the width counts as an improvement.
 
-With larger values the degree is raised although the error hardly falls, until memory runs out. With
+The ratio is the error of p with the degree divided by the smallest error with a lower degree. With
+larger values the degree is raised although the error hardly falls, until memory runs out. With
 smaller values solves end before the tolerance is reached. By the power ASSUMED_WIDTH_ERROR_EXPONENT
 the ratio is 0.67 from degree 2 to degree 3. Where a lining lifts off beside a web, the ends of the
 contact move from node to node of the face, and change p by 0.3 to 0.5 % whatever the degree.
@@ -175,7 +181,7 @@ SECTION_ERROR_SHARE_OF_TOLERANCE = 0.5
 The error due to the degree across the width may take the rest of the tolerance.
 """
 NUMBER_OF_COMPARED_HIGHER_WIDTH_DEGREES = 2
-"""Number of higher degrees across the width whose answers give the error of a degree.
+"""Number of higher degrees across the width with which a degree is compared to estimate its error.
 
 Of the two next higher degrees one is even and the other odd.
 """
@@ -184,8 +190,8 @@ LARGEST_WIDTH_DEGREE_WITH_STATED_ERROR = (
 )
 """Largest degree across the width whose error can be stated.
 
-The error follows from answers with the NUMBER_OF_COMPARED_HIGHER_WIDTH_DEGREES next higher degrees,
-which must be allowed.
+The error follows from answers with the NUMBER_OF_COMPARED_HIGHER_WIDTH_DEGREES next higher degrees.
+These degrees must not exceed LARGEST_WIDTH_DEGREE.
 """
 
 
@@ -196,11 +202,11 @@ class SafetyFactorsOfSolidErrors(NamedTuple):
 
     Attributes
     ----------
-    pressure, force : of the error due to the degree across the width, relative to the extrapolated
-        distance between degrees
-    section_pressure, section_force : of the error of the section's hp elements if parts have
-        several widths, relative to the error estimated with
-        WIDTH_DEGREE_FOR_HP_ELEMENT_ERROR_ESTIMATE across the width
+    pressure, force : factors on the extrapolated distance between degrees, which give the stated
+        error due to the degree across the width
+    section_pressure, section_force : factors on the error of the section's hp elements that is
+        estimated with WIDTH_DEGREE_FOR_HP_ELEMENT_ERROR_ESTIMATE across the width, if parts have
+        several widths
     """
 
     pressure: float
@@ -230,23 +236,25 @@ class PressureAndForceErrorFactors(NamedTuple):
 
 
 NEXT_DEGREE_FACTORS = PressureAndForceErrorFactors(pressure=1.5, force=1.5)
-"""Safety factors of an error by the distance from the next degree across the width alone.
+"""Safety factors of a provisional error, which follows from the next degree across the width alone.
 
-They are relative to this distance, extrapolated to an infinite degree with the power
+They multiply the distance from the next degree, extrapolated to an infinite degree with the power
 ASSUMED_WIDTH_ERROR_EXPONENT. On 17 random brakes with at most LARGEST_FIRST_PIECE of the lining in
 the first piece (of "free" 1000 to 1019, and nine "free" and "built" from 510000) the ratio of the
 true error of degree 2 to the extrapolated distance is at most 0.68. The factors are twice as large
 as these brakes need.
 """
 LARGEST_FIRST_PIECE = 0.5
-"""Part of the lining's width in the first piece up to which the next degree alone gives an error.
+"""Largest fraction of the lining's width in the first piece for which a provisional error is used.
 
-The first piece lies about the mid-plane. On it an even degree adds functions of u_x and u_y only,
+A provisional error follows from the next degree across the width alone. The first piece of the
+width contains the mid-plane. On the first piece an even degree adds functions of u_x and u_y only,
 and an odd degree adds functions of u_z only, so that one distance may be small by accident. On the
 other pieces every degree adds functions of all displacements. The ratio of the true error of p to
-the extrapolated distance is 0.85 where the first piece has two thirds of the lining ("free" 1000),
-1.75 and 2.03 where it has 87 and 95 % ("free" 1016 and 1007), and more than 2.3 where it has all of
-it ("free" 510023). The value one half is a judgement: most of the lining then has all functions.
+the extrapolated distance is 0.85 where the first piece has two thirds of the lining's width ("free"
+1000), 1.75 and 2.03 where it has 87 and 95 % ("free" 1016 and 1007), and more than 2.3 where it has
+the whole width ("free" 510023). The value one half is a judgement: on most of the lining every
+degree then adds functions of all displacements.
 """
 
 
@@ -265,7 +273,7 @@ class RelativeErrorsOfSolidModel(NamedTuple):
         return self.largest_error_by_name("pressure")
 
     def largest_error_by_name(self, name: str) -> float:
-        """The error of the brake's torque for the name "torque", else the largest of its shoes."""
+        """The brake's torque error for the name "torque", else the largest error of its shoes."""
         return self.torque if name == "torque" else max(shoe[name] for shoe in self.shoes)
 
     @property
@@ -293,7 +301,7 @@ class RelativeErrorsOfSolidModel(NamedTuple):
     def errors_times_factors(
         self, factors: PressureAndForceErrorFactors
     ) -> "RelativeErrorsOfSolidModel":
-        """These errors times factors: one factor for pressures, one for torques and reactions."""
+        """These errors times two factors: one for pressures, and one for torques and reactions."""
         by_name = dict.fromkeys(QUANTITIES_WITH_STATED_ERROR, factors.force)
         by_name |= {"pressure": factors.pressure, "peak": factors.pressure}
         shoes = [{name: by_name[name] * own for name, own in shoe.items()} for shoe in self.shoes]
@@ -301,16 +309,16 @@ class RelativeErrorsOfSolidModel(NamedTuple):
 
 
 class SectionLevelWithItsError(NamedTuple):
-    """A level of the section's hp elements, and the error that these elements make.
+    """A level of the section's hp elements, and the error due to these elements.
 
-    The error due to the degree across the width is not contained.
+    The error due to the degree across the width is not included.
 
     Attributes
     ----------
     level : the level
     error : the relative errors
-    size : unknowns of a shoe on the level, relative to its unknowns on the first level with the
-        same functions across the width
+    size : number of unknowns of the largest shoe on the level, relative to its number on the first
+        level with the same functions across the width
     """
 
     level: RefinementLevel
@@ -332,8 +340,9 @@ class HpElementsForComparingWidthDegrees(NamedTuple):
     """The hp elements of a brake's shoes on which degrees across the width are compared.
 
     `divisions` are the divisions of the shoes' sections into hp elements, by the index of the first
-    shoe of each shape. `level` is the level of these elements, and None for coarse elements. The
-    models that are already solved on the elements are `solved`, by their degree across the width.
+    shoe of each shape. `level` is the level of these elements; it is None for coarse elements.
+    `solved` has the models that are already solved on these elements, by their degree across the
+    width.
     """
 
     divisions: Mapping[int, ShoeElementDivision]
@@ -342,10 +351,10 @@ class HpElementsForComparingWidthDegrees(NamedTuple):
 
 
 class WidthError(NamedTuple):
-    """A degree across the width, the error due to this degree, and the solved model with it.
+    """A degree across the width, the error due to this degree, and the model solved with it.
 
-    The model has the hp elements on which degrees are compared. A `provisional` error needs the
-    answer with the next degree only, and has larger safety factors.
+    The model has the hp elements on which degrees are compared. If the error is `provisional`, it
+    follows from the answer with the next degree alone, with larger safety factors.
     """
 
     degree: int
@@ -377,7 +386,10 @@ class SolidChoice(NamedTuple):
 
     @property
     def unknowns(self) -> float:
-        """About how many unknowns a shoe has, if degrees are compared on the first level."""
+        """Approximate number of unknowns of the largest shoe with these elements and this degree.
+
+        The number holds if degrees are compared on the first level.
+        """
         return self.section.size * self.width.unknowns
 
 
@@ -407,14 +419,14 @@ def solve_brake_with_widths_and_keep_model(
     penalty: float = DEFAULT_PENALTY_FACTOR,
     cache: CacheOfCondensedBodies | None = None,
 ) -> SolvedLevel:
-    """Solve a brake with widths to a tolerance; return the response with its prepared model.
+    """Solve a brake with widths to a tolerance; return the response and its prepared model.
 
     Parameters
     ----------
     brake : the brake
     tolerance : allowed relative errors of the pressure, averaged over the width, and of the torque
-    must : whether NoAnswer is raised if the tolerance is not reached; otherwise the best answer is
-        returned
+    must : whether NoAnswer is raised if the tolerance is not reached; if False, the best answer is
+        returned, with a warning in its notes
     across : degree across the width; None for the smallest degree that meets the tolerance
     penalty : factor alpha of the contact stiffness alpha E/t (lining modulus E, thickness t)
     cache : substructures of earlier solves
@@ -422,8 +434,8 @@ def solve_brake_with_widths_and_keep_model(
     Raises
     ------
     NoAnswer
-        if the brake has no answer in plane stress or none with widths, or if the tolerance must be
-        reached and is not
+        if the brake has no answer in plane stress or no answer with widths, or if the tolerance
+        must be reached and is not reached
     BadInput
         if the model of the width does not apply to the brake
     """
@@ -473,7 +485,8 @@ def solve_brake_with_widths_and_keep_model(
 class SectionErrors(NamedTuple):
     """The solved levels of the section's hp elements from coarse to fine, with their errors.
 
-    `plane` is the answer of plane stress on its last level.
+    `plane` is an answer of plane stress. It is the answer on the last level if all parts of each
+    shoe have one width, and on the first level if parts have several widths.
     """
 
     errors: list[SectionLevelWithItsError]
@@ -535,8 +548,9 @@ def cheapest_choice_within_tolerance(
 ) -> SolidChoice:
     """The smallest degree, and the coarsest elements for it, whose errors meet a tolerance.
 
-    If none meet it, the choice has the degree with the smallest error of p, and the coarsest
-    elements whose error is not larger, or else the finest elements.
+    If no degree meets the tolerance, the choice has the degree with the smallest error of p. Its
+    elements are the coarsest elements whose error is not larger than the error of this degree, or
+    the finest elements if the errors of all elements are larger.
 
     Parameters
     ----------
@@ -564,7 +578,8 @@ def cheapest_choice_within_tolerance(
         )
         degrees_without_fall = 0 if falls else degrees_without_fall + 1
         best = width if falls or best is None else best
-        # If the elements alone miss the tolerance, the degree need not be better than they are.
+        # If the elements alone miss the tolerance, a degree is good enough if its error is not
+        # larger than the error of the finest elements.
         enough = finest.smallest_tolerance_that_errors_meet
         is_enough = not can_sections_meet_tolerance and best.error.is_within_error_tolerance(enough)
         if is_enough or degrees_without_fall == NUMBER_OF_COMPARED_HIGHER_WIDTH_DEGREES:
@@ -583,10 +598,10 @@ def cheapest_choice_within_tolerance(
 def _is_choice_solved(
     brake: Brake, choice: SolidChoice, compared: HpElementsForComparingWidthDegrees
 ) -> bool:
-    """Whether the model on which the chosen degree was compared is the model to be solved.
+    """Whether the chosen model was already solved when degrees across the width were compared.
 
-    It must have the chosen level of elements, and small elements at the ends of its own contact.
-    The parameter `compared` has the elements on which degrees were compared.
+    The compared model must have the chosen level of elements, and small elements at the ends of its
+    own contact. The parameter `compared` has the elements on which degrees were compared.
     """
     if compared.level != choice.section.level:
         return False
@@ -693,9 +708,9 @@ def refine_cross_section_mesh_until_tolerance_is_met(
         empty, the brake is solved in plane stress on the levels
         REFINEMENT_LEVELS_FROM_COARSE_TO_FINE
     start : an earlier answer; the first division has small elements at the ends of its contact
-    must : whether all `levels` are solved if the tolerance needs them; otherwise the climb ends on
-        level NUMBER_OF_LEVELS_FOR_SECTION_ERROR_ESTIMATE if it has more than
-        MOST_UNKNOWNS_FOR_FURTHER_SECTION_LEVEL unknowns
+    must : whether all `levels` are solved if the tolerance needs them; if False, the solve ends on
+        level NUMBER_OF_LEVELS_FOR_SECTION_ERROR_ESTIMATE if a shoe has more than
+        MOST_UNKNOWNS_FOR_FURTHER_SECTION_LEVEL unknowns on this level
 
     Raises
     ------
@@ -773,7 +788,7 @@ def _message_on_unreached_error_tolerance(
 ) -> str:
     """The text which says that the finest elements and highest degree miss a tolerance.
 
-    It says which of both has the larger error of p.
+    The text also says whether the elements or the degree have the larger error of p.
     """
     error, parts = choice.error, (choice.section.error, choice.width.error)
     section, width = (part.largest_pressure_error for part in parts)
@@ -795,10 +810,11 @@ def hp_elements_to_compare_width_degrees(
 ) -> HpElementsForComparingWidthDegrees:
     """The hp elements of the shoes on which degrees across the width are compared.
 
-    If all parts of each shoe have one width, the elements are coarse. Otherwise the elements of the
-    first level of a solve are taken, as coarse elements show too little of the error beside a web.
-    This level is solved with degree WIDTH_DEGREE_COMPARED_WITH_PLANE_STRESS across the width, so
-    that it has small elements at the ends of the contact with widths.
+    If all parts of each shoe have one width, the elements are coarse. If parts have several widths,
+    the elements of the first level of a solve are taken, since coarse elements show too little of
+    the error beside a web. This level is solved with degree
+    WIDTH_DEGREE_COMPARED_WITH_PLANE_STRESS across the width, so that it has small elements at the
+    ends of the contact with widths.
 
     Parameters
     ----------
@@ -810,8 +826,8 @@ def hp_elements_to_compare_width_degrees(
     Raises
     ------
     NoAnswer
-        if the brake has no answer on the first level: in plane stress for shoes of one width,
-        otherwise with widths
+        if the brake has no answer on the first level: in plane stress if all parts of each shoe
+        have one width, with widths if parts have several widths
     """
     if not has_shoe_with_parts_of_different_widths(brake):
         coarse = plane_stress_solution_on_coarse_hp_elements(
@@ -910,7 +926,8 @@ def _has_narrow_first_piece(shoe: Shoe) -> bool:
 def error_factors_of_distance(degree: int, ahead: int) -> PressureAndForceErrorFactors:
     """The stated errors of a degree across the width, divided by its distance from higher degrees.
 
-    The `ahead` next degrees are compared.
+    The distance is the largest of the relative differences between the answer with `degree` and the
+    answers with the `ahead` next higher degrees.
     """
     ratio = error_divided_by_distance_to_next_degrees(degree, ahead)
     factors = NEXT_DEGREE_FACTORS
@@ -924,7 +941,7 @@ def error_factors_of_distance(degree: int, ahead: int) -> PressureAndForceErrorF
 def largest_relative_differences(
     brake: Brake, response: Response, others: Sequence[Response]
 ) -> RelativeErrorsOfSolidModel:
-    """The largest relative distances of a response from several other responses, by quantity."""
+    """For each quantity, the largest relative difference of a response from several others."""
     moved = [_relative_differences_from_better_response(brake, response, each) for each in others]
     shoes = []
     for own in zip(*(each.shoes for each in moved), strict=True):
@@ -950,7 +967,7 @@ def error_divided_by_distance_to_next_degrees(
 def _relative_differences_from_better_response(
     brake: Brake, response: Response, true: Response
 ) -> RelativeErrorsOfSolidModel:
-    """The relative distances of a response from a more exact response `true`."""
+    """The relative differences of a response from a more accurate response `true`."""
     shoes = []
     for shoe, better in zip(response.shoes, true.shoes, strict=True):
         peak = better.peak_pressure or shoe.peak_pressure or 1.0

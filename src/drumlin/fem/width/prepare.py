@@ -63,9 +63,9 @@ LARGEST_WIDTH_DEGREE = 9
 The Gauss rule over the width is exact for products of two polynomials up to degree 11.
 """
 NO_INTERIOR_RESULTS_MESSAGE = "interior fields: recovered only for a file or a picture"
-"""Message that a prepared model of solid shoes has no displacements and stresses inside bodies."""
+"""Message which says that a prepared model of solid shoes has no stresses inside the bodies."""
 ONLY_HALF_OF_SOLID_SHOES_MESSAGE = "the other half of each shoe: symmetric"
-"""Message that a prepared model of solid shoes has only one half of each, beside the mid-plane."""
+"""Message which says that a prepared model has only half of each shoe, beside the mid-plane."""
 
 MakeWidthFunctionsOfShoe = Callable[[Shoe], FunctionsAcrossWidth]
 """The type of a function that returns the functions of z across the width of a given shoe."""
@@ -74,15 +74,15 @@ MakeWidthFunctionsOfShoe = Callable[[Shoe], FunctionsAcrossWidth]
 class NumberOfUnknownsOfBodyWithWidth(NamedTuple):
     """The number of displacements of a body with functions across its width, `unknowns`.
 
-    It takes the place of the basis on a mesh that a body in plane stress has. Only this number is
-    needed of a body with widths.
+    The number takes the place of the basis that a body in plane stress has on its mesh: callers ask
+    a body with widths for this number only.
     """
 
     unknowns: int
 
 
 class ShoeSubstructureWithWidth(ShoeSubstructure):
-    """The condensed body of a shoe whose displacements are polynomials across its width."""
+    """The condensed body of a shoe with displacements that are polynomials across its width."""
 
     @property
     def unknowns(self) -> int:
@@ -178,12 +178,13 @@ def prepare_model_with_shoe_widths(
 
 
 def refinement_level_for_narrow_shoes(brake: Brake, level: RefinementLevel) -> RefinementLevel:
-    """The level, with layers of elements at bonds at most as thick as half the width of any shoe.
+    """The level, with layers of elements at bonds no thicker than half the width of any shoe.
 
-    Beside a bond of two materials their lateral contractions become equal over a distance of half
-    the width. With thicker layers of elements, the answer of a very narrow shoe would not approach
-    the answer of plane stress: on the first level, 0.02 % of the double-shoe brake's torque would
-    remain as a difference. With these layers the difference falls in proportion to the width.
+    Far from a bond two materials have different lateral contractions. The contractions become equal
+    within about half the width from the bond. With thicker layers of elements, the answer of a very
+    narrow shoe would not approach the answer of plane stress: on the first level, a difference of
+    0.02 % of the double-shoe brake's torque would remain. With layers of at most half the width the
+    difference falls in proportion to the width.
     """
     size = level.interface_layer_size
     for shoe in brake.shoes:

@@ -2,10 +2,10 @@
 
 Condensation has eliminated all displacements except the displacements of the contact. If a picture
 or a file needs the others, the columns of elements are condensed once more, to the nodes on their
-two sides: a left and a right line, without the contact. Lines are eliminated from the hinge to the
-far end of the shoe. From the far end back to the hinge, the displacements of the lines are computed
-one after another, and the displacements between the lines follow. All displacements are in the axes
-of the shoe's frame.
+two sides: a left and a right line of nodes. Here the nodes of the contact are eliminated as well.
+The lines are eliminated one after another from the hinge to the far end of the shoe. From the far
+end back to the hinge, the displacements of the lines are computed. The displacements between the
+lines follow. All displacements are in the axes of the shoe's frame.
 """
 
 from dataclasses import dataclass
@@ -51,8 +51,8 @@ class _CholeskyFactorOfNodeLine(NamedTuple):
 
     Attributes
     ----------
-    own : (n,) numbers of the line's unknowns among the unknowns of the shoe
-    later : (k,) numbers of the unknowns of the next line
+    own : (n,) indices of the line's unknowns among the unknowns of the shoe
+    later : (k,) indices of the unknowns of the next line
     L : (n, n) lower Cholesky factor of the line's stiffness
     rows_of_later_unknowns : (k, n) rows of the factor for the unknowns of the next line
     forces : (n, m) L^-1 f with the forces f on the line in m load cases
@@ -66,18 +66,18 @@ class _CholeskyFactorOfNodeLine(NamedTuple):
 
 
 class _ElementColumnWithNumbersOfUnknowns(NamedTuple):
-    """A column of elements: its nodes, and the numbers of its unknowns.
+    """A column of elements: its nodes, and the indices of its unknowns.
 
-    The numbers of unknowns count all unknowns of the shoe.
+    The index of an unknown is its position among all unknowns of the shoe.
 
     Attributes
     ----------
-    nodes : (rows, p + 1) numbers of the nodes in the section
-    first : number of the column's first layer of elements, counted from the contact
+    nodes : (rows, p + 1) indices of the nodes in the section
+    first : index of the column's first layer of elements, counted from the contact
     plan : the plan that condenses the column to the nodes on its two sides
-    kept, rest : (k,), (r,) numbers of the unknowns on the two sides, and on the other edges of
+    kept, rest : (k,), (r,) indices of the unknowns on the two sides, and on the other edges of
         elements
-    boundary, within : for each layer, the numbers of the unknowns on the boundary of its element
+    boundary, within : for each layer, the indices of the unknowns on the boundary of its element
         and inside the element
     """
 
@@ -95,9 +95,9 @@ class EliminatedUnknownsOfShoeWithWidth:
     """The displacements that the condensation of a three-dimensional shoe has eliminated.
 
     The class fulfils the protocol `substructure.body.EliminatedUnknownsOfAnyBody`. Each node of the
-    section has several unknowns. An unknown is the factor of one function of z: of an even function
-    in the displacement u_x or u_y, or of an odd function in u_z. The factor is zero if the function
-    is zero over the width of the parts at the node.
+    section has several unknowns. An unknown is the factor of one function of z: the factor of an
+    even function in the displacement u_x or u_y, or the factor of an odd function in u_z. The
+    factor is zero if the function is zero over the width of the parts at the node.
 
     Attributes
     ----------
@@ -124,7 +124,7 @@ class EliminatedUnknownsOfShoeWithWidth:
 
     @property
     def unknowns_per_node(self) -> int:
-        """Number of the unknowns of a node: two for each even function, one for each odd one."""
+        """Number of unknowns of a node: two for each even function, one for each odd function."""
         functions = self.functions
         even, odd = functions.even_functions_across_width, functions.odd_functions_across_width
         return 2 * len(even) + len(odd)
@@ -164,9 +164,9 @@ class EliminatedUnknownsOfShoeWithWidth:
     def factors_of_even_and_odd_functions_at_nodes(self, u: Floats) -> tuple[Floats, Floats]:
         """Split the unknowns u of all nodes into factors of even and factors of odd functions of z.
 
-        The factors of even functions (nodes, even, 2) give displacements x and y, and the factors
-        of odd functions (nodes, odd) give displacements along z. u (nodes unknowns_per_node,) [m]
-        are the unknowns in one load case.
+        The first result (nodes, even functions, 2) [m] has the factors for the displacements x and
+        y, and the second result (nodes, odd functions) [m] the factors for the displacements along
+        z. u (nodes unknowns_per_node,) [m] are the unknowns in one load case.
         """
         by_node = u.reshape(self.grid.N, self.unknowns_per_node)
         even = 2 * len(self.functions.even_functions_across_width)
@@ -175,12 +175,12 @@ class EliminatedUnknownsOfShoeWithWidth:
     def _indices_of_displacements_among_unknowns(
         self, nodes: Ints, function: Ints, component: Ints, along_z: Ints
     ) -> Ints:
-        """The numbers (n,) of n displacements among the unknowns of the shoe.
+        """The indices (n,) of n displacements among the unknowns of the shoe.
 
         Parameters
         ----------
         nodes : (n,) nodes of the section
-        function : (n,) numbers of their functions across the width
+        function : (n,) indices of their functions across the width
         component : (n,) 0 for x and 1 for y
         along_z : (n,) 1 for a displacement along z, for which the component is ignored; 0 for
             others
@@ -201,9 +201,9 @@ class EliminatedUnknownsOfShoeWithWidth:
         return forces.reshape(-1, cases)
 
     def _indices_of_unknowns_and_unit_loads_on_loaded_end(self) -> tuple[Ints, Floats]:
-        """The numbers (n,) of unknowns on the loaded end face, and the unit loads (n, 3) on them.
+        """The indices (n,) of unknowns on the loaded end face, and the unit loads (n, 3) on them.
 
-        They are the same unit loads as in `shoe.condense_shoe_with_width`.
+        The unit loads are the same as in `shoe.condense_shoe_with_width`.
         """
         div, nodes = self.division, self.grid.sets["actuation"]
         loads = self.layers.unit_loads_on_end_face(
@@ -216,7 +216,7 @@ class EliminatedUnknownsOfShoeWithWidth:
         return at, loads
 
     def _which_unknowns_are_zero_with_hinge_face_held(self) -> Bools:
-        """True for each unknown (unknowns,) that is zero while the shoe's frame is held."""
+        """A mask (unknowns,), True for each unknown that is zero while the shoe's frame is held."""
         div, nodes = self.division, self.grid.sets["hinge"]
         held = np.zeros(self.grid.N * self.unknowns_per_node, dtype=bool)
         by_node = held.reshape(self.grid.N, -1)
@@ -256,7 +256,7 @@ class EliminatedUnknownsOfShoeWithWidth:
     ) -> list[_ElementColumnWithNumbersOfUnknowns]:
         """The element columns of a block of elements, from left to right.
 
-        `number` (rows, nodes of a row) are the numbers of the block's nodes. `first` is the number
+        `number` (rows, nodes of a row) are the indices of the block's nodes. `first` is the index
         of the block's first layer of elements, counted from the contact.
         """
         p = self.division.degree
@@ -275,7 +275,7 @@ class EliminatedUnknownsOfShoeWithWidth:
             def indices_of_column_unknowns(
                 unknowns: list[ColumnDisplacementUnknown], nodes: Ints = nodes
             ) -> Ints:
-                """The numbers of a column's unknowns among the unknowns of the shoe."""
+                """The indices of a column's unknowns among the unknowns of the shoe."""
                 z, place, row, function = np.array(unknowns, dtype=int).reshape(-1, 4).T
                 node = nodes[row, np.where(z == 1, place, place // 2)]
                 return self._indices_of_displacements_among_unknowns(node, function, place % 2, z)

@@ -155,8 +155,9 @@ class ElementLayersWithWidthFunctions(NamedTuple):
 class UnitLoadsOnEndFaceWithWidth(NamedTuple):
     """The unit loads on the end face of a shoe with a width.
 
-    `end` has the unit loads on the end face of the plane section. `forces` (n, 3) are the same
-    three loads as forces on the n unknowns of the shoe's `UnknownsAcrossBodyThickness`.
+    `end` has the unit loads on the end face of the plane section: force x, force y and couple.
+    `forces` (n, 3) are the same three loads as forces on the n unknowns of the shoe's
+    `UnknownsAcrossBodyThickness`.
     """
 
     end: UnitLoadsOnLoadedEndFace
@@ -170,8 +171,8 @@ class UnknownsAcrossBodyThickness(NamedTuple):
     ----------
     z : 1 for a displacement along z, across the width; 0 for a displacement in the section
     component : 0 for a displacement along the radius, 1 for a displacement around the drum
-    row : number of the row of nodes, counted from the body's face towards the lining
-    function : number of the function across the width
+    row : index of the row of nodes, counted from the body's face towards the lining
+    function : index of the function across the width
     """
 
     z: Ints
@@ -182,8 +183,9 @@ class UnknownsAcrossBodyThickness(NamedTuple):
     def values_on_unknowns_of_thickness_line(self, by_function: Sequence[Floats]) -> Floats:
         """Values (n, m) on the unknowns of the line from values on nodes for each even function.
 
-        `by_function` has an array (2 rows, m) for each of the first even functions, with x and y of
-        the line's nodes. Values of all other functions are 0, and so are values along z.
+        `by_function` has an array (2 rows, m) for each of the first even functions, with the values
+        x and y at the line's nodes. The values of all other functions, and all values along z, are
+        0.
         """
         found = np.zeros((len(self.z), by_function[0].shape[1]))
         for function, vectors in enumerate(by_function):
@@ -204,7 +206,8 @@ def layers_with_width_functions(
         # `prepare.reason_why_width_model_does_not_apply` refuses brakes with orthotropic materials.
         assert isinstance(material, Material)
         E, nu = material.E, material.nu
-        # With degree 0, lambda has its value for plane stress, otherwise its value for a solid.
+        # With degree 0 across the width, lambda has its value for plane stress. With higher degrees
+        # it has its value for a solid.
         free = E * nu / (1 - nu**2)
         solid = E * nu / ((1 + nu) * (1 - 2 * nu)) if functions.degree > 0 else free
         lame[name] = LameConstants(solid, E / (2 * (1 + nu)))
@@ -218,7 +221,7 @@ def layers_with_width_functions(
 class _CondensedColumnsUnderAndBesideLining(NamedTuple):
     """The columns of elements of a shoe: under the lining, before the lining and behind the lining.
 
-    `grip` has the numbers of the first column in the grip and of the first column behind it,
+    `grip` has the indices of the first column in the grip and of the first column behind it,
     counted from the first column under the lining. Both are 0 without a grip.
     """
 
@@ -233,7 +236,7 @@ MakeCondensedColumnsFunction = Callable[
 ]
 """The type of a function that makes one condensed column of elements for each given kind.
 
-Columns of one kind have equal shape. The arguments are the kinds (c,), the number of the columns'
+Columns of one kind have equal shape. The arguments are the kinds (c,), the index of the columns'
 first layer, counted from the contact, and the layers of the columns.
 """
 
@@ -322,10 +325,10 @@ def _condensed_element_columns_of_shoe(
     def condensed_columns_from_given_layer_on(
         row: Ints, first: int, *, contact: bool, back: ConditionAtEdgeFarthestFromContact
     ) -> list[ColumnSubstructure]:
-        """The condensed columns of the given kinds, with the layers from number `first` on.
+        """The condensed columns of the given kinds, with the layers from index `first` on.
 
         `row` has the kind of each column, and layers are counted from the contact. `contact` and
-        `back` are attributes of `LayersOfElementColumn`.
+        `back` are explained in `LayersOfElementColumn`.
         """
         if not len(row):
             return []
@@ -438,8 +441,8 @@ class _ConversionFromColumnsToContactFace(NamedTuple):
     Attributes
     ----------
     angles : (n functions,) angles [rad] from the axes of the columns to the axes of the frame
-    inverse : matrix (functions, nodes) that turns values at the nodes across the width into factors
-        of the functions
+    inverse : matrix (functions, nodes) that converts values at the nodes across the width to
+        factors of the functions
     """
 
     angles: Floats
