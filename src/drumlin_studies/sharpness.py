@@ -60,8 +60,7 @@ longest.
 """
 
 PROMISED_FRACTION_OF_TOO_SMALL_ERRORS = 0.01
-"""Largest fraction of stated errors that may be below the true errors, as README promises.
-"""
+"""Largest fraction of stated errors that may be below the true errors, as README promises."""
 
 PASS_PROBABILITY_AT_PROMISED_FRACTION = 0.95
 """Probability that the test passes if just the promised fraction of errors is too small.
