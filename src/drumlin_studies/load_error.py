@@ -81,8 +81,8 @@ def _draw_friction_data_of_linings(rng: np.random.Generator, brake: Brake) -> di
         return changes
     if rng.random() < PROBABILITY_OF_LOAD_FEATURE:
         shoe = brake.shoes[0]
-        # The table reaches to three times the mean pressure that the first shoe would have without
-        # friction and with a lever ratio of 1.
+        # The table reaches to three times the pressure `mean`: the largest force on the first shoe
+        # divided by the area of the lining.
         length = brake.length_per_surface_coordinate * (shoe.lining.end - shoe.lining.start)
         mean = shoe.largest_force_of_any_load / (shoe.lining.width * length)
         faded = brake.friction * float(rng.uniform(*RANGE_OF_FRICTION_AT_HIGH_OVER_ZERO_PRESSURE))
