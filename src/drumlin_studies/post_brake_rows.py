@@ -462,9 +462,9 @@ def _torque_errors_at_dimensionless_stiffness_groups(
 def convergence_rows_of_foundation_grids(brake: Brake, repeats: int) -> list[dict[str, Any]]:
     """A row for each of several grids of the foundation model: errors, iterations and time.
 
-    The errors of torque, normal force and friction radius are against a grid of 2880 sections. They
-    are taken on a changed brake, whose linings touch the drum along their whole length. Iterations
-    and time belong to the given brake.
+    The errors of torque, normal force and friction radius are against a grid of 2880 sections. The
+    errors belong to a changed brake, whose linings touch the drum along their whole length.
+    Iterations and time belong to the given brake.
 
     brake : the post brake; repeats : number of timings.
     """

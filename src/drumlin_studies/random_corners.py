@@ -297,8 +297,7 @@ def _clearance_table_at_even_angles(lining: Mapping[str, Any], gaps: Floats) -> 
 def _scale_gaps_to_random_contact_length(
     rng: RandomNumberGenerator, drawn: Callable[[float], Brake], presses: str
 ) -> Brake | None:
-    """The brake with its gaps scaled so that the shoe with the least contact has a random length of
-    it.
+    """The brake with gaps scaled so that the shortest contact of its shoes has a random length.
 
     The result is None where no factor gives this length within CONTACT_LENGTH_TOLERANCE_FACTOR, or
     where the wrong part of the lining presses. After each solve the factor on the gaps is
