@@ -86,7 +86,7 @@ def _draw_random_temperature_rises_of_part(
 ) -> dict[str, float]:
     """Draw the temperature rises [K] of a part whose thermal expansion is 1e-5 1/K.
 
-    The result is a table of temperature rises, by the keys of the brake file.
+    The result has the temperature rises by their keys of the brake file.
 
     Parameters
     ----------

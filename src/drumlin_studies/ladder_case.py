@@ -13,7 +13,7 @@ TOLERANCE_REASON_DISCRETISATION = "discretisation"
 """Reason of a case's tolerance: the discretisation error of drumlin's mesh."""
 TOLERANCE_REASON_MODEL_LIMIT = "limit of the model"
 """Reason of a case's tolerance: the closed form holds in a limit, such as zero lining thickness.
-The case is near the limit, but not at the limit.
+The case is near this limit, but not at the limit.
 """
 
 

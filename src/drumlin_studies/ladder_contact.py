@@ -305,7 +305,7 @@ class PressureMeanAndHarmonic(NamedTuple):
 
 @cache
 def _pressure_harmonics_of_pressed_rings(n: int) -> PressureMeanAndHarmonic:
-    """Mean and cos(n theta) amplitude of the pressure between two rings, known exactly as well.
+    """Mean and cos(n theta) amplitude [Pa] of the computed pressure between two rings.
 
     The overlap of the rings is chosen so that the exact pressure is 3 MPa + 1 MPa cos(n theta).
     """

@@ -213,9 +213,9 @@ def _sticking_over_contact_half_width(share: float) -> float:
         )
     middle = np.abs(s) < 0.2 * HALF_PLANE_CONTACT_HALF_WIDTH
     ratio = np.abs(found.t[middle]).mean() / (mu * found.p[middle].mean())
-    # At s = 0 the exact ratio t/(mu p) is 1 - c/a. `ratio` is taken over a small interval around s
-    # = 0 and differs from 1 - c/a by a term of second order. The closed form gives this difference,
-    # which is subtracted from `ratio`.
+    # At s = 0 the exact ratio t/(mu p) is 1 - c/a. `ratio` belongs to a small interval around the
+    # middle and differs from 1 - c/a by a term of second order. The closed form gives this
+    # difference, which is subtracted from `ratio`.
     exact_p = np.sqrt(1 - (s[middle] / HALF_PLANE_CONTACT_HALF_WIDTH) ** 2)
     c = math.sqrt(1 - share)
     exact_t = exact_p - c * np.sqrt(1 - (s[middle] / (c * HALF_PLANE_CONTACT_HALF_WIDTH)) ** 2)

@@ -201,8 +201,8 @@ def _response_of_short_shoe_on_lever() -> Response:
 def _torque_of_two_short_shoes() -> float:
     """Torque [N m] of two short shoes opposite each other, each at 90 degrees from its pin.
 
-    The distance of the pins from the drum's centre is a = R. Under the actuating moments M of 60 N
-    m and 40 N m the normal forces are M/(R (1 - mu)) = 400 N and M/(R (1 + mu)) = 160 N.
+    The distance of the pins from the drum's centre is a = R. The actuating moments M are 60 N m and
+    40 N m. The normal forces are then M/(R (1 - mu)) = 400 N and M/(R (1 + mu)) = 160 N.
     """
     shoe: dict[str, Any] = {
         "R": 0.2,

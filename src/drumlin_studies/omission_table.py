@@ -419,11 +419,11 @@ def rms_pressure_waves_due_to_straight_edges(brake: Brake, shoe: Shoe, elements:
     """Root mean square over the lining of the pressure waves [Pa] by straight element edges.
 
     A straight edge is a chord of length h with the sagitta s = R (1 - cos(dphi/2)). It leaves the
-    periodic gap s (1 - (2 x/h)^2) to the drum. The waves of this gap have the wave numbers k = 2 pi
-    m/h and the amplitudes 4 s/(pi m)^2, m = 1, 2, ... The lining is taken as a layer of thickness t
-    on a rigid base in plane stress, without friction. A wave of amplitude w in the gap causes a
-    wave of amplitude p in the pressure, by the formula below. The ratio p/w tends to E k/2 for a
-    thick layer (half-plane) and to E/((1 - nu^2) t) for a thin layer.
+    periodic gap s (1 - (2 x/h)^2) to the drum. The Fourier series of this gap has waves m = 1, 2,
+    ... with the wave numbers k = 2 pi m/h and the amplitudes 4 s/(pi m)^2. The lining is taken as a
+    layer of thickness t on a rigid base in plane stress, without friction. A wave of amplitude w in
+    the gap causes a wave of amplitude p in the pressure, by the formula below. The ratio p/w tends
+    to E k/2 for a thick layer (half-plane) and to E/((1 - nu^2) t) for a thin layer.
 
         p = w 4 G k/(kappa + 1) (2 kappa cosh 2kt + 1 + kappa^2 + (2kt)^2)/(2 kappa sinh 2kt - 4kt).
     """

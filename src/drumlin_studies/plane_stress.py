@@ -193,7 +193,7 @@ def mid_plane_over_side_pressure(shoe: ShoeResponse) -> float:
     """Pressure of a solid shoe in its mid-plane, divided by the pressure at its side.
 
     The ratio is taken in the middle of the contact, among the rows of nodes across the width that
-    touch the drum with all nodes. It is inf if no row does.
+    touch the drum with all nodes. The result is inf if no row touches with all nodes.
     """
     p = pressure_over_friction_face_of_solid_shoe(shoe).pressure
     # Indices of the rows of nodes across the width whose nodes all touch the drum.

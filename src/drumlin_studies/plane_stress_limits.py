@@ -178,7 +178,7 @@ def rows_of_plane_stress_limits(
     ----------
     brakes : the brakes that are varied, by name
     every : 1 for all values of a quantity, 2 for every second value, beginning with the first, and
-    so on
+        so on
     say : is called with a line of text on the progress
     """
     rows = []

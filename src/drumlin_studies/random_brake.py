@@ -1,7 +1,7 @@
 """Random brakes with shoes and drums of every shape that a brake file can express.
 
-A seed determines a brake. Sizes are drawn on logarithmic scales: drums of radius R = 20 mm to 2.8
-m, linings with thicknesses of R/1000 to R/3 and arcs of 1 to 163 degrees, moduli over several
+A seed determines a brake. Sizes are drawn on logarithmic scales: drums of radius R from 20 mm to
+2.8 m, linings with thicknesses of R/1000 to R/3 and arcs of 1 to 163 degrees, moduli over several
 powers of ten. The actuation forces follow from usual pressures of linings. Clearances and misfits
 are about as large as the compression of the lining by the forces. So in some brakes the whole
 lining touches the drum, and in others a part of the lining.

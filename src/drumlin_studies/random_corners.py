@@ -41,8 +41,8 @@ the drum.
 The test keeps the brake away from the friction at which it would lock itself.
 """
 MOST_SOLVES_TO_SCALE_GAP_TO_CONTACT_LENGTH = 8
-"""Largest number of solves by which the gap of a brake is scaled, until the contact has the drawn
-length. Then the brake is given up.
+"""Largest number of solves in which the gap of a brake is scaled, until the contact has the drawn
+length. After these solves the brake is given up.
 """
 SIGNIFICANT_DIGITS_OF_GAP_FACTOR = 2
 """Significant digits of the factor by which a gap is scaled.
@@ -297,12 +297,13 @@ def _clearance_table_at_even_angles(lining: Mapping[str, Any], gaps: Floats) -> 
 def _scale_gaps_to_random_contact_length(
     rng: RandomNumberGenerator, drawn: Callable[[float], Brake], presses: str
 ) -> Brake | None:
-    """The brake with gaps scaled so that the shortest contact of its shoes has a random length.
+    """The brake with its gaps scaled so that its shortest contact has a random length.
 
-    The result is None where no factor gives this length within CONTACT_LENGTH_TOLERANCE_FACTOR, or
-    where the wrong part of the lining presses. After each solve the factor on the gaps is
-    multiplied by (length/wanted length)^0.8. The exact power is 1 for a gap in the form of a wedge
-    and 2 for a curved gap. The smaller power 0.8 does not overshoot.
+    The contact of a shoe is the sum of its contact arcs. The result is None where no factor gives
+    this length within CONTACT_LENGTH_TOLERANCE_FACTOR, or where the wrong part of the lining
+    presses. After each solve the factor on the gaps is multiplied by (length/wanted length)^0.8.
+    The exact power is 1 for a gap in the form of a wedge and 2 for a curved gap. The smaller power
+    0.8 does not overshoot.
 
     Parameters
     ----------

@@ -201,7 +201,7 @@ def _draw_actuation_data(
     direction: float,
     at: tuple[float, float],
 ) -> dict[str, Any]:
-    """The data of a random actuation force, whose even pressure strains the lining by 1e-4 to 3e-3.
+    """The data of a random actuation force, which would strain the whole lining by 1e-4 to 3e-3.
 
     Parameters
     ----------

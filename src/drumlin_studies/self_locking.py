@@ -165,7 +165,7 @@ def torque_times_distance_to_locking_friction_and_its_change(
 
 
 def row_on_uniqueness_of_contact_solutions(seed: int, way: str) -> SelfLockingRow:
-    """A row: has a random brake one answer below its friction limit, and no answer beyond it?
+    """A row on the answers of a random brake: one below its friction limit, none beyond it.
 
     The contact iteration starts from all nodes in contact, from no node in contact, and from random
     contact sets. `disagreeing` lists the fractions of the limit at which some iteration does not

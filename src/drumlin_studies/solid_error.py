@@ -46,8 +46,8 @@ at the ends of the contact in the mid-plane. It chooses the level and the degree
 stated errors were judged on brakes to which no number of the code is fitted ("built" 510020 to
 510022, "free" 510020 and 510022). All 15 stated errors are at least as large as the true errors.
 Three of the five brakes state 1 %. The stated error of plane stress is 0.79 to 1.13 times the true
-one wherever the true one is above 1 %. For "free" 510023 drumlin once stated an error of p of 0.9
-%, with a true error of 2.5 %, because it used provisional errors for all shoes. Now it uses no
+error wherever the true error is above 1 %. For "free" 510023 drumlin once stated a much too small
+error of p, 0.9 % for 2.5 %, because it used provisional errors for all shoes. Now it uses no
 provisional errors for such shoes, and states 3.7 %.
 
 Without truths, 8 of 14 further brakes stated at most 1 % ("built" 510000 to 510004, 510008, 510012,

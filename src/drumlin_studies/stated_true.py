@@ -52,11 +52,9 @@ JUDGED_TOLERANCES = (1e-2, 1e-3, 1e-4)
 GAUSS_POINTS, GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(8)
 """Gauss points in [-1, 1] and their weights, for integrals between two nodes of a pressure."""
 LARGEST_PRESSURE_CHANGE_OF_TRUTH_OVER_TOLERANCE = 0.1
-"""Change of the pressure on the last level of the truth, relative to the tolerance, that is
-allowed.
+"""Largest allowed change of the pressure on the last level of the truth, relative to the tolerance.
 
-The truth is solved on finer and finer levels until the pressure changes by less than this fraction
-of the tolerance.
+The truth is solved on finer and finer levels until the change of the pressure is below this limit.
 """
 NUMBER_OF_PEAK_SEARCH_ANGLES = 4001
 """Number of evenly spaced angles at which the peak pressure is searched, in addition to the nodes.

@@ -89,9 +89,10 @@ HP_MESHES_OF_STORED_TRUTH = (
 )
 """Meshes of hp elements, coarse to fine, finer than every level of a solve.
 
-On 20 brakes the solution on the last mesh was compared with the curved triangles. The relative
-differences of the pressures are at most 2e-5, or 1e-4 if the lining presses with its corner. Those
-of the torques are at most 2e-7."""
+On 20 brakes the responses on these meshes were compared with the curved triangles. The relative
+differences of the pressures are at most 2e-5, or 1e-4 if the lining presses with its corner. The
+relative differences of the torques are at most 2e-7.
+"""
 
 TRIANGLE_MESHES_FOR_PRESSED_CORNER = (
     DegreeAndGradingOfTriangleMesh(4, 14, 0.7, 0.8),

@@ -1,6 +1,6 @@
 """Runs drumlin on thousands of broken inputs, and keeps in a journal how each run ended.
 
-A generator is a function that makes random broken inputs of one kind. It has a name.
+A generator is a function that makes random broken inputs of one kind.
 """
 
 import itertools
