@@ -4,9 +4,8 @@
 
 draws the hot brakes with the seeds FIRST to LAST - 1, solves each to the tolerances
 TOLERANCES_OF_HOT_BRAKE_SOLVES, and prints the ratios of stated to true errors. True errors are
-differences from a solution on much finer meshes. FILE keeps the errors of each brake, so that a
-later run only solves the brakes that the file lacks, and prints the table of all brakes in the
-file.
+differences from a solution on much finer meshes. FILE keeps the errors of each brake. A later run
+only solves the brakes that are not in FILE, and prints the summary of all brakes in FILE.
 """
 
 import json
@@ -35,11 +34,11 @@ from drumlin_studies.stated_true import (
 )
 
 LINING_STRAINS, BODY_STRAINS = (1e-4, 1e-2), (3e-5, 1e-3)
-"""Ranges (smallest and largest) of the free thermal strain of hot linings, and of hot bodies and
-drums.
+"""Ranges (smallest and largest) of the free thermal strain: first of hot linings and backings, then
+of hot bodies and drums.
 
-Steel has a strain of 1e-4 if it is 10 K warmer, and of 1e-3 if it is 80 K warmer. An organic lining
-has a strain of 1e-2 if it is 300 K warmer.
+A temperature rise of 10 K causes a strain of 1e-4 in steel, and a rise of 80 K a strain of 1e-3. A
+rise of 300 K causes a strain of 1e-2 in an organic lining.
 """
 TOLERANCES_OF_HOT_BRAKE_SOLVES = (1e-2, 1e-3)
 """Relative tolerances to which each hot brake is solved."""
@@ -50,8 +49,8 @@ PROBABILITY_OF_HEATED_PART = 0.7
 def draw_random_brake_with_heated_parts(seed: int) -> Brake:
     """Draw the random brake of a seed, with some of its parts heated.
 
-    A straight beam gets the same temperature throughout, and the surface of a brake on a plane is
-    not heated. Raises BadInput if heat is not modelled for the brake, for example with a cam.
+    A straight beam has one temperature throughout. The plane of a brake on a plane is not heated.
+    Raises BadInput if heat is not modelled for the brake, for example with a cam.
     """
     rng = np.random.default_rng([seed, 20])
     brake = draw_random_brake(seed) if seed % 2 else draw_random_brake_of_support_kind(seed)
@@ -87,7 +86,7 @@ def _draw_random_temperature_rises_of_part(
 ) -> dict[str, float]:
     """Draw the temperature rises [K] of a part whose thermal expansion is 1e-5 1/K.
 
-    The result holds the drawn temperature rises by the brake's keys for them.
+    The result has the temperature rises by their keys of the brake file.
 
     Parameters
     ----------
@@ -98,7 +97,7 @@ def _draw_random_temperature_rises_of_part(
     strains : tuple of two floats
         Smallest and largest free thermal strain.
     gradient : bool
-        Whether the face away from the contact may have another temperature than the front face.
+        Whether the part's back, away from the contact, may have another temperature than its front.
     """
     low, high = np.log(strains)
     rises = np.exp(rng.uniform(low, high, 2)) / 1e-5
@@ -111,7 +110,7 @@ def _draw_random_temperature_rises_of_part(
 def rows_of_stated_and_true_errors_of_drawn_brake(
     draw: Callable[[int], Brake], seed: int
 ) -> list[dict[str, Any]]:
-    """The rows of stated and true errors of one brake, one for each tolerance.
+    """A row for each tolerance with the stated and true errors of the random brake of a seed.
 
     `draw` is a function that draws the brake of a seed, and may raise BadInput. A brake that is not
     drawn has no rows.
@@ -129,8 +128,8 @@ def rows_of_stated_and_true_errors_of_drawn_brake(
         failure = str(error)
     one = partial(row_of_stated_and_true_errors, brake, solve=solve, true=truth, failure=failure)
     rows = [one(tolerance) for tolerance in TOLERANCES_OF_HOT_BRAKE_SOLVES]
-    # The fine solution has no braking force, which brakes on a plane have in place of a torque.
-    # Errors of the torque are therefore left out on a plane.
+    # A brake on a plane has a braking force in place of a torque. The fine solution does not
+    # contain this force. Errors of the torque are therefore left out on a plane.
     left_out = {"true_torque", "stated_torque"} if brake.surface.is_plane_and_not_drum else set()
     return [{key: v for key, v in row.items() if key not in left_out} for row in rows]
 
@@ -149,7 +148,7 @@ def _text_on_outcome_and_smallest_ratio(row: Mapping[str, Any]) -> str:
 
 
 def read_rows_of_errors_by_seed(path: Path) -> dict[int, list[dict[str, Any]]]:
-    """The rows of errors that a file keeps, by the seed of the brake; none if there is no file.
+    """The rows of errors that a file keeps, by the seed of the brake; empty if there is no file.
 
     Each line of the file is the seed and the rows of one brake, in JSON.
     """
@@ -163,7 +162,7 @@ def read_rows_of_errors_by_seed(path: Path) -> dict[int, list[dict[str, Any]]]:
 def judge_brakes_of_seeds_and_print_summary(
     draw: Callable[[int], Brake], first: int, last: int, path: Path
 ) -> None:
-    """Judge brakes that a file lacks, keep their rows in it, and print the summary of all its rows.
+    """Judge the brakes that are not in a file, append their rows, and print a summary of all rows.
 
     Parameters
     ----------

@@ -24,7 +24,7 @@ HEATED_PARTS_BY_STATE_NAME: Mapping[str, tuple[str, ...]] = {
 def responses_with_heat_only_in_some_parts(
     brake: Brake, solve: Callable[[Brake], Response]
 ) -> dict[str, Response]:
-    """The responses of a hot brake of which only some parts are hot, by the names of states.
+    """The responses of a hot brake in each state, in which only some parts are hot, by state name.
 
     Parameters
     ----------
@@ -40,7 +40,7 @@ def responses_with_heat_only_in_some_parts(
 
 
 def rows_of_changes_due_to_heat(responses: Mapping[str, Response]) -> list[dict[str, Any]]:
-    """A row for each hot state: torque, peak pressure, contact, and their changes by the heat."""
+    """A row for each state: torque, peak pressure, their changes by the heat, and contact arcs."""
     cold = responses["cold"]
     rows = []
     for name, response in responses.items():
@@ -61,17 +61,17 @@ def rows_of_changes_due_to_heat(responses: Mapping[str, Response]) -> list[dict[
 
 
 def _sum_of_contact_arc_lengths(arcs: Iterable[tuple[float, float]]) -> float:
-    """The sum of the lengths of contact arcs [rad], each with its first and its last angle."""
+    """The sum of the lengths [rad] of contact arcs, which are pairs of a first and a last angle."""
     return float(sum(end - start for start, end in arcs))
 
 
 def torque_and_reaction_distances_from_triangles(
     brake: Brake, response: Response
 ) -> dict[str, float]:
-    """Relative distances of a response from the solution by triangles: "torque" and "reaction".
+    """Relative distances "torque" and "reaction" of a response from the solution by triangles.
 
-    "reaction" is the distance of the hinge reaction, the largest of all shoes. The triangles share
-    neither mesh nor assembly with the finite elements of the response.
+    "reaction" is the distance of the hinge reaction for the shoe with the largest distance. The
+    solution by triangles shares neither mesh nor assembly with the finite elements of the response.
     """
     shoes = solve_brake_on_sequence_of_triangle_meshes(brake)[-1]
     torque = sum(shoe.torque for shoe in shoes)

@@ -42,7 +42,7 @@ def is_value_within_case_tolerance(case: KnownAnswerCase, value: float) -> bool:
 
 
 def run_known_answer_case_and_return_row(case: KnownAnswerCase) -> dict[str, Any]:
-    """Run a case; returns a row of a table with the expected value and drumlin's value."""
+    """Run a case; returns a table row with expected value, drumlin's value and their agreement."""
     value = case.found()
     return {
         "family": case.family,

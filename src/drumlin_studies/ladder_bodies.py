@@ -41,8 +41,8 @@ from drumlin_studies.two_bodies import (
 from drumlin_studies.uncertainty import GridConvergenceIndex, grid_convergence_index_of_three_values
 
 ROACHE_EXAMPLE_VALUES_ON_THREE_MESHES = (0.96178, 0.96854, 0.97050)
-"""Values of one quantity on three meshes, from an example of Roache. The second mesh is twice as
-fine as the first, and the third twice as fine as the second.
+"""Values of one quantity on three meshes, coarse to fine, from an example of Roache. The elements
+of each mesh are half as long as those of the mesh before.
 """
 SYMMETRY_AXIS_TOLERANCE = 1e-9
 """Distance [m] from an axis of symmetry within which a node counts as lying on it."""
@@ -57,14 +57,14 @@ def _roache_convergence_index() -> GridConvergenceIndex:
 def _basis_and_stiffness_of_rectangle(
     length: float, height: float, along: int, through: int
 ) -> tuple[Any, Any]:
-    """The finite-element basis and stiffness of a steel rectangle of quadratic quadrilaterals.
+    """The finite-element basis and stiffness matrix of a steel rectangle, quadratic quadrilaterals.
 
     Parameters
     ----------
     length, height : float
         The rectangle is [0, length] x [-height/2, height/2] [m].
     along, through : int
-        Number of elements along and through the rectangle.
+        Number of elements along the length and along the height.
     """
     x = np.linspace(0, length, along + 1)
     y = np.linspace(-height / 2, height / 2, through + 1)
@@ -83,7 +83,7 @@ def _basis_and_stiffness_of_mesh(mesh: Any, material: Material) -> tuple[Any, An
 
 
 def solve_nodal_displacements(K: Any, f: Floats, held: Any, at: Floats | float = 0.0) -> Floats:
-    """Nodal displacements (2 nodes,) of a body under nodal forces and prescribed displacements.
+    """Nodal displacements (2 nodes,) [m] of a body under forces and prescribed displacements.
 
     Parameters
     ----------
@@ -151,7 +151,7 @@ def _cantilever_end_force_over_closed_form() -> float:
 
 
 def _work_of_end_force_on_curved_bar() -> float:
-    """Work P u_0 of the end force P on a quarter ring that is displaced by u_0 = 0.01 at this end.
+    """Product P u_0 of the displacement u_0 = 0.01 of a quarter ring's end and the end force P.
 
     The ring lies between the radii 1 and 2 and has E = 1e4 and nu = 1/4.
     """
@@ -161,8 +161,8 @@ def _work_of_end_force_on_curved_bar() -> float:
     curved = skfem.MeshQuad2(np.array([r * np.cos(phi), r * np.sin(phi)]), mesh.t)
     basis, K = _basis_and_stiffness_of_mesh(curved, Material(E=1e4, nu=0.25))
     x, y = basis.doflocs
-    # The base is fixed along x, and one node of it along y. The other end is displaced along y by
-    # 0.01.
+    # The base (x = 0) is fixed along x, and one of its nodes also along y. The tip (y = 0) is
+    # displaced along y by 0.01.
     base, tip = np.flatnonzero(np.abs(x) < 1e-12), np.flatnonzero(np.abs(y) < 1e-12)
     pinned = base[np.argmin(np.abs(y[base] - 1))]
     held = np.concatenate([2 * base, [2 * pinned + 1], 2 * tip])
@@ -205,7 +205,7 @@ def _edge_displacements_of_lame_ring() -> MeanRadialDisplacementsOfRingEdges:
 
 
 class DimensionlessRingDiameterChanges(NamedTuple):
-    """Changes of the ring's diameters along and across two opposite forces F, times EI/(F R^3)."""
+    """Changes of a ring's diameter along and across two opposite forces F, times EI/(F R^3)."""
 
     closing: float
     widening: float
@@ -213,7 +213,7 @@ class DimensionlessRingDiameterChanges(NamedTuple):
 
 @cache
 def _diameter_changes_of_thin_ring() -> DimensionlessRingDiameterChanges:
-    """Diameter changes of a thin ring, t/R = 0.02, under two opposite forces along a diameter."""
+    """Dimensionless diameter changes of a ring of t/R = 0.02 under two forces along a diameter."""
     R, t, E = 1.0, 0.02, 1e9
     mesh = plane_mesh_of_closed_ring(
         np.linspace(-math.pi, math.pi, 241)[:-1], np.array([0.0, t]), R - t / 2, 1
@@ -238,10 +238,10 @@ def _diameter_changes_of_thin_ring() -> DimensionlessRingDiameterChanges:
 
 
 def _observed_order_of_convergence(kind: str) -> float:
-    """Observed order of convergence of the L2 error, for elements of a kind.
+    """Order of convergence of the L2 error of the displacements, for elements of a kind.
 
-    The kind is "quad2" or "tri1". The order follows from the errors for a manufactured solution on
-    two meshes.
+    The kind is "quad2" or "tri1". The order follows from the errors on two meshes of 8 and 16
+    elements to a side, for a manufactured solution.
     """
     return math.log2(
         _displacement_error_for_manufactured_solution(kind, 8)
@@ -250,9 +250,10 @@ def _observed_order_of_convergence(kind: str) -> float:
 
 
 def _displacement_error_for_manufactured_solution(kind: str, n: int) -> float:
-    """L2 error of the displacements of a unit square with n elements to a side.
+    """L2 error of the displacements of a unit square with n elements along each side.
 
-    The exact (manufactured) solution is u = (sin pi x sin pi y, x y) with the body force for it.
+    The exact displacements u = (sin pi x sin pi y, x y) are chosen ("manufactured"), and the body
+    force follows from them.
     """
     make, raised = {"quad2": (skfem.MeshQuad, skfem.MeshQuad2), "tri1": (skfem.MeshTri, None)}[kind]
     E, nu, pi = 1000.0, 0.3, math.pi
@@ -286,7 +287,7 @@ def _displacements_of_manufactured_solution(x: Floats, y: Floats) -> Floats:
 
 
 def _largest_pressure_of_murty_problem() -> float:
-    """Largest pressure of Murty's contact problem, on which a simpler active-set method fails.
+    """Largest pressure in Murty's contact problem, in which a simpler active-set method fails.
 
     The simpler method changes the state of all wrong nodes at once, and so repeats the same contact
     sets for ever.

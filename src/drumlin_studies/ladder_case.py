@@ -4,16 +4,16 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 TOLERANCE_REASON_ROUND_OFF = "round-off"
-"""Reason of a case's tolerance: only round-off, since drumlin computes the same formula or
-equilibrium.
+"""Reason of a case's tolerance: round-off alone. drumlin evaluates the same formula or equilibrium
+as the source.
 """
 TOLERANCE_REASON_PRINTED_DIGITS = "digits given"
 """Reason of a case's tolerance: half a unit of the last digit that the source prints."""
 TOLERANCE_REASON_DISCRETISATION = "discretisation"
 """Reason of a case's tolerance: the discretisation error of drumlin's mesh."""
 TOLERANCE_REASON_MODEL_LIMIT = "limit of the model"
-"""Reason of a case's tolerance: the closed form holds in a limit, such as zero lining thickness,
-that the case approaches but does not reach.
+"""Reason of a case's tolerance: the closed form holds in a limit, such as zero lining thickness.
+The case is near this limit, but not at the limit.
 """
 
 
@@ -26,7 +26,7 @@ class KnownAnswerCase:
     family : str
         Name of the group of similar cases.
     shows : str
-        Part of drumlin that the case tests.
+        What the case tests of drumlin, in words.
     source : str
         Source of the expected value.
     quantity : str
@@ -40,7 +40,7 @@ class KnownAnswerCase:
         TOLERANCE_REASON_PRINTED_DIGITS, TOLERANCE_REASON_DISCRETISATION or
         TOLERANCE_REASON_MODEL_LIMIT.
     found : function
-        Function that computes the quantity by drumlin.
+        Function without arguments that returns drumlin's value of the quantity.
     """
 
     family: str

@@ -37,8 +37,8 @@ from drumlin_studies.two_bodies import (
 HALF_PLANE_CONTACT_HALF_WIDTH = 0.005
 """Half-width of the contact between half-planes [m].
 
-Thick sectors of radius 1 m take the place of half-planes. The contact is so short in relation to
-the radius that the curvature of the sectors has no effect.
+Thick sectors of radius 1 m take the place of half-planes. The contact is so short compared with
+this radius that the curvature of the sectors has no effect on the results.
 """
 RELATIVE_CURVATURE_RADIUS_OF_HALF_PLANES = 2.0
 """Relative radius of curvature of the contact between half-planes [m]."""
@@ -51,14 +51,14 @@ NUMBER_OF_WAVES_AROUND_WAVY_RING = 40
 def condensed_half_plane_body(
     sign: int, per_half: int, material: Material = STEEL_OF_KNOWN_ANSWER_CASES
 ) -> BodyCondensedToContactNodes:
-    """A condensed thick sector of radius 1 m as a half-plane, with equal elements at the contact.
+    """A thick sector of radius 1 m that stands for a half-plane, condensed to its contact nodes.
 
     Parameters
     ----------
     sign : int
-        1 for a body outside the radius of 1 m, -1 for a body inside.
+        1 for a body outside the circle of radius 1 m, -1 for a body inside.
     per_half : int
-        Number of elements in the half-width of the contact.
+        Number of elements of equal length in the half-width of the contact.
     material : Material
         Material of the body.
     """
@@ -84,7 +84,7 @@ def solve_nodal_contact_pressures(problem: ContactProblem) -> Floats:
 
 
 def _peak_pressure_over_hertz() -> float:
-    """Peak pressure between two equal half-planes, relative to Hertz's closed form."""
+    """Peak pressure between two equal half-planes, divided by Hertz's closed form."""
     # Under this load Hertz's formula gives a contact of HALF_PLANE_CONTACT_HALF_WIDTH.
     load = (
         HALF_PLANE_CONTACT_HALF_WIDTH**2
@@ -118,9 +118,10 @@ class PeakPressureAndContactHalfWidth(NamedTuple):
 
 @cache
 def _peak_pressure_and_half_width_of_cylinder() -> PeakPressureAndContactHalfWidth:
-    """Contact of a steel cylinder of radius 50 mm on aluminium under 35 kN for 1 mm of length.
+    """Peak pressure and half-width of the contact of a steel cylinder on aluminium.
 
-    The benchmark is in plane strain, which equals plane stress with E/(1 - nu^2) and nu/(1 - nu).
+    The cylinder has the radius 50 mm and carries 35 kN on each millimetre of its length. The
+    benchmark is in plane strain, which equals plane stress with E/(1 - nu^2) and nu/(1 - nu).
     Lengths are scaled so that the half-width of the contact is HALF_PLANE_CONTACT_HALF_WIDTH.
     """
     steel = Material(E=210e9 / (1 - 0.3**2), nu=0.3 / 0.7)
@@ -136,8 +137,8 @@ def _peak_pressure_and_half_width_of_cylinder() -> PeakPressureAndContactHalfWid
     p = solve_nodal_contact_pressures(
         pair.frictionless_contact_problem(s**2 / (2 * 0.05 / scale), [load])
     )
-    # Hertz's p^2 falls linearly with s^2 and vanishes at the half-width. The line through values
-    # away from the end therefore gives the half-width without the inexact values at the end.
+    # By Hertz's formula p^2 falls linearly with s^2 and vanishes at the half-width. A line is
+    # therefore fitted to the values of p^2 away from the ends of the contact, where p is exact.
     near = np.abs(s) < 0.8 * HALF_PLANE_CONTACT_HALF_WIDTH
     slope, top = np.polyfit(s[near] ** 2, p[near] ** 2, 1)
     return PeakPressureAndContactHalfWidth(
@@ -146,7 +147,7 @@ def _peak_pressure_and_half_width_of_cylinder() -> PeakPressureAndContactHalfWid
 
 
 def _mean_punch_pressure_over_closed_form() -> float:
-    """Mean pressure under the middle half of a rigid flat punch, divided by the closed form."""
+    """Pressure under a rigid flat punch over its closed form, averaged over the middle half."""
     pair = InnerAndOuterBodyInContact.couple_two_bodies_at_contact_nodes(
         condensed_half_plane_body(-1, 24), None, motions="x"
     )
@@ -179,9 +180,10 @@ class DiscInHoleResultsOverPersson(NamedTuple):
 
 @cache
 def _disc_in_hole_results_over_persson(half_angle: float) -> DiscInHoleResultsOverPersson:
-    """Results for a loaded disc in a hole of a large plate, relative to Persson's closed form.
+    """Pressure and contact angle of a loaded disc in a hole, divided by Persson's closed form.
 
-    The clearance is chosen so that the closed form gives the half-angle of contact [deg].
+    The hole is in a large plate. The clearance is chosen so that the closed form gives the contact
+    the half-angle `half_angle` [deg].
     """
     eps, load = math.radians(half_angle), 1e6
     # The disc and the edge of the hole have different meshes, fine at the ends of the contact.
@@ -225,8 +227,8 @@ def _disc_in_hole_results_over_persson(half_angle: float) -> DiscInHoleResultsOv
 def _node_angles_around_circle(count: int, eps: float) -> Floats:
     """Angles [rad] of nodes around a circle, closest together at the ends of a contact.
 
-    The contact reaches from -eps to eps [rad]. `count` is the number of nodes in the contact, and
-    again the number of nodes on the rest of the circle.
+    The contact reaches from -eps to eps [rad]. It has `count` steps between nodes, and the rest of
+    the circle has `count` steps as well.
     """
     inner = points_graded_to_both_ends(-eps, eps, count, eps / 2, 1 / 40)
     outer = points_graded_to_both_ends(eps, 2 * math.pi - eps, count, 0.4, eps / 200)
@@ -236,7 +238,7 @@ def _node_angles_around_circle(count: int, eps: float) -> Floats:
 def _wavy_ring_pressure_over_westergaard(share: float) -> float:
     """Pressure at the crests of a wavy ring in another ring, divided by Westergaard's closed form.
 
-    `share` is roughly the mean pressure divided by the pressure p* of full contact.
+    `share` is about the mean pressure divided by the smallest mean pressure p* with full contact.
     """
     count = 12 * NUMBER_OF_WAVES_AROUND_WAVY_RING
     angles = np.linspace(-math.pi, math.pi, count + 1)[:-1]
@@ -251,7 +253,8 @@ def _wavy_ring_pressure_over_westergaard(share: float) -> float:
     height = 1e-6
     E, nu = STEEL_OF_KNOWN_ANSWER_CASES.E, STEEL_OF_KNOWN_ANSWER_CASES.nu
     full = math.pi * E / 2 * height * NUMBER_OF_WAVES_AROUND_WAVY_RING / (2 * math.pi)
-    # Radial displacement of the two rings towards each other under a uniform pressure of 1 Pa.
+    # Overlap [m] of the two rings that causes a uniform pressure of 1 Pa: the sum of the radial
+    # displacements with which the rings give way.
     soft = sum(
         abs(closed_forms.ring_displacement_per_harmonic_pressure(0, 1.0, held, E, nu))
         for held in (0.5, 1.5)
@@ -262,7 +265,7 @@ def _wavy_ring_pressure_over_westergaard(share: float) -> float:
             - share * full * soft
         )
     ).p
-    # Westergaard's closed form is evaluated at the mean pressure of the computed solution.
+    # Westergaard's closed form needs the mean pressure, which is taken from the computed solution.
     mean = float(
         integral_of_piecewise_polynomial(pair.contact_node_angles, p, 2)
         / np.ptp(pair.contact_node_angles)
@@ -302,7 +305,7 @@ class PressureMeanAndHarmonic(NamedTuple):
 
 @cache
 def _pressure_harmonics_of_pressed_rings(n: int) -> PressureMeanAndHarmonic:
-    """Harmonics of the pressure between two rings whose exact pressure is known.
+    """Mean and cos(n theta) amplitude [Pa] of the computed pressure between two rings.
 
     The overlap of the rings is chosen so that the exact pressure is 3 MPa + 1 MPa cos(n theta).
     """
@@ -310,7 +313,7 @@ def _pressure_harmonics_of_pressed_rings(n: int) -> PressureMeanAndHarmonic:
     angle = pair.contact_node_angles
 
     def gap_amplitude_per_harmonic_pressure(k: int) -> float:
-        """Amplitude [m/Pa] of the gap between the rings under the pressure cos(k theta)."""
+        """Amplitude [m/Pa] of the unloaded gap that causes the pressure cos(k theta)."""
         E, nu = STEEL_OF_KNOWN_ANSWER_CASES.E, STEEL_OF_KNOWN_ANSWER_CASES.nu
         inner = closed_forms.ring_displacement_per_harmonic_pressure(k, 1.0, 0.6, E, nu)
         return inner - closed_forms.ring_displacement_per_harmonic_pressure(k, 1.0, 1.4, E, nu)
@@ -319,14 +322,15 @@ def _pressure_harmonics_of_pressed_rings(n: int) -> PressureMeanAndHarmonic:
     p = active_set.solve_contact_problem(
         pair.frictionless_contact_problem(3e6 * soft[0] + 1e6 * soft[1] * np.cos(n * angle))
     ).p
-    # A least-squares fit of mean, cosine and sine finds the harmonics.
+    # A least-squares fit to the nodal pressures gives the mean and the amplitudes of cosine and
+    # sine.
     columns = np.column_stack([np.ones_like(angle), np.cos(n * angle), np.sin(n * angle)])
     fit = np.linalg.lstsq(columns, p, rcond=None)[0]
     return PressureMeanAndHarmonic(float(fit[0]), float(fit[1]))
 
 
 def _computed_pressure_per_indentation_of_lining() -> float:
-    """Pressure per indentation [Pa/m] in the middle of a thin lining on a rigid back."""
+    """Pressure per compression [Pa/m] in the middle of a thin lining on a rigid back."""
     thickness, depth = 1e-3, 1e-6
     angles = np.linspace(-0.03, 0.03, 61)
     pair = InnerAndOuterBodyInContact.couple_two_bodies_at_contact_nodes(
@@ -344,9 +348,10 @@ def _computed_pressure_per_indentation_of_lining() -> float:
 
 @cache
 def _make_lining_strip_on_rigid_back(nu: float) -> InnerAndOuterBodyInContact:
-    """A lining with sharp edges on a rigid back, against a rigid opposite body.
+    """A lining with sharp edges on a rigid back, in contact with a rigid body.
 
-    Towards the lining's ends and its face the elements shrink to some 1e-7 of its thickness.
+    Towards the ends and the face of the lining the elements shrink to some 1e-7 of the lining's
+    thickness.
     """
     fine = points_with_steps_growing_to_end(1e-8, 1.45, 0.1)
     angles = np.concatenate([-0.1 + fine, (0.1 - fine)[::-1][1:]])

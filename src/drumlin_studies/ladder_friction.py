@@ -65,16 +65,16 @@ from drumlin_studies.two_bodies import (
 
 
 def _problem_of_node_on_springs(push: float, shift: float, k: float = 100.0) -> StickSlipProblem:
-    """The frictional contact problem of one node on springs that is pressed on a moving drum.
+    """The stick-slip problem of one node on springs, which is pressed on a moving drum.
 
     Parameters
     ----------
     push : float
         Normal force on the node [N].
     shift : float
-        Displacement of the drum [m].
+        Displacement of the drum along its surface [m].
     k : float
-        Stiffness of the normal and of the tangential spring [N/m].
+        Stiffness of the normal spring and of the tangential spring, which are equal [N/m].
     """
     # The arguments are the blocks of the equations of `StickSlipProblem`, here of size 1 or 0.
     one, none = np.ones((1, 1)), np.zeros((1, 1))
@@ -96,7 +96,7 @@ def _problem_of_node_on_springs(push: float, shift: float, k: float = 100.0) -> 
 
 
 def _friction_force_on_node(shift: float) -> float:
-    """Friction force [N] on one node under 10 N at mu = 0.5, after the drum moves by `shift`."""
+    """Friction force [N] on a node under 10 N at mu = 0.5, after the drum has moved `shift` [m]."""
     untouched = TractionsAndSlipsOfLastIncrement(np.zeros(1), np.zeros(1))
     answer = stick_slip.solve_stick_slip_load_increment(
         _problem_of_node_on_springs(10.0, shift), 0.5, untouched, np.array([STICK])
@@ -105,7 +105,7 @@ def _friction_force_on_node(shift: float) -> float:
 
 
 def _energy_dissipated_in_slip_loop() -> float:
-    """Energy [J] that one node on springs dissipates when the drum moves once to and fro.
+    """Energy [J] that one node on springs dissipates by friction as the drum moves to and fro once.
 
     The drum moves between -0.2 m and 0.2 m.
     """
@@ -122,8 +122,8 @@ def _energy_dissipated_in_slip_loop() -> float:
         answer = stick_slip.solve_stick_slip_load_increment(
             _problem_of_node_on_springs(10.0, shift), 0.5, history, state
         )
-        # The first 21 positions lead to the start of the closed loop; energy dissipated there is
-        # left out.
+        # The first 21 positions lead to the start of the closed loop. The energy that is dissipated
+        # on this way is left out.
         if i > 20:
             dissipated += float(answer.t[0] * (answer.s[0] - history.s[0]))
         history, state = answer.tractions_and_slips_for_next_increment, answer.state
@@ -150,7 +150,7 @@ def _make_function_of_constant_normal_and_tangent(
 def _push_over_weight_of_block_on_wedge() -> float:
     """Push on a block that slides up a wedge, divided by the weight of the block.
 
-    The push is horizontal, the wedge has the slope 0.1, and mu is 0.3.
+    The push is horizontal, the slope of the wedge is 0.1 (rise over run), and mu is 0.3.
     """
     slope, x = math.atan(0.1), np.linspace(0, 1, 5)
     up = np.array([math.cos(slope), math.sin(slope)])
@@ -168,11 +168,11 @@ def _push_over_weight_of_block_on_wedge() -> float:
 
 @cache
 def _sticking_over_contact_half_width(share: float) -> float:
-    """Half-width c of the sticking zone of two cylinders, divided by half-width a of their contact.
+    """Half-width c of the sticking zone over half-width a of the contact, for two cylinders.
 
-    The tangential load is `share` times mu P, with the normal load P. The ratio follows from the
-    pressure p and the traction t in the middle, (1 - t/(mu p))^2 = c^2/a^2, because the computed
-    ends of the zones depend on the nodes there.
+    The tangential load is `share` times mu P, with the normal load P. The ratio c/a = 1 - t/(mu p)
+    follows from the pressure p and the traction t in the middle. The ends of the computed zones
+    would be less exact, because they can only lie at nodes.
     """
     mu, load = (
         0.3,
@@ -213,8 +213,9 @@ def _sticking_over_contact_half_width(share: float) -> float:
         )
     middle = np.abs(s) < 0.2 * HALF_PLANE_CONTACT_HALF_WIDTH
     ratio = np.abs(found.t[middle]).mean() / (mu * found.p[middle].mean())
-    # At s = 0 the exact ratio t/(mu p) is 1 - c/a. Its mean over a small interval around 0 differs
-    # by a term of second order. The closed form gives this difference, which is then subtracted.
+    # At s = 0 the exact ratio t/(mu p) is 1 - c/a. `ratio` belongs to a small interval around the
+    # middle and differs from 1 - c/a by a term of second order. The closed form gives this
+    # difference, which is subtracted from `ratio`.
     exact_p = np.sqrt(1 - (s[middle] / HALF_PLANE_CONTACT_HALF_WIDTH) ** 2)
     c = math.sqrt(1 - share)
     exact_t = exact_p - c * np.sqrt(1 - (s[middle] / (c * HALF_PLANE_CONTACT_HALF_WIDTH)) ** 2)
@@ -231,7 +232,7 @@ class ElasticBodyWithContactLine(NamedTuple):
     line, coupling : ContactLine, ContactCouplingMatrices
         Contact line of the body, and its coupling matrices between displacements and gaps.
     free : array of int
-        Numbers of the displacements that are not fixed.
+        Indices of the displacements that are not fixed.
     """
 
     basis: Any
@@ -258,7 +259,7 @@ class ElasticBodyWithContactLine(NamedTuple):
         material : Material
             Material of the body.
         held : array of int
-            Numbers of the displacements that are fixed.
+            Indices of the displacements that are fixed.
         directions : function
             Function that returns normal and tangent at points of the contact.
         middle : float
@@ -274,13 +275,14 @@ class ElasticBodyWithContactLine(NamedTuple):
 
     @property
     def indices_of_contact_node_displacements(self) -> Ints:
-        """Numbers (2 n,) of the displacements of the contact nodes, x and y in turn."""
+        """Indices (2 n,) of the displacements of the n contact nodes: x, y of each node in turn."""
         return np.column_stack([2 * self.line.nodes, 2 * self.line.nodes + 1]).ravel()
 
     def nodal_forces_of_unit_tractions(self, matrix: Floats) -> Floats:
         """Nodal forces (2 nodes, n) of a unit pressure or a unit traction at each contact node.
 
-        `matrix` (n, 2 n) is the coupling matrix N for pressures, or T for tractions.
+        `matrix` (n, 2 n) is the coupling matrix N for pressures, or the coupling matrix T for
+        tractions.
         """
         f = np.zeros((self.basis.N, 2, len(matrix)))
         f[self.line.nodes] = matrix.T.reshape(-1, 2, len(matrix))
@@ -294,12 +296,12 @@ class ElasticBodyWithContactLine(NamedTuple):
 
 
 def _quadratic_mesh_of_mapped_grid(grid: Any, to: Any, held: Any) -> Any:
-    """The quadratic mesh of a mapped tensor grid; its edge with first coordinate 0 is in contact.
+    """The quadratic mesh of a mapped grid, whose edge with the first coordinate 0 is the contact.
 
     Parameters
     ----------
     grid : skfem mesh
-        The tensor grid.
+        The grid of rectangles, in two coordinates.
     to : function
         Function that maps the two coordinates of the grid to positions (2, nodes).
     held : function
@@ -319,7 +321,7 @@ def _quadratic_mesh_of_mapped_grid(grid: Any, to: Any, held: Any) -> Any:
 
 
 def _tension_ratio_of_belt_on_drum(mu: float, wrap: float) -> float:
-    """Ratio of the tensions at the fixed and the pulled end of a belt around a rotating drum.
+    """Tension at the fixed end of a belt around a rotating drum, over tension at the pulled end.
 
     `mu` is the coefficient of friction, `wrap` the angle of wrap [rad].
     """
@@ -363,8 +365,8 @@ def _tension_ratio_of_belt_on_drum(mu: float, wrap: float) -> float:
 def _largest_pressure_in_patch_test(turned: float) -> float:
     """Largest pressure [Pa] on a strip into which an inclined plane is pressed by 0.05 m.
 
-    The strip is 1 m high and has nu = 0, so that the exact pressure is uniform. `turned` is the
-    inclination of the plane [rad].
+    The strip is inclined like the plane. The strip is 1 m high and has nu = 0, so that the exact
+    pressure is uniform. `turned` is the inclination [rad].
     """
     c, s = math.cos(turned), math.sin(turned)
     grid = skfem.MeshQuad.init_tensor(np.array([0, 0.4, 0.5, 1.0]), np.array([0, 0.3, 1.1, 2.0]))
@@ -381,8 +383,8 @@ def _largest_pressure_in_patch_test(turned: float) -> float:
     )
     N, M = strip.coupling.N, strip.coupling.M
     n = len(M)
-    # Weighted opening of the gap by unit nodal pressures. At first the plane lies 0.05 m inside the
-    # strip.
+    # Opening of the gap under unit nodal pressures, integrated with the shape functions of the
+    # contact nodes. Before the deformation the plane lies 0.05 m inside the strip.
     closure = (
         N
         @ strip.displacements_under_forces(strip.nodal_forces_of_unit_tractions(N))[
@@ -395,7 +397,9 @@ def _largest_pressure_in_patch_test(turned: float) -> float:
 
 
 EDGE_LENGTH_OF_SQUARE_PLATE = 40.0
-"""Length of the edges of the square plate of Raous, Chabrand & Lebon (1988)."""
+"""Length of the edges of the square plate of Raous, Chabrand & Lebon (1988). The results do not
+depend on the unit of length.
+"""
 
 
 class PressedPlateResults(NamedTuple):
@@ -404,8 +408,8 @@ class PressedPlateResults(NamedTuple):
     Attributes
     ----------
     moment : float
-        Moment of the contact pressure about a corner of the plate, divided by the moment of all
-        other forces.
+        Moment of the contact pressure about a corner of the plate, divided by minus the moment of
+        all other forces. The result is 1 if the moments are in balance.
     states : frozenset of int
         States that occur among the contact nodes: open, stick or slip.
     """
@@ -416,7 +420,7 @@ class PressedPlateResults(NamedTuple):
 
 @cache
 def solve_pressed_and_pushed_plate() -> PressedPlateResults:
-    """Press an elastic plate on a rigid plane at mu = 1 and push it from its side.
+    """Results for an elastic plate that is pressed on a rigid plane at mu = 1 and pushed sideways.
 
     The plate comes from Raous, Chabrand & Lebon (1988): 40 by 40, nu = 0.2, 5 MPa on its upper edge
     and 10 MPa on its side, with a plane of symmetry at x = 0. Moments are taken about the corner in
@@ -442,8 +446,7 @@ def solve_pressed_and_pushed_plate() -> PressedPlateResults:
     )
     whole = u @ np.concatenate([[1.0], -found.p, found.t])
     total = f.copy()
-    # On the plane of symmetry the nodal forces also contain the reactions of the fixed
-    # displacements.
+    # At the nodes on the plane of symmetry the reactions of the fixed displacements act as well.
     total[body.left] = (plate.K @ whole).reshape(-1, 2)[body.left]
     x, y = plate.basis.doflocs
     others = float((x * total[:, 1] - y * total[:, 0]).sum())
@@ -462,7 +465,7 @@ class _PlateWithSymmetryPlane(NamedTuple):
     body : ElasticBodyWithContactLine
         The plate, whose lower edge is in contact.
     left : array of int
-        Numbers of its nodes on the plane of symmetry.
+        Numbers of the plate's nodes on the plane of symmetry.
     """
 
     body: ElasticBodyWithContactLine
@@ -514,7 +517,8 @@ def _stick_slip_problem_of_pushed_plate(
     f : array (nodes, 2)
         Nodal forces of the loads.
     u : array (2 nodes, 1 + 2 n)
-        Displacements under the loads, under unit pressures and under unit tractions.
+        Displacements under the loads (first column), under a unit pressure at each contact node,
+        and under a unit traction at each contact node.
     """
     N, T = plate.coupling.N, plate.coupling.T
     on, n = plate.indices_of_contact_node_displacements, len(N)
@@ -552,7 +556,7 @@ def _nodal_forces_of_unit_traction(along: Floats, nodes: Ints) -> Floats:
 
 
 WINKLER_LINING_STIFFNESS = 4e10  # Pa/m
-"""Pressure per compression K [Pa/m] of a lining that consists of springs, on a rigid shoe."""
+"""Stiffness K [Pa/m], pressure per compression, of a lining of springs on a rigid shoe."""
 SPRING_RADIUS, SPRING_WIDTH, SPRING_PIN = 0.15, 0.04, 0.125  # m
 """Radius of the drum, width of the lining, and distance of the hinge from the drum's centre [m]."""
 WINKLER_SHOE_ACTUATION_MOMENT = 250.0  # N m
@@ -572,9 +576,10 @@ SLIDING_DISTANCE_OF_WINKLER_DECAY = 1 / (
 
 
 def _wear_problem_and_node_angles_of_winkler_shoe(mu: float) -> tuple[WearContactProblem, Floats]:
-    """A hinged rigid shoe with an unevenly worn lining of springs (Winkler foundation).
+    """The wear problem of a hinged rigid shoe with a lining of springs, and its node angles.
 
-    Returns its wear problem, and the angles (n,) [rad] of the lining's nodes.
+    The springs are a Winkler foundation. At first the lining is uneven by 2 micrometres. The angles
+    (n,) [rad] of the lining's nodes count from the hinge.
     """
     phi = np.linspace(*WINKLER_LINING_END_ANGLES, 49)
     xy = SPRING_RADIUS * np.array([np.cos(phi), np.sin(phi)])
@@ -583,7 +588,7 @@ def _wear_problem_and_node_angles_of_winkler_shoe(mu: float) -> tuple[WearContac
         SPRING_WIDTH,
         function_that_returns_drum_normals_and_tangents(1),
     )
-    # Displacements of the nodes per unit rotation of the shoe about its pin.
+    # Displacements [m/rad] of the nodes as the shoe turns about its pin.
     turned = np.column_stack([-xy[1], xy[0] - SPRING_PIN]).ravel()
     closing = coupling.N @ turned
     problem = equations.ContactProblem(
@@ -606,8 +611,8 @@ def _wear_problem_and_node_angles_of_winkler_shoe(mu: float) -> tuple[WearContac
 
 def _locking_friction_of_winkler_shoe() -> float:
     """Coefficient of friction at which the shoe with a lining of springs locks itself."""
-    # The equations are linear in the friction coefficient: the equations at two values give the
-    # equations at any value.
+    # The equations are linear in the friction coefficient. The equations at two coefficients
+    # therefore give the equations at any coefficient.
     still, unit = (
         _wear_problem_and_node_angles_of_winkler_shoe(0.0)[0].problem,
         _wear_problem_and_node_angles_of_winkler_shoe(-1.0)[0].problem,
@@ -621,10 +626,10 @@ def _locking_friction_of_winkler_shoe() -> float:
 
 @cache
 def _wear_states_and_sine_pressure_of_winkler_shoe() -> tuple[list[WearState], Floats]:
-    """Wear the shoe with a lining of springs over a sliding distance of 2/(k K).
+    """States of the shoe with a lining of springs as it wears, and its pressure by the sine law.
 
-    Returns the states of the wear run, and the pressure (n,) of the sine law under an actuating
-    moment of 1 N m.
+    The sliding distance is 2/(k K). The pressure (n,) by the sine law is for an actuating moment of
+    1 N m.
     """
     interface, phi = _wear_problem_and_node_angles_of_winkler_shoe(WINKLER_LINING_FRICTION)
     states = wear_linings_over_sliding_distance(
@@ -638,9 +643,9 @@ def _wear_states_and_sine_pressure_of_winkler_shoe() -> tuple[list[WearState], F
 
 
 def _remaining_deviation_from_sine_law() -> float:
-    """Deviation of the pressure from the sine law after sliding by 2/(k K).
+    """Deviation of the pressure from the sine law after sliding by 2/(k K), relative to the start.
 
-    The result is divided by the deviation of the new lining's pressure.
+    The deviation at the start is the deviation of the new lining.
     """
     states, law = _wear_states_and_sine_pressure_of_winkler_shoe()
     first = states[0].pressure - WINKLER_SHOE_ACTUATION_MOMENT * law
@@ -649,7 +654,7 @@ def _remaining_deviation_from_sine_law() -> float:
 
 
 def _worn_volume_over_archard_volume() -> float:
-    """Worn volume, divided by k times the integral of the normal force over the distance."""
+    """Worn volume over k Int N ds, with the wear coefficient k, normal force N and distance s."""
     states, _ = _wear_states_and_sine_pressure_of_winkler_shoe()
     area = _wear_problem_and_node_angles_of_winkler_shoe(WINKLER_LINING_FRICTION)[0].area
     worn_volume = area @ (states[-1].depth - states[0].depth)
@@ -676,7 +681,7 @@ class BrakeWithThinLiningsAndItsResults(NamedTuple):
 
 @cache
 def _solve_brake_with_thin_linings() -> BrakeWithThinLiningsAndItsResults:
-    """Solve the double-shoe brake with linings of 3 mm on rigid shoes by law and by elements."""
+    """A double-shoe brake with 3 mm linings on rigid shoes, by sine law and by finite elements."""
     rigid = vary(DoubleShoe().brake(2000.0), {"shoe.lining.thickness": 3e-3})
     return BrakeWithThinLiningsAndItsResults(
         solve_brake_by_sine_law(rigid).torque, solve(rigid, elements=24), rigid
@@ -689,7 +694,8 @@ def _external_moment_over_torque() -> float:
         _solve_brake_with_thin_linings().response,
         _solve_brake_with_thin_linings().brake,
     )
-    # Moments of the actuation and of the hinge reaction of each shoe.
+    # Sum of the moments of actuation force and hinge reaction about the drum's centre, for each
+    # shoe.
     moments = []
     for spec, shoe in zip(brake.shoes, response.shoes, strict=True):
         pin, force = spec.pin.xy, shoe.hinge_reaction

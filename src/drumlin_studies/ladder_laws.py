@@ -54,7 +54,7 @@ def _torque_of_shigley_example_16_2() -> float:
         "width": 0.032,
     }
     # The force is scaled until the self-energising shoe has a peak pressure of 1 MPa. The other
-    # shoe then gets the same force.
+    # shoe gets the same force.
     helped = brake_scaled_to_peak_pressure(
         brake_with_one_hinged_shoe(**shoe, moment=100.0, spin=-1), MODELS["sine"].solve, 1e6
     )
@@ -82,7 +82,7 @@ def _response_of_shigley_problem_16_1() -> Response:
 
 @cache
 def _response_of_bhandari_example_12_7() -> Response:
-    """Response of the block on a lever's pivot of Bhandari's example 12.7, at a peak of 0.5 MPa."""
+    """Response at a peak pressure of 0.5 MPa of Bhandari's example 12.7, a block on a pivot."""
     h = float(pivot_radius_for_cosine_pressure(0.25, radians(50)))
     lever = brake_with_one_hinged_shoe(
         R=0.25,
@@ -122,8 +122,8 @@ def _force_and_torque_of_bhandari_12_8() -> ActuatingForceAndBrakeTorque:
     helped = brake_scaled_to_peak_pressure(
         brake_with_one_hinged_shoe(**shoe, moment=100.0, spin=-1), MODELS["sine"].solve, 1e6
     )
-    # In `brake_with_one_hinged_shoe` the force has a lever arm of 1 m about the hinge, so that its
-    # value is also that of the moment.
+    # In `brake_with_one_hinged_shoe` the force has a lever arm of 1 m about the hinge. The moment
+    # [N m] and the force [N] have the same value.
     moment = helped.shoes[0].actuation.force
     opposed = brake_with_one_hinged_shoe(**shoe, moment=moment, spin=1)
     arm = 0.1875
@@ -137,7 +137,7 @@ def _force_and_torque_of_bhandari_12_8() -> ActuatingForceAndBrakeTorque:
 def _brake_with_90_degree_block_on_lever(
     a: float = 0.05, spin: int = 1, mu: float = 0.35, x: float = 0.2
 ) -> Brake:
-    """A brake with a block on a lever; the arc of the block has 90 degrees.
+    """A brake with a block on a lever; the block covers 90 degrees of the drum.
 
     `brake_with_block_on_lever` explains the lengths a and x [m].
     """
@@ -147,10 +147,10 @@ def _brake_with_90_degree_block_on_lever(
 
 
 def _torque_of_block_by_statics() -> float:
-    """Torque [N m] of the block of `_brake_with_90_degree_block_on_lever` from equilibrium.
+    """Torque [N m] of `_brake_with_90_degree_block_on_lever` by hand, from equilibrium.
 
-    Under the pressure p_0 cos phi the resultant of friction acts at a distance psi R from the
-    drum's centre.
+    Under the pressure p_0 cos phi the resultant of the friction acts at the distance psi R from the
+    centre of a drum of radius R.
     """
     psi = closed_forms.equivalent_over_actual_friction_of_block(radians(45))
     # Moments about the pin of the lever give the normal force.
@@ -201,8 +201,8 @@ def _response_of_short_shoe_on_lever() -> Response:
 def _torque_of_two_short_shoes() -> float:
     """Torque [N m] of two short shoes opposite each other, each at 90 degrees from its pin.
 
-    With the pins at the distance a = R from the centre, the normal forces under the moment M are N
-    = M/(R (1 - mu)) = 400 N and M/(R (1 + mu)) = 160 N.
+    The distance of the pins from the drum's centre is a = R. The actuating moments M are 60 N m and
+    40 N m. The normal forces are then M/(R (1 - mu)) = 400 N and M/(R (1 + mu)) = 160 N.
     """
     shoe: dict[str, Any] = {
         "R": 0.2,
@@ -310,7 +310,7 @@ SHORT_EXTERNAL_SHOE_DIMENSIONS: dict[str, Any] = {
 
 
 def _friction_sensitivity_by_differences() -> float:
-    """Relative change of a short shoe's torque per relative change of friction, from two solves."""
+    """Sensitivity S = (mu/T) dT/dmu of a short shoe's torque to friction, from two solves."""
     return torque_sensitivity_to_friction_by_differences(
         brake_with_one_hinged_shoe(**SHORT_EXTERNAL_SHOE_DIMENSIONS, moment=50.0),
         MODELS["short"].solve,
@@ -318,10 +318,10 @@ def _friction_sensitivity_by_differences() -> float:
 
 
 def _friction_sensitivity_by_formula() -> float:
-    """Relative change of a short shoe's torque per relative change of friction, m/(m - n).
+    """Sensitivity S = (mu/T) dT/dmu of a short shoe's torque to friction, by S = m/(m - n).
 
-    m is the moment of the normal force about the hinge, and n the moment of friction. Both are
-    divided by the torque.
+    m is the moment of the normal force about the hinge, and n is the moment of the friction about
+    the hinge. Both moments are divided by the torque.
     """
     m, n = 0.25 * sin(radians(75)) / (0.3 * 0.2), 1 - 0.25 * cos(radians(75)) / 0.2
     assert np.allclose(
@@ -333,8 +333,8 @@ def _friction_sensitivity_by_formula() -> float:
 def _result_of_simscape_double_shoe(what: str) -> float:
     """A result of Simscape's double-shoe brake block with its default parameters.
 
-    For `what` = "T/F" the result is the torque divided by the force [m], else the coefficient of
-    friction at which the brake locks itself.
+    With `what` = "T/F" the result is the torque divided by the force [m]. With `what` = "mu_lock"
+    the result is the coefficient of friction at which the brake locks itself.
     """
     block = DoubleShoe()
     return (

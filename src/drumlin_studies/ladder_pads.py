@@ -62,8 +62,8 @@ def brake_with_pad_on_guide(thickness: float, mu: float, lining: Material) -> Br
 def _lining_compression_over_closed_form() -> float:
     """The compression of a thin lining, relative to the closed form p (1 - nu^2) t/E.
 
-    The closed form neglects the ends of the lining. Their effect is in proportion to the thickness
-    t and is extrapolated to zero.
+    The closed form neglects the ends of the lining. The effect of the ends is proportional to the
+    thickness t. It is extrapolated to t = 0 from two thicknesses.
     """
     pressure = FORCE_THAT_PRESSES_PAD_ON_PLANE / (PAD_LENGTH * PAD_WIDTH)
     ratios = []
@@ -76,7 +76,8 @@ def _lining_compression_over_closed_form() -> float:
             pressure * t * (1 - MATERIAL_OF_THIN_PAD_LINING.nu**2) / MATERIAL_OF_THIN_PAD_LINING.E
         )
         ratios.append(-pad.motion[1] / closed_form)
-    # In this combination of two thicknesses, an error in proportion to the thickness cancels.
+    # In this combination of two thicknesses, an error that is proportional to the thickness
+    # cancels.
     return 2 * ratios[1] - ratios[0]
 
 
@@ -89,7 +90,7 @@ def _displacement_exponent_at_leading_edge(mu: float, nu: float) -> float:
     (pad,) = solve_prepared_model(
         make_prepared_model(brake, REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[5]), brake
     ).shoes
-    # Distances [m] from the edge that are far below the thickness of 20 mm.
+    # Distances [m] from the edge, far below the lining's thickness of 20 mm.
     r = np.geomspace(2e-6, 4e-5, 12)
     return float(1 + np.polyfit(np.log(r), np.log(pad.pressure_at(r)), 1)[0])
 

@@ -1,4 +1,4 @@
-"""Tables of brakes solved by every rigid-shoe law: results, reasons of refusals, shoe factors."""
+"""Tables of brakes solved by all laws and the foundation model: results, refusals, shoe factors."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -19,16 +19,16 @@ from drumlin.response.response import (
 )
 
 MODELS_BESIDES_FINITE_ELEMENTS = tuple(name for name in MODELS if name not in {"fem", "solid"})
-"""Names of the models of drumlin that are not finite elements."""
+"""Names of drumlin's models without finite elements: rigid-shoe laws and the foundation model."""
 ShoeResultRow = dict[str, Any]
 """A row of a table: values by the names of their columns."""
 
 
 def rows_of_shoe_results_by_every_law(brake: Brake, file: str) -> list[ShoeResultRow]:
-    """Solve a brake by every law; returns a row for each shoe and law.
+    """Solve a brake by every law and the foundation model; returns a row for each shoe and model.
 
-    A law that cannot solve the brake has one row, with the reason. `file` is the name of the brake
-    file in the rows.
+    A model that cannot solve the brake has one row, with the reason. `file` is the name of the
+    brake file, which every row repeats.
     """
     rows: list[ShoeResultRow] = []
     for name in MODELS_BESIDES_FINITE_ELEMENTS:
@@ -71,7 +71,7 @@ def row_of_shoe_results(response: Response, index: int) -> ShoeResultRow:
 
 
 def rows_of_laws_that_cannot_solve_brakes(rows: Sequence[ShoeResultRow]) -> list[ShoeResultRow]:
-    """A row for each brake file and reason, with the laws that could not solve the brake.
+    """A row for each brake file and reason of failure, with the laws that failed for this reason.
 
     `rows` are rows of `rows_of_shoe_results_by_every_law`.
     """
@@ -87,10 +87,11 @@ def rows_of_laws_that_cannot_solve_brakes(rows: Sequence[ShoeResultRow]) -> list
 
 
 def rows_of_shoe_factors_of_post_brake(brake: Brake) -> list[ShoeResultRow]:
-    """Rows with the shoe factors of a post brake, by eq. 26 of Barecki & Scieszka and by laws.
+    """A row for each law and shoe: shoe factor by eq. 26 of Barecki & Scieszka and by the law.
 
-    `word` says "leading" or "trailing" by the sign of a term of eq. 26. `helps` says whether the
-    shoe is self-energising.
+    In a row `S_26` is the shoe factor by eq. 26 and `S` the shoe factor by the law. `word` is
+    "leading" or "trailing", by the sign of a term of eq. 26. `helps` says whether the shoe is
+    self-energising.
     """
     rows = []
     for law in ("short", "cosine", "uniform", "sine"):
@@ -131,8 +132,8 @@ def responses_of_one_shoe_by_law(block: Brake, pad: Brake) -> dict[str, ShoeResp
     """The response of one shoe by every law, by the names of the laws.
 
     Laws for drum brakes solve the first shoe of the brake `block`. For the law "pivoted" this shoe
-    gets a pivot, which lies away from the point that would make the pressure symmetric. The law
-    "linear" solves the first shoe of the brake `pad`, which presses on a plane.
+    gets a pivot. The pivot lies away from the point at which the pressure would be symmetric. The
+    law "linear" solves the first shoe of the brake `pad`, a brake on a plane.
     """
     shoes = {name: MODELS[name].solve(block).shoes[0] for name in LAWS_OF_HINGED_SHOES_BY_NAME}
     pivoted = vary(block, {"shoe.pivot": {"radius": "140 mm", "angle": "84 deg"}})

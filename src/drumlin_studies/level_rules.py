@@ -62,12 +62,12 @@ A fifth level would take more time than the first four together, and few brakes 
 
 
 class LevelErrorsAndTimesByRule(NamedTuple):
-    """Errors and times of one brake that is solved on hp meshes (levels) by a refinement rule.
+    """Errors and times of one brake, solved on the hp meshes (levels) that a refinement rule gives.
 
     Attributes
     ----------
-    levels : true errors and the terms of their estimate, for each level from the second one on
-    seconds : processor time [s], for each level from the first one on
+    levels : true errors and the terms of their estimates, for each level from the second level on
+    seconds : processor time [s] of each level, from the first level on
     """
 
     levels: list[TrueErrorsAndEstimateTermsOnLevel]
@@ -87,7 +87,7 @@ def far_finer_solution_of_random_brake_or_none(seed: int) -> FarFinerSolutionOfB
 def solve_random_brake_with_level_rule(
     seed: int, truth: FarFinerSolutionOfBrake | None, rule: RuleOfDegreeAndGradingByLevel
 ) -> LevelErrorsAndTimesByRule | None:
-    """Solve the random brake of a seed on meshes by a refinement rule; returns errors and times.
+    """Errors and times of the random brake of a seed on the meshes that a refinement rule gives.
 
     Returns None if the brake has no equilibrium, or if `truth`, the far finer solution, is None.
     """
@@ -118,11 +118,11 @@ def solve_random_brake_with_level_rule(
 
 
 class StoppingLevel(NamedTuple):
-    """The level at which a solve stops: the first one within the tolerance, else the last one.
+    """The level at which a solve stops: the first level within the tolerance, or the last level.
 
     Attributes
     ----------
-    seconds : processor time of all levels up to this one [s]
+    seconds : processor time of this level and all levels before it [s]
     reached : whether the stated errors are within the tolerance
     stated : stated errors by quantity
     level : true errors of the level, and terms of their estimate
@@ -152,8 +152,9 @@ def find_mesh_at_which_refinement_stops(
 def _errors_stated_on_mesh_by_safety_factors(
     level: TrueErrorsAndEstimateTermsOnLevel, factors: SafetyFactorsOfErrorEstimate
 ) -> dict[str, float]:
-    """Errors, by quantity, that drumlin would state on a mesh (level) by given safety factors."""
-    # Pressure and peak have factors of their own; torque and reaction share the factor of forces.
+    """Errors, by quantity, that drumlin would state on a level with the given safety factors."""
+    # The pressure and its peak have their own factors. The torque and the reaction share the factor
+    # of forces.
     factor = {"pressure": factors.pressure, "peak": factors.peak}
     stated = {}
     for name in QUANTITIES_WITH_STATED_ERROR:
@@ -183,7 +184,7 @@ def report_text_on_refinement_rule(brakes: Sequence[LevelErrorsAndTimesByRule]) 
 
 def _text_on_ratios_of_stated_to_true_error(stops: Sequence[StoppingLevel], quantity: str) -> str:
     """Text with the median ratio of stated to true error, and the number of ratios below 1."""
-    # Levels whose true error is uncertain do not count.
+    # Levels whose true error is not known well enough do not count.
     certain = [
         stop.stated[quantity] / stop.level.true[quantity]
         for stop in stops
@@ -195,7 +196,7 @@ def _text_on_ratios_of_stated_to_true_error(stops: Sequence[StoppingLevel], quan
 
 
 def refinement_rule_with_changed_numbers(words: Sequence[str]) -> RuleOfDegreeAndGradingByLevel:
-    """A copy of RULE_OF_DEGREE_AND_GRADING in which words such as `fall=6` replace numbers.
+    """A copy of RULE_OF_DEGREE_AND_GRADING with the new numbers of words such as `fall=6`.
 
     Raises ValueError for a word of another form.
     """
@@ -207,7 +208,7 @@ def refinement_rule_with_changed_numbers(words: Sequence[str]) -> RuleOfDegreeAn
 
 
 def main(words: Sequence[str]) -> int:
-    """Try the rule of the levels, and the rule that `words` change if given; an exit status."""
+    """Print the report on the present rule and on the rule changed by `words`; returns 0."""
     seeds = range(FIRST_SEED, FIRST_SEED + FITTED_BRAKES)
     rules = {"as it is": RULE_OF_DEGREE_AND_GRADING} | (
         {" ".join(words): refinement_rule_with_changed_numbers(words)} if words else {}

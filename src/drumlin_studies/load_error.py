@@ -2,11 +2,12 @@
 
     python -m drumlin_studies.load_error FIRST LAST FILE
 
-draws the brakes with the seeds FIRST to LAST - 1: brakes with friction that depends on the
-pressure, linings of unlike friction, springs with a rate, centrifugal loads and heated parts, and
-duo-servo brakes, whose shoes can leave their anchor. It solves each to the tolerances of
-`heat_error`, and prints the ratios of stated to true errors. True errors are differences from a
-solution on much finer meshes. FILE keeps the errors, as in `heat_error`.
+draws the brakes with the seeds FIRST to LAST - 1. A brake has some of these features: friction that
+depends on the pressure, linings with different friction, springs with a rate, centrifugal loads,
+heated parts. Some brakes are duo-servo brakes, whose shoes can leave their anchor. The command
+solves each brake to the tolerances of `heat_error`, and prints the ratios of stated to true errors.
+True errors are differences from a solution on much finer meshes. FILE keeps the errors, as in
+`heat_error`.
 """
 
 from typing import Any
@@ -26,16 +27,17 @@ from drumlin_studies.random_kinds import draw_random_brake_of_support_kind
 PROBABILITY_OF_DUO_SERVO_BRAKE = 0.25
 """Probability with which a brake is a duo-servo brake, whose shoes can leave their anchor."""
 PROBABILITY_OF_LOAD_FEATURE = 0.5
-"""Probability with which a brake has a given feature, such as springs, masses or heated parts."""
+"""Probability with which a brake has a feature: heat, springs, masses, or either kind of friction.
+"""
 RANGE_OF_FRICTION_AT_HIGH_OVER_ZERO_PRESSURE = (0.4, 1.2)
-"""Range of the ratio of the friction coefficient at a high pressure to that at zero pressure."""
+"""Smallest and largest friction coefficient at high pressure, relative to that at zero pressure."""
 RANGE_OF_FURTHER_LOAD_OVER_ACTUATION = (0.02, 0.2)
 """Smallest and largest spring force and centrifugal force, relative to the largest actuation force.
 """
 
 
 def draw_random_brake_with_loads_and_lining_friction(seed: int) -> Brake:
-    """Draw the random brake of a seed, with some of the features that this module judges.
+    """Draw the random brake of a seed, with some of the features that this module tests.
 
     The features are springs, masses, heat, and friction that depends on the pressure or differs
     between linings. Raises BadInput if a feature is not modelled for the brake.
@@ -73,13 +75,14 @@ def _draw_duo_servo_brake(rng: np.random.Generator) -> Brake:
 
 
 def _draw_friction_data_of_linings(rng: np.random.Generator, brake: Brake) -> dict[str, Any]:
-    """Draw a table of friction over pressure for the brake, and another friction for one lining."""
+    """Draw changes of friction: a table over pressure, another friction of one lining, or none."""
     changes: dict[str, Any] = {}
     if brake.friction == 0:
         return changes
     if rng.random() < PROBABILITY_OF_LOAD_FEATURE:
         shoe = brake.shoes[0]
-        # The table spans some three times the mean pressure of a shoe without self-energising.
+        # The table reaches to three times the pressure `mean`: the largest force on the first shoe
+        # divided by the area of the lining.
         length = brake.length_per_surface_coordinate * (shoe.lining.end - shoe.lining.start)
         mean = shoe.largest_force_of_any_load / (shoe.lining.width * length)
         faded = brake.friction * float(rng.uniform(*RANGE_OF_FRICTION_AT_HIGH_OVER_ZERO_PRESSURE))
@@ -92,7 +95,7 @@ def _draw_friction_data_of_linings(rng: np.random.Generator, brake: Brake) -> di
 def _draw_spring_data(rng: np.random.Generator, brake: Brake, push: float) -> dict[str, Any]:
     """Draw a spring, with its stiffness, that pulls the first shoe back against its actuation.
 
-    `push` is the largest load [N] of a shoe.
+    `push` is the largest force [N] that loads a shoe.
     """
     actuation = brake.shoes[0].actuation
     at = actuation.point.xy
@@ -110,9 +113,9 @@ def _draw_spring_data(rng: np.random.Generator, brake: Brake, push: float) -> di
 def _draw_shoe_masses_and_angular_speed(
     rng: np.random.Generator, brake: Brake, push: float
 ) -> dict[str, Any]:
-    """Draw a mass for each shoe, and the angular speed of the shoes.
+    """Draw one mass for all shoes, and the angular speed with which the shoes rotate.
 
-    At this speed the centrifugal force of a shoe is a random fraction of the force `push` [N].
+    At the drawn speed the centrifugal force of a shoe is a random fraction of the force `push` [N].
     """
     changes: dict[str, Any] = {}
     mass = float(rng.uniform(0.5, 2.0))

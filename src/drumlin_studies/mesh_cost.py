@@ -5,12 +5,12 @@
     make mesh_cost ARGS="1.12 1"   linear elements of 1.12 mm, some 10 000 nodes
 
 Gmsh meshes a shoe of the main example with triangles of one size. They are quadratic with curved
-sides, or linear if the second argument is 1. drumlin solves the file
-in two ways: to a tolerance of 0.5 % with stated errors, and with elements of the file's own degree.
-GetFEM and CalculiX solve the elements of the same file. The true errors are differences from a
-solution of the same shoe in hp elements, without the file. The command prints a row for each solve.
-All times are processor times on one thread. The times of drumlin include reading the file. The
-times of GetFEM and CalculiX do not, because drumlin reads the file for them.
+sides, or linear if the second argument is 1. drumlin solves the file in two ways: to a tolerance of
+0.5 % with stated errors, and with elements of the file's own degree. GetFEM and CalculiX solve the
+elements of the same file. The true errors are differences from a solution of the same shoe in hp
+elements, without the file. The command prints a row for each solve. All times are processor times
+on one thread. The times of drumlin include reading the file. The times of GetFEM and CalculiX do
+not include it, because drumlin reads the file for them.
 """
 
 import sys
@@ -43,7 +43,7 @@ TOLERANCE_OF_MESH_FILE_SOLVE = 5e-3
 NUMBER_OF_TIMED_SOLVES_OF_MESH_FILE = 3
 """Number of times that drumlin solves the mesh file in each way.
 
-The shortest time counts, since the first solve also loads modules.
+The shortest of these times counts, because the first solve also loads modules.
 """
 
 
@@ -93,7 +93,7 @@ def costs_of_solves_on_mesh_file(
     def cost_of_solve_with_true_errors(
         way: str, response: Response, seconds: float
     ) -> CostAndErrorsOfMeshFileSolve:
-        """The cost of a way to solve, together with the true errors of its response."""
+        """The cost of a way to solve, with the stated error and the true errors of its response."""
         true = true_errors_of_response(filed, response.shoes, known.shoes)
         stated = response.error["pressure"] if response.error else None
         return CostAndErrorsOfMeshFileSolve(way, seconds, true["pressure"], true["torque"], stated)

@@ -10,8 +10,9 @@ the file already has, so that a long comparison can be made piece by piece.
 Gmsh meshes random shoes with elements of a tenth to a hundredth of the drum's radius: triangles or
 quadrilaterals recombined from them, of first to third order, with straight or curved sides, graded
 or not, with all digits of the coordinates or rounded. drumlin solves each mesh file. It also solves
-the same shoe without the file, in hp elements to a tolerance of 1e-4. The difference is the true
-error. The command prints a line for each mesh and the ratios of stated to true errors.
+the same shoe without the file, in hp elements to a tolerance of 1e-4. The difference between the
+two responses is the true error. The command prints a line for each mesh and the ratios of stated to
+true errors.
 
 On the seeds 550000 to 550049 no mesh is refused, and no stated error is too small. The least ratios
 of stated to true errors are 1.17 for the peak and 1.32 to 1.38 for the others. The medians are 4.6
@@ -40,7 +41,9 @@ from drumlin.fem.solve import solve
 from drumlin.response.response import Response
 
 DEFAULT_NUMBER_OF_JUDGED_MESHES = 60
-"""Number of meshes if the command line gives no number: eight or nine of each form."""
+"""Number of meshes if the command line gives no number: eight or nine of each form in
+ELEMENT_KINDS_AND_GRADINGS_OF_JUDGED_MESHES.
+"""
 TOLERANCE_OF_HP_TRUTH = 1e-4
 """Relative tolerance of the solution in hp elements that serves as the truth."""
 LEAST_TRUE_ERROR_OVER_HP_STATED_ERROR = 3.0
@@ -57,7 +60,7 @@ In plane stress the width has no influence on the ratios of stated to true error
 
 
 class ElementKindAndGradingOfGmshMesh(NamedTuple):
-    """The kind of elements and nodes of a mesh by Gmsh.
+    """The form of a mesh by Gmsh: kind of its elements, grading, and digits of its coordinates.
 
     Attributes
     ----------
@@ -84,9 +87,12 @@ ELEMENT_KINDS_AND_GRADINGS_OF_JUDGED_MESHES = (
     ElementKindAndGradingOfGmshMesh(3, straight=False, recombined=False),
     ElementKindAndGradingOfGmshMesh(3, straight=False, recombined=True),
 )
-"""The forms of meshes. The seed modulo the number of forms is the number of a mesh's form."""
+"""The forms of meshes: kinds of elements. The seed modulo the number of forms chooses a mesh's
+form.
+"""
 NUMBERS_OF_COORDINATE_DECIMALS_TO_DRAW_FROM = (None, 2, 3, 4, 5, 6)
-"""Numbers of decimals of coordinates in mm, from which one is drawn for each mesh.
+"""Numbers of decimals to draw from. For each mesh one number is drawn, to which the coordinates in
+mm are rounded.
 
 None stands for all digits.
 """
@@ -262,7 +268,7 @@ def _add_shoe_outline_to_gmsh_model(model: Any, brake: Brake, size_at_ends: floa
 def draw_random_mesh_size_decimals_and_grading(
     rng: np.random.Generator, form: ElementKindAndGradingOfGmshMesh
 ) -> tuple[float, ElementKindAndGradingOfGmshMesh]:
-    """Draw the size, decimals and grading of a mesh by chance.
+    """Draw the element size, the decimals and the grading of a mesh.
 
     Returns the drum's radius divided by the size of the elements, and the form with the drawn
     decimals and grading.
@@ -322,7 +328,7 @@ def _true_relative_errors_of_response(
 
 
 def report_lines_on_judged_meshes(judged: Sequence[StatedAndTrueErrorsOfMesh]) -> Iterator[str]:
-    """Yield a line of text on the ratios of stated to true errors, for each quantity."""
+    """Yield a line of text for each quantity: its ratios of stated to true error."""
     for name in QUANTITIES_WITH_STATED_ERROR:
         ratios = np.array([mesh.stated[name] / mesh.true[name] for mesh in judged if mesh.stated])
         ratios = ratios[np.isfinite(ratios)]

@@ -25,8 +25,8 @@ def list_solution_methods_to_compare(
         The brake to be solved. It decides whether the foundation model applies, and how fine the
         finest mesh is.
     peers : bool
-        Whether the list includes the peers, which are other finite element programs, and drumlin
-        on the meshes that the peers use.
+        Whether the list includes the peers (other finite element programs), and drumlin on two of
+        the peers' meshes.
     short : bool
         Whether the list has fewer element kinds and fewer mesh sizes, for a quick run.
     """
@@ -42,7 +42,7 @@ def list_solution_methods_to_compare(
 
 
 def _list_methods_of_foundation_model() -> Iterator[SolutionMethodOfBrake]:
-    """Methods that solve a brake by the foundation model, with 20 to 180 sections along a lining.
+    """Methods that solve a brake by the foundation model, with 20 to 180 sections of each beam.
 
     Each number of sections gives two methods: the model as published, and the model without its
     simplifications ("lifted").
@@ -62,7 +62,8 @@ def _list_fixed_mesh_methods(brake: Brake, *, short: bool) -> Iterator[SolutionM
     lining's ends ("graded mesh").
     """
     sizes = (20, 40) if short else (20, 40, 80)
-    # The mesh of 160 elements is left out on an elastic drum ring, where it would take far longer.
+    # The mesh of 160 elements is left out for a brake with an elastic drum ring, which would take
+    # far longer, and for rigid shoes.
     if not short and brake.ring is None and any(shoe.body is not None for shoe in brake.shoes):
         sizes = (*sizes, 160)
     for kind in ("quad2", "tri1"):
@@ -74,7 +75,7 @@ def _list_fixed_mesh_methods(brake: Brake, *, short: bool) -> Iterator[SolutionM
 
 
 def _list_hp_element_methods(*, short: bool) -> Iterator[SolutionMethodOfBrake]:
-    """Methods that solve a brake by hp elements: of high degree, and smaller near corners.
+    """Methods that solve a brake by hp elements, which have high degree and are smaller at corners.
 
     Some methods use one fixed level of refinement. The others refine until the estimated error is
     below a tolerance.
@@ -87,7 +88,7 @@ def _list_hp_element_methods(*, short: bool) -> Iterator[SolutionMethodOfBrake]:
 
 
 def _list_penalty_contact_methods(*, short: bool) -> Iterator[SolutionMethodOfBrake]:
-    """Methods that solve a brake with penalty contact, for several stiffnesses of the penalty.
+    """Methods that solve a brake with penalty contact, for several penalty factors.
 
     The penalty acts on the nodes of the lining ("weak penalty") or on the quadrature points of its
     edges ("pointwise penalty").
@@ -103,10 +104,9 @@ def _list_penalty_contact_methods(*, short: bool) -> Iterator[SolutionMethodOfBr
 def _list_methods_of_peer_programs() -> Iterator[SolutionMethodOfBrake]:
     """Methods that solve a brake by the programs GetFEM and CalculiX on several meshes.
 
-    Two methods solve the brake by drumlin on the same meshes.
+    Two further methods solve the brake by drumlin on two of these meshes.
     """
-    # These two methods are drumlin on the meshes on which the pressure p has an error of half a
-    # percent.
+    # These two methods are drumlin, on the meshes on which its pressure p has an error of 0.5 %.
     yield _method_on_one_mesh("graded mesh", "quad2", 56)
     yield _method_on_one_mesh("graded mesh", "quad1", 112)
     for elements in (20, 40, 56, 80, 112):

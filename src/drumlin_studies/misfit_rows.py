@@ -34,7 +34,8 @@ QUANTITIES_SHOWN_OVER_RANDOM_BRAKES = {
     "brake_factor": "brake factor T/(F R)",
     "peak_pressure": "peak pressure [MPa]",
 }
-"""Quantities whose distribution over the random brakes is shown: key of a row, name in tables."""
+"""Quantities whose distribution over the random brakes is shown: name in tables, by key of a row.
+"""
 LINING_STATES_OF_RANDOM_BRAKES = ("new", "worn in")
 """The two states of the linings in which the random brakes are solved."""
 NUMBER_OF_DRUM_LOBES_BY_OUT_OF_ROUNDNESS = {
@@ -45,24 +46,26 @@ NUMBER_OF_DRUM_LOBES_BY_OUT_OF_ROUNDNESS = {
 }
 """Number of lobes around the drum, by the name of the out-of-roundness. Run-out has one lobe."""
 EXPANSION, WARMING = 11e-6, 100.0
-"""Coefficient of thermal expansion of the drum [1/K], and the temperature of the drum minus the
-temperature of the shoes [K], of a warm brake.
+"""Coefficient of thermal expansion of the drum [1/K], and temperature of a warm drum minus
+temperature of the shoes [K].
 """
 
 
 def table_rows_of_changes_due_to_each_misfit_alone(
     brake: Brake, law: Response, solve: Callable[[Brake], Response]
 ) -> list[dict[str, Any]]:
-    """A row for each single misfit, with the changes of torque and peak pressure that it causes.
+    """A row for linings that fit and for each single misfit, with torque and peak pressure.
 
-    The changes are relative to the brake with linings that fit, and relative to a rigid-shoe law.
+    `from_fit` is the relative change of the torque from the brake with linings that fit. `from_law`
+    and `peak_from_law` are the relative differences of torque and peak pressure from a rigid-shoe
+    law.
 
     Parameters
     ----------
     brake : Brake
         The brake without misfit.
     law : Response
-        The response of the brake without misfit by the law.
+        The response of the brake without misfit by the rigid-shoe law.
     solve : function
         Returns the response of a brake.
     """
@@ -97,7 +100,7 @@ def _brake_changes_by_misfit_name(brake: Brake) -> Mapping[str, Mapping[str, Any
     growth = vary(brake, heat).out_of_round_harmonics[-1].amplitude
 
     def brake_changes_for_lining_step(depth: float) -> dict[str, Any]:
-        """The changes of the brake file that give each lining a step of `depth` [m] in its middle.
+        """The changes of the brake file that make a step of `depth` [m] in each lining's middle.
 
         A positive depth lowers the half of the lining that lies away from the pin.
         """
@@ -123,7 +126,7 @@ def _brake_changes_by_misfit_name(brake: Brake) -> Mapping[str, Mapping[str, Any
 
 
 def fraction_of_linings_in_contact(brake: Brake, response: Response) -> float:
-    """Length of all contact arcs, divided by the length of the linings of all shoes."""
+    """Total length of all contact arcs, divided by the total length of all linings."""
     arcs: float = 0
     for shoe in response.shoes:
         for start, end in shoe.contact_arcs:
@@ -134,7 +137,7 @@ def fraction_of_linings_in_contact(brake: Brake, response: Response) -> float:
 def torques_at_angles_of_lobed_drum(
     brake: Brake, solve: Callable[[Brake], Response], amplitude: float, angles: Sequence[float]
 ) -> dict[str, Floats]:
-    """Torque of a brake at several angles of its out-of-round drum, for each number of lobes.
+    """Torques of a brake at several angles of its drum, for each form of out-of-roundness.
 
     Parameters
     ----------
@@ -207,7 +210,7 @@ class ResultsOfRandomBrakesWithTolerances:
         by the sine law. The first 2 n rows of each state are the two independent samples A and B of
         `tolerances.draw_deviations_for_all_sobol_samples`.
     n : int
-        Number of brakes in each of the two samples.
+        Number of brakes in each of the samples A and B.
     """
 
     rows: Mapping[str, Sequence[CaseResultsByName]]
@@ -254,14 +257,14 @@ class ResultsOfRandomBrakesWithTolerances:
     def mean_and_95th_percentile_of_relative_peak_pressure(
         self, pressure: float
     ) -> tuple[float, float]:
-        """Mean and 95th percentile of new brakes' peak pressures, divided by `pressure` [MPa]."""
+        """Mean and 95th percentile of the peak pressure of new linings, over `pressure` [MPa]."""
         peaks = self.values_of_quantity_for_random_brakes("new", "peak_pressure") / pressure
         return float(peaks.mean()), float(np.percentile(peaks, 95))
 
     def fraction_of_torque_variance_removed_by_run_in(self) -> float:
-        """Fraction of the torque's variance that disappears as the linings run in.
+        """Fraction of the variance of the torque among brakes that disappears by running in.
 
-        The remaining variance comes from the tolerances of friction, force, levers and drum.
+        The rest of the variance comes from the tolerances of friction, force, levers and drum.
         """
         new = mean_and_percentiles_of_sample(
             self.values_of_quantity_for_random_brakes("new", "torque")
@@ -297,7 +300,8 @@ def rows_with_mean_and_percentiles_of_quantities(
         values["torque over the sine law's of the same brake", state] = (
             drawn.torque_over_torque_by_law(state)
         )
-    # A row for each sample: mean, standard deviation, their ratio, and the percentiles.
+    # A row for each quantity and state: mean, standard deviation, standard deviation over mean, and
+    # percentiles.
     rows = []
     for (quantity, state), sample in values.items():
         found = mean_and_percentiles_of_sample(sample)
@@ -322,7 +326,8 @@ def rows_of_sobol_indices_by_tolerance(
 ) -> list[dict[str, Any]]:
     """A row for each tolerance with its total Sobol indices.
 
-    A total Sobol index is the share of a quantity's variance in which the tolerance takes part.
+    A total Sobol index is the share of a quantity's variance that the tolerance causes alone or
+    together with other tolerances.
 
     tolerances : the tolerances; shares : Sobol indices in the order of the tolerances, by state and
     by quantity of QUANTITIES_SHOWN_OVER_RANDOM_BRAKES.
@@ -353,8 +358,8 @@ def sliding_distance_until_torque_settles(
     within : float
         Largest relative difference of a percentile from its last value.
     """
-    # At each distance: the largest relative difference of the three percentiles from their last
-    # values.
+    # `off` is the largest relative difference of the three percentiles from their last values, at
+    # each distance.
     ends = np.percentile(torque, (5, 50, 95), axis=0)
     off = np.abs(ends / ends[:, -1:] - 1).max(axis=0)
     return next(s for k, s in enumerate(distances) if off[k:].max() < within)

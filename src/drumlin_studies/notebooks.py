@@ -19,17 +19,19 @@ from nbclient import NotebookClient
 from drumlin.base.files import write_text
 from drumlin.studies import paths_of_example_notebooks
 
-# The package has no types of its own.
+# The package nbformat has no type hints, so that its type is Any.
 nbformat_library: Any = importlib.import_module("nbformat.v4")
 
 LONGEST_SECONDS_OF_CELL = 300
 """Seconds after which a cell counts as hung. All cells of a notebook take some 20 s."""
 
 PATTERN_OF_NUMBER_IN_TEXT = re.compile(r"[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
-"""A number in a text, such as 447.59, +2.8 or 1e-05."""
+"""Regular expression for a number in a text, such as 447.59, +2.8 or 1e-05."""
 
 HTML_TAG_PATTERN = re.compile(r"<[^>]*>")
-"""A tag of an HTML text, which stands between words that a reader sees apart."""
+"""Regular expression for a tag of an HTML text. A space takes the place of a tag, because the tag
+separates words on the page.
+"""
 
 PNG_SIGNATURE = b"\x89PNG\r\n\x1a\n"
 """First bytes of each PNG file (PNG specification, section 5.2)."""
@@ -41,14 +43,14 @@ TYPES_OF_PNG_CHUNKS_WITH_TEXTS_AND_TIMES = (b"tEXt", b"zTXt", b"iTXt", b"tIME", 
 def execute_notebook(path: Path) -> Any:
     """The notebook of a file with the outputs of its cells, and without traces of this run.
 
-    The cells run in an empty folder, as those of a reader who has only drumlin. Raises nbclient's
-    CellExecutionError if a cell fails.
+    The cells run in an empty folder, like the cells of a reader who has only drumlin. Raises
+    nbclient's CellExecutionError if a cell fails.
     """
     notebook: Any = nbformat_library.reads(path.read_text(encoding="utf-8"))
     with tempfile.TemporaryDirectory(prefix="drumlin-notebook-") as folder:
         place = {"metadata": {"path": folder}}
-        # drumlin's command line draws without a window, and sets MPLBACKEND for its process. A
-        # notebook shows its figures.
+        # drumlin's command line sets MPLBACKEND for its process, to draw without a window. The
+        # variable is removed here, because a notebook must show its figures.
         environment = {name: text for name, text in os.environ.items() if name != "MPLBACKEND"}
         NotebookClient(
             notebook, timeout=LONGEST_SECONDS_OF_CELL, kernel_name="python3", resources=place
@@ -56,7 +58,7 @@ def execute_notebook(path: Path) -> Any:
     cells = [cell for cell in notebook.cells if cell.cell_type == "code"]
     for number, cell in enumerate(cells, start=1):
         cell.execution_count = number
-        # The metadata of a run are the times at which the cells began and ended.
+        # The metadata of a cell are the times at which it began and ended.
         cell.metadata = {}
         cell.outputs = _outputs_with_joined_texts(cell.outputs)
         for output in cell.outputs:
@@ -66,9 +68,9 @@ def execute_notebook(path: Path) -> Any:
 
 
 def _outputs_with_joined_texts(outputs: list[Any]) -> list[Any]:
-    """The outputs of a cell, in which successive printed texts are one.
+    """The outputs of a cell, with successive printed texts joined to one text.
 
-    By chance of the run the lines of a loop come in one text or in several.
+    The lines that a loop prints come in one text or in several texts, by chance.
     """
     joined: list[Any] = []
     for output in outputs:
@@ -80,10 +82,10 @@ def _outputs_with_joined_texts(outputs: list[Any]) -> list[Any]:
 
 
 def _remove_traces_of_run_from_output(output: Any, number: int) -> None:
-    """Give an output the number of its cell, and a picture no text, beside it or in it.
+    """Give an output the number of its cell, and remove the texts beside a picture and in it.
 
-    The text beside a picture is "<Figure size ...>". The texts in a picture have the version of
-    matplotlib, and would change the file with each new version.
+    The text beside a picture is "<Figure size ...>". The texts in a picture's data contain the
+    version of matplotlib. Each new version would change them.
     """
     if output.output_type == "execute_result":
         output.execution_count = number
@@ -114,9 +116,10 @@ def png_without_texts(picture: bytes) -> bytes:
 
 
 def texts_of_outputs(notebook: Any) -> list[str]:
-    """The printed texts and the shown values of all code cells, an entry a cell.
+    """The printed texts and the shown values of the code cells, one entry for each cell.
 
-    A value that is shown as plain text and as HTML has both texts. The manual shows the HTML.
+    The entry has a value in plain text and in HTML if the cell gives both. The manual shows the
+    HTML.
     """
     texts = []
     for cell in notebook.cells:
@@ -130,7 +133,7 @@ def texts_of_outputs(notebook: Any) -> list[str]:
 
 
 def text_with_stars_for_numbers_and_its_numbers(text: str) -> tuple[str, list[float]]:
-    """A text with a star for each number, and the numbers."""
+    """A text with a star in place of each number, and the list of these numbers."""
     return " ".join(PATTERN_OF_NUMBER_IN_TEXT.sub("*", text).split()), list(
         map(float, PATTERN_OF_NUMBER_IN_TEXT.findall(text))
     )

@@ -4,12 +4,12 @@ An omission replaces for example the elastic drum ring by a rigid drum.
 `relative_change_from_whole_to_simpler_brake` compares the answers of the simpler and of the whole
 brake. `predict_response_change_by_omitting_parts` predicts the same change on two surrogates, which
 are coarse models of the whole and of the simpler brake (`reduced`). To first order the change is
-the response of the pressure p to the gap F p: the displacement that p would cause by the neglected
-flexibility F. The surrogates also contain the change of the contact. The prediction has no factor
-that is fitted to data.
+the response of the brake to the additional gap F p. F p is the displacement that the pressure p
+would cause by the neglected flexibility F. The surrogates also contain the change of the contact.
+The prediction has no factor that is fitted to data.
 
-A solve of drumlin omits no part of the brake, because the prediction would take as long as the
-solve of the whole brake.
+A normal solve of drumlin omits no part of the brake. To predict the change by an omission would
+take as long as the solve of the whole brake.
 """
 
 from collections.abc import Callable, Iterable, Sequence
@@ -63,7 +63,7 @@ def _has_shoe_with_elastic_arc_body(brake: Brake) -> bool:
 
 
 def _has_shoe_with_backing(brake: Brake) -> bool:
-    """Whether a shoe of the brake has a backing behind its lining and no straight beam.
+    """Whether a shoe of the brake has a backing behind its lining, and its body is no beam.
 
     Shoes with a mesh file do not count.
     """
@@ -91,18 +91,19 @@ OMITTABLE_PARTS_AND_EFFECTS_BY_NAME = {
         lambda brake: all(shoe.mesh is None for shoe in brake.shoes),
     ),
 }
-"""Parts and effects that can be left out of a brake, by name.
+"""Parts and effects that can be neglected in the model of a brake, by name.
 
 "drag" is the deformation of the elastic bodies by friction. The shoe of a post brake is a straight
-beam with a block between beam and lining. The beam ends where the block begins, so that neither of
-the two can be left out.
+beam with a block between beam and lining. The beam ends where the block begins. Therefore neither
+beam nor block can be left out.
 """
 
 
 class RelativeResponseChangesByOmission(NamedTuple):
     """Relative changes of an answer by an omission.
 
-    Pressure, reaction, peak and `each` are the largest change among the shoes.
+    All changes are taken without sign. `pressure`, `reaction`, `peak` and `each` belong to the shoe
+    with the largest change.
 
     Attributes
     ----------
@@ -132,8 +133,8 @@ def relative_change_from_whole_to_simpler_brake(
 ) -> RelativeResponseChangesByOmission:
     """Relative changes from the whole brake's response to the simpler brake's response."""
     torques, pressures, reactions, peaks, each = [], [], [], [], []
-    # If torque, peak or reaction of the whole brake is zero, the absolute change is taken in place
-    # of the relative one.
+    # If torque, peak or reaction of the whole brake is zero, the absolute change takes the place of
+    # the relative change.
     for a, b in zip(simple.shoes, whole.shoes, strict=True):
         torques.append(a.torque - b.torque)
         each.append(abs(a.torque - b.torque) / (b.torque or 1.0))
@@ -153,15 +154,16 @@ def relative_change_from_whole_to_simpler_brake(
 
 
 def _relative_pressure_change_of_shoe(a: ShoeResponse, b: ShoeResponse) -> float:
-    """L2 distance of the pressure of response a of a shoe from b's, relative to b's L2 norm.
+    """L2 distance between the pressures of responses a and b of a shoe, over the L2 norm of b's.
 
-    The result is 1 if the shoe is in contact in response a only.
+    If the shoe has no contact in response b, the result is 1 with contact in response a, and 0
+    without.
     """
     return relative_distance_of_pressures(a, b) if b.pressure.any() else float(a.pressure.any())
 
 
 def names_of_omissions_possible_for_brake(brake: Brake) -> list[str]:
-    """The names of those OMITTABLE_PARTS_AND_EFFECTS_BY_NAME whose part or effect a brake has."""
+    """Names of the OMITTABLE_PARTS_AND_EFFECTS_BY_NAME that a brake has."""
     return [
         name
         for name, part in OMITTABLE_PARTS_AND_EFFECTS_BY_NAME.items()
@@ -170,11 +172,12 @@ def names_of_omissions_possible_for_brake(brake: Brake) -> list[str]:
 
 
 def brake_without_neglected_parts(brake: Brake, names: Iterable[str]) -> Brake:
-    """The brake without those parts of "ring", "shoe" and "backing" that are in `names`.
+    """The brake without drum ring, shoe bodies or backings, as far as `names` has their names.
 
-    The other names of OMITTABLE_PARTS_AND_EFFECTS_BY_NAME change no brake file;
-    `prepared_model_and_brake_without_neglected_parts` takes them into account. Raises BadInput if a
-    name is not in OMITTABLE_PARTS_AND_EFFECTS_BY_NAME.
+    The names of the parts are "ring", "shoe" and "backing". The other names of
+    OMITTABLE_PARTS_AND_EFFECTS_BY_NAME change no data of the brake, but the prepared model: see
+    `prepared_model_and_brake_without_neglected_parts`. Raises BadInput if a name is not in
+    OMITTABLE_PARTS_AND_EFFECTS_BY_NAME.
     """
     names = set(names)
     if unknown := sorted(names - set(OMITTABLE_PARTS_AND_EFFECTS_BY_NAME)):
@@ -198,7 +201,7 @@ def brake_without_neglected_parts(brake: Brake, names: Iterable[str]) -> Brake:
 def prepared_model_and_brake_without_neglected_parts(
     brake: Brake, names: Iterable[str], make: PrepareModelOfBrake = make_prepared_model
 ) -> tuple[PreparedModel, Brake]:
-    """The prepared model of a brake without some parts, and the simpler brake itself.
+    """The prepared model of a brake without some parts or effects, and the simpler brake.
 
     Parameters
     ----------
@@ -212,8 +215,8 @@ def prepared_model_and_brake_without_neglected_parts(
     """
     names = set(names)
     simple = brake_without_neglected_parts(brake, names)
-    # If "drag" is neglected, friction deforms no body: the model is prepared without friction, and
-    # friction is added to the balance of moments alone.
+    # If "drag" is neglected, friction deforms no body. The model is then prepared without friction.
+    # Friction is added to the balance of forces and moments only.
     if "drag" in names and brake.friction > 0:
         scene = _prepared_model_without_deformation_by_friction(
             make(simple.model_copy(update={"friction_as_written": 0.0})), simple
@@ -246,7 +249,7 @@ def _prepared_model_without_deformation_by_friction(
                 gap_closure_by_friction=np.zeros_like(body.gap_closure_by_pressure),
                 reaction_to_friction=-rigid @ body.coupling.T.T,
             )
-        # Shoes of equal shape still share one condensed body after this change.
+        # Shoes of equal shape still share one condensed body.
         bodies.append(made[id(body)])
     ring = scene.ring
     if ring is not None:
@@ -282,7 +285,7 @@ def predict_response_change_by_omitting_parts(
     respond: FunctionThatComputesResponse,
     sketch: PrepareModelOfBrake | None = None,
 ) -> RelativeResponseChangesByOmission:
-    """The change of the answer by omitting parts, predicted on two coarse models (surrogates).
+    """The relative change of the answer by omissions, predicted with two coarse models.
 
     Parameters
     ----------
@@ -293,9 +296,8 @@ def predict_response_change_by_omitting_parts(
     respond : function
         Returns the response of a prepared model and a brake.
     sketch : function, optional
-        Returns the surrogate of a brake, as a function of
-        `reduced.make_function_that_prepares_surrogates`. A function that is used again keeps the
-        meshes of its linings.
+        Returns the surrogate of a brake. `reduced.make_function_that_prepares_surrogates` makes
+        this function, which keeps the meshes of the linings for later calls.
 
     Raises
     ------

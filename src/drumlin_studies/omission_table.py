@@ -46,15 +46,15 @@ COMPUTATIONS_LEFT_OUT_WITHOUT_CHANGE_OF_ANSWER = {
 }
 """Computations that a solve leaves out without any change of the answer.
 
-Each key names the computation, and each value says how the solve avoids it. The last entry is the
-deformation by friction where the coefficient of friction mu is zero.
+Each key names the computation, and each value says how the solve avoids the computation. The last
+entry is the flexibility of the shoes under friction, for a coefficient of friction mu of zero.
 """
 
 
 class SolversOfWholeAndSimplerBrake(NamedTuple):
     """Two functions: one solves the whole brake, the other the brake with an omission.
 
-    Each function prepares its model anew, so that it can be timed.
+    Each function prepares its model anew, so that a call takes the whole time of a solve.
     """
 
     whole: Callable[[], Response]
@@ -70,8 +70,8 @@ def table_rows_for_each_part_omitted_from_brake(
     OMITTABLE_PARTS_AND_EFFECTS_BY_NAME alone, the last on all OMITTABLE_PARTS_AND_EFFECTS_BY_NAME
     together. A row has the changes under the names of `RelativeResponseChangesByOmission`, and the
     predicted changes under the same names after "predicted_". `seconds` and `memory` are the
-    fractions that the omission saves of the time and of the memory of the whole solve. Where one of
-    the two solves has no answer, the `status` of the row gives the reason.
+    fractions of time and memory of the whole solve that the omission saves. Where one of the two
+    solves has no answer, the `status` of the row gives the reason.
 
     Parameters
     ----------
@@ -120,8 +120,8 @@ def predicted_over_true_changes_by_omission(
 ) -> list[float]:
     """Predicted change divided by true change, for each row with a true change from 0.01 % to 30 %.
 
-    Rows on exact omissions, on the curvature of the elements, and on all omissions with curvature
-    are left out.
+    Three kinds of rows are left out: omissions that change no answer, the curvature of the
+    elements, and all omissions together with the curvature.
 
     rows : rows of `table_rows_for_each_part_omitted_from_brake`; key : attribute of
         `RelativeResponseChangesByOmission` that is compared.
@@ -140,7 +140,7 @@ def saved_time_ranges_by_omission(
     """Smallest and largest fraction of the time that each omission alone saves, by its name.
 
     rows : rows of `table_rows_for_each_part_omitted_from_brake`; least : fraction of the time that
-    an omission must save on at least one brake. Other omissions are left out of the result.
+    an omission must save on at least one brake to be in the result.
     """
     saving: dict[str, list[float]] = {}
     for row in rows:
@@ -158,7 +158,7 @@ def row_of_largest_pressure_change_by_straight_edges(
 ) -> Mapping[str, Any] | None:
     """The row in which elements with straight edges change the pressure most.
 
-    The result is None where no row has such a change.
+    The result is None if straight edges change no pressure.
     """
     straight = rows_with_given_values(rows, part="curvature")
     # A row whose solve failed has no key "pressure" and counts as no change.
@@ -229,10 +229,10 @@ def _omission_change_as_row(
 def fractions_of_time_and_memory_saved(
     pair: SolversOfWholeAndSimplerBrake, repeats: int
 ) -> dict[str, float]:
-    """Fractions of the time and of the peak memory of the whole solve that the simpler solve saves.
+    """Fractions of time ("seconds") and peak memory of the whole solve that a simpler solve saves.
 
-    Simpler and whole solves alternate. The saved time follows from the median of the pairs' ratios
-    of times.
+    Simpler and whole solves alternate. Each pair gives a ratio of times. The median of these ratios
+    gives the saved time.
 
     pair : functions that run the two solves; repeats : number of timed pairs.
     """
@@ -288,7 +288,7 @@ def _functions_that_solve_whole_and_simpler_brake(
 def _solvers_with_and_without_needless_computation(
     brake: Brake, part: str, elements: int
 ) -> SolversOfWholeAndSimplerBrake | None:
-    """Functions that solve a brake with and without each needless computation.
+    """Functions that solve a brake with and without the needless computation `part`.
 
     The result is None where the omission does not apply to the brake.
 
@@ -316,9 +316,9 @@ def _solvers_with_and_without_needless_computation(
         )
     if part == "second of equal shoes":
         shapes = {cache_key_of_shoe_shape(brake, shoe) for shoe in brake.shoes}
-        # The omission does not apply where no two shoes are equal. It is not shown on an elastic
-        # ring either, because the shoes are prepared one by one here and the ring belongs to all of
-        # them.
+        # The omission does not apply to a brake without two equal shoes. It is not shown for an
+        # elastic ring either: here the shoes are prepared one by one, but the ring belongs to all
+        # shoes.
         if len(shapes) == len(brake.shoes) or brake.ring is not None:
             return None
         return SolversOfWholeAndSimplerBrake(
@@ -362,8 +362,8 @@ def _predict_change_by_omitting_parts_or_edge_curvature(
         return predict_response_change_by_omitting_parts(brake, names, solve_prepared_model)
     sketch = make_function_that_prepares_surrogates()
     whole = solve_prepared_model(sketch(brake), brake)
-    # The other omissions are predicted on a surrogate. The mean gap between the chords of the
-    # elements and the arc of the drum is added to the surrogate as a clearance.
+    # The other omissions are predicted on a surrogate. The surrogate also gets a clearance: the
+    # mean gap between the chords of the elements and the arc of the drum.
     scene, simple = prepared_model_and_brake_without_neglected_parts(
         brake, set(names) - {"curvature"}, sketch
     )
@@ -375,8 +375,8 @@ def _predict_change_by_omitting_parts_or_edge_curvature(
     found = relative_change_from_whole_to_simpler_brake(
         solve_prepared_model(scene, straight), whole
     )
-    # The mean gap does not cause the waves of the pressure within an element. A closed form adds
-    # them.
+    # The gap also varies within each element and causes waves of the pressure. A closed form gives
+    # these waves.
     waves = []
     for shoe, answer in zip(brake.shoes, rest.shoes, strict=True):
         size = _root_mean_square_of_pressure(answer.theta, answer.pressure)
@@ -403,8 +403,8 @@ def _shoe_with_clearance_like_straight_edge_gap(brake: Brake, shoe: Shoe, elemen
     The mean gap of an element is 2/3 of its sagitta.
     """
     angles, height = _element_angles_and_chord_sagittas(brake, shoe, elements)
-    # In the frame of a mirrored shoe angles grow as the brake's angles theta fall, so the angles
-    # are sorted.
+    # In the frame of a mirrored shoe the angles grow in the direction of falling brake angles
+    # theta. Therefore the angles are sorted.
     middle = np.sort(shoe.frame.surface_coordinates_of_phi((angles[:-1] + angles[1:]) / 2))
     height = height[:: shoe.frame.sense]
     gap = (
@@ -419,11 +419,11 @@ def rms_pressure_waves_due_to_straight_edges(brake: Brake, shoe: Shoe, elements:
     """Root mean square over the lining of the pressure waves [Pa] by straight element edges.
 
     A straight edge is a chord of length h with the sagitta s = R (1 - cos(dphi/2)). It leaves the
-    periodic gap s (1 - (2 x/h)^2) to the drum. The waves of this gap have the wave numbers
-    k = 2 pi m/h and the amplitudes 4 s/(pi m)^2, m = 1, 2, ... The lining is taken as a layer of
-    thickness t on a rigid base in plane stress, without friction. A wave of amplitude w in the gap
-    causes the wave p of the pressure below. The ratio p/w tends to E k/2 for a thick layer
-    (half-plane) and to E/((1 - nu^2) t) for a thin layer.
+    periodic gap s (1 - (2 x/h)^2) to the drum. The Fourier series of this gap has waves m = 1, 2,
+    ... with the wave numbers k = 2 pi m/h and the amplitudes 4 s/(pi m)^2. The lining is taken as a
+    layer of thickness t on a rigid base in plane stress, without friction. A wave of amplitude w in
+    the gap causes a wave of amplitude p in the pressure, by the formula below. The ratio p/w tends
+    to E k/2 for a thick layer (half-plane) and to E/((1 - nu^2) t) for a thin layer.
 
         p = w 4 G k/(kappa + 1) (2 kappa cosh 2kt + 1 + kappa^2 + (2kt)^2)/(2 kappa sinh 2kt - 4kt).
     """
@@ -433,7 +433,7 @@ def rms_pressure_waves_due_to_straight_edges(brake: Brake, shoe: Shoe, elements:
     kappa, G = (3 - nu) / (1 + nu), E / (2 * (1 + nu))
     h, m = brake.size * np.diff(angles)[:, None], np.arange(1, 9)
     k = 2 * math.pi * m / h
-    # From 2 k t = 50 on the layer acts as a half-plane. The upper limit prevents overflow of cosh.
+    # For 2 k t above 50 the layer acts as a half-plane. The limit 50 prevents overflow of cosh.
     a = np.minimum(2 * k * lining.thickness, 50.0)
     stiff = (2 * kappa * np.cosh(a) + 1 + kappa**2 + a**2) / (2 * kappa * np.sinh(a) - 2 * a)
     p = 4 * height[:, None] / (math.pi * m) ** 2 * 4 * G * k / (kappa + 1) * stiff

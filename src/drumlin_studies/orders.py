@@ -88,8 +88,8 @@ def convergence_order_rows_of_meshes(
     return rows
 
 
-# The arguments are degree, zone, edge, end, ratio, opening, largest, back, hinge, through: see
-# `RefinementLevel`.
+# The arguments are the attributes of `RefinementLevel` in their order, from `degree` to
+# `layer_size_ratio`.
 COARSEST_HP_MESH_OF_ERROR_ROWS = RefinementLevel(
     2, 0.9, 0.3, 0.4, 0.15, 0.15, math.radians(30), 1.0, 1.0, 0.1
 )
@@ -106,7 +106,7 @@ REFERENCE_MESHES_OF_HP_LEVELS = MeshesOfReferenceValues(
 )
 """Two fine hp meshes on which the reference of `error_rows_of_hp_levels` is solved.
 
-They are so fine that the errors of four coarser levels are known to within 50 %.
+With these meshes the errors of four coarser levels are known to within 50 %.
 """
 
 
@@ -118,8 +118,8 @@ def error_rows_of_hp_levels(
     The elements are refined towards the ends of the contact that the reference solution has. `root`
     is the cube root of the number of unknowns of a shoe. The logarithm of the error falls linearly
     with `root` if the elements are graded to all singular points (Babuska & Guo 1986). The rows end
-    where the error falls below twice the distance between the two hp meshes of the reference. Above
-    this floor an error is known to within 50 %.
+    where the error of the pressure falls below twice the distance between the responses on the two
+    hp meshes of the reference. A larger error is known to within 50 %.
     """
     reference = solve_brake_for_reference_values(brake, refinement)
     true, places = reference.value, singular_points_of_each_shoe_shape(brake, reference.value)
@@ -127,13 +127,14 @@ def error_rows_of_hp_levels(
     rows = []
     for level in (COARSEST_HP_MESH_OF_ERROR_ROWS, *REFINEMENT_LEVELS_FROM_COARSE_TO_FINE):
         made = make_prepared_model(brake, level, places)
-        # An infinite penalty asks for exact contact; the contact set of the reference is the start.
+        # An infinite penalty gives exact contact. The solve starts from the contact set of the
+        # reference.
         response = solve_prepared_model(made, brake, penalty=math.inf, start=true)
         unknowns = max(body.unknowns for body in made.bodies)
         error = largest_pressure_distance_of_shoes(response, true)
         torque = abs(relative_error_of_number(response.torque, true.torque))
-        # At smaller errors the unknown error of the reference would be too large a part of the
-        # difference.
+        # For smaller errors the error of the reference, which is unknown, would be too large a part
+        # of the difference.
         if error < floor:
             break
         rows.append(
@@ -154,7 +155,7 @@ class FittedErrorDecayOfHpMeshes(NamedTuple):
     Attributes
     ----------
     fall : float
-        Powers of ten by which the error falls per unit of n^(1/3).
+        Decrease of log10(error) as n^(1/3) grows by 1.
     correlation : float
         Correlation of -log10(error) with n^(1/3); near 1 if the errors lie on a straight line.
     decades : float
@@ -189,10 +190,10 @@ def estimated_and_true_error_row(
     tolerance : float
         Relative tolerance of the solve.
     reference : Response
-        The far finer response against which true errors are taken.
+        The far finer response. True errors are the differences from it.
     floor : float
         Relative uncertainty of the reference. If the true error of the pressure is smaller than
-        this, the `status` of the row says so.
+        `floor`, the `status` of the row says so.
     """
     start = time.perf_counter()
     row: ConvergenceRow = {"case": case, "tolerance": tolerance}
@@ -220,9 +221,9 @@ def estimated_and_true_error_row(
 def torque_convergence_rows_of_meshes(convergence: ResultsOnRefinedMeshes) -> list[ConvergenceRow]:
     """A row for each of several meshes, each twice as fine as the one before.
 
-    A row has the torque [N m], the relative distance of the torque from its limit, and under the
-    name of each shoe the relative change of the pressure to the next finer mesh. The finest mesh
-    has None in place of this change.
+    A row has the torque [N m], the relative distance of the torque from its extrapolated limit, and
+    under the name of each shoe the relative change of the pressure to the next finer mesh. On the
+    finest mesh this change is None.
     """
     limit = convergence.torque.value
     rows: list[ConvergenceRow] = []
@@ -296,8 +297,8 @@ def pressure_over_sine_of_hinge_angle(phi: Floats, shoe: ShoeResponse, edge: flo
 
     By the sine law the ratio is the same at all nodes.
 
-    phi : angles of all nodes from the hinge [rad]; edge : smallest distance of a node from an end
-    of the lining at which it counts [rad].
+    phi : angles of all nodes from the hinge [rad]; edge : length [rad] at each end of the lining
+    whose nodes are left out.
     """
     inside = (phi > phi.min() + edge) & (phi < phi.max() - edge)
     return np.asarray(shoe.pressure[inside] / np.sin(phi[inside]))

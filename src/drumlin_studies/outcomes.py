@@ -1,7 +1,8 @@
-"""Tables of many trials; a trial is the solve of a brake with extreme parameters.
+"""Tables of many trials. A trial is the solve of a brake with extreme parameters.
 
-The tables show faults, counts of outcomes, the least exact answers, run times, and the effect of
-the contact penalty. A knob is a quantity of the brake or of its solve that the trials vary.
+The tables show the faults, the number of trials with each outcome, the answers with the largest
+errors, run times, and the effect of the contact penalty. A knob is a quantity of the brake or of
+its solve that the trials vary.
 """
 
 import math
@@ -31,7 +32,7 @@ OUTCOMES_OF_POINTWISE_PENALTY_TRIALS = (
 )
 """All outcomes of a trial by the pointwise penalty, the contact method of textbooks.
 
-"a number where there is none": the method gives an answer to a case that drumlin refuses.
+"a number where there is none" means that the method gives an answer to a case that drumlin refuses.
 """
 ROW_KEYS_OF_TIMES_AND_ITERATION_COUNTS = (
     "seconds",
@@ -44,7 +45,7 @@ ROW_KEYS_OF_TIMES_AND_ITERATION_COUNTS = (
 
 
 def trial_rows_with_fault_as_outcome(rows: Sequence[TrialRow]) -> list[TrialRow]:
-    """Rows of trials that ended with a fault: neither right answer nor refusal with a reason."""
+    """The rows of trials that ended with a fault: no right answer, and no refusal with a reason."""
     return [row for row in rows if row["outcome"] in TRIAL_OUTCOMES_THAT_ARE_FAULTS_OF_DRUMLIN]
 
 
@@ -56,7 +57,7 @@ def rows_with_fewest_correct_digits(rows: Sequence[TrialRow], count: int = 10) -
 
 
 def _group_rows_by_varied_quantity(rows: Sequence[TrialRow]) -> dict[str, list[TrialRow]]:
-    """Groups of rows, by the name of the quantity (knob) that they vary; "all" has all rows."""
+    """The rows in groups, by the quantity (knob) that a trial varies; group "all" has all rows."""
     groups: dict[str, list[TrialRow]] = {}
     for row in rows:
         groups.setdefault(row["knob"], []).append(row)
@@ -68,8 +69,7 @@ def count_row_values_by_varied_quantity(
 ) -> list[TrialRow]:
     """A row for each varied quantity (knob) with counts of the values of a key.
 
-    The last row counts over all trials. A row has None under the name of a value that does not
-    occur.
+    The last row counts over all trials. A count of zero is None.
 
     rows : the rows of the trials; key : key of these rows; names : the values that are counted.
     """
@@ -105,8 +105,8 @@ def relative_torque_changes_due_to_penalty(
 ) -> dict[str, list[tuple[float, float]]]:
     """The relative change of the torque that a finite penalty causes.
 
-    The result has a list of pairs (penalty factor, change) for each of two brakes: one with its
-    whole lining in contact, the other with a part of it.
+    The result has a list of pairs (penalty factor, change) for each of two brakes. In one brake the
+    whole lining is in contact, in the other a part of the lining. The changes have no sign.
     """
     found: dict[str, list[tuple[float, float]]] = {}
     swept = rows_with_given_values(rows, knob="penalty", outcome="answer")
@@ -129,8 +129,8 @@ def relative_torque_changes_due_to_penalty(
 def trial_rows_with_varied_penalty(rows: Sequence[TrialRow]) -> list[TrialRow]:
     """The rows of the trials in which the penalty varies and the whole lining is in contact.
 
-    To each row the penalty factor is added as `penalty`, and as `change` the relative change of the
-    torque against exact contact.
+    Each row gets two further keys: `penalty`, the penalty factor, and `change`, the relative
+    difference of the torque from the torque with exact contact.
     """
     swept = []
     for row in rows_with_given_values(rows, knob="penalty"):
@@ -145,9 +145,10 @@ def trial_rows_with_varied_penalty(rows: Sequence[TrialRow]) -> list[TrialRow]:
 def log_slope_of_error_over_penalty(
     values: Sequence[tuple[float, float]], low: float = 1e2, high: float = 1e6
 ) -> float:
-    """Slope of the logarithm of the error against the logarithm of the penalty factor.
+    """Slope of log(error) against log(penalty factor), between two penalty factors.
 
-    values : pairs of a penalty factor and an error; low, high : range of factors that is used.
+    values : pairs of a penalty factor and an error, in the order of the factors; low, high : the
+    slope is taken between the first and the last factor in this range.
     """
     inside = [(math.log(a), math.log(e)) for a, e in values if low <= a <= high and e > 0]
     return (inside[-1][1] - inside[0][1]) / (inside[-1][0] - inside[0][0])

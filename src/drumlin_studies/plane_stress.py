@@ -2,8 +2,8 @@
 
 The module makes tables of the errors, maps of the errors over two quantities, and simulates the
 wear of solid linings across their width. Both models use the same mesh of hp elements in the plane
-of the drum, so that the error of this mesh nearly cancels in their difference. A comparison on
-three meshes shows the error that remains.
+of the drum. Therefore the error of this mesh nearly cancels in the difference of both models. A
+comparison on three meshes shows how much remains of it.
 """
 
 import time
@@ -56,7 +56,7 @@ WIDTH_ERROR_NAMES_BY_ROW_KEY = {
     "corrected_torque": "torque, corrected",
     "corrected_pressure": "mean p, corrected",
 }
-"""Errors in a row of `plane_stress_error_rows_of_shoes`: key of the row, name in tables.
+"""Errors in a row of `plane_stress_error_rows_of_shoes`: name in tables, by key of the row.
 
 "corrected" stands for plane stress with the correction for the finite width of the shoe.
 """
@@ -104,10 +104,11 @@ def solve_by_solid_and_plane_stress(
 
 
 def relative_pressure_deviation_across_width(shoe: ShoeResponse, zone: float) -> float:
-    """Standard deviation of a solid shoe's pressure across the width, divided by the mean.
+    """Standard deviation of a solid shoe's pressure across the width, over the mean pressure.
 
-    The standard deviation and the mean are both taken as root mean squares along the lining. 0
-    means an even pressure across the width.
+    The standard deviation across the width and the mean over the width vary along the lining. The
+    result is the ratio of their root mean squares along the lining. It is 0 for an even pressure
+    across the width.
 
     shoe : the response of a solid shoe; zone : angle [rad] at each end of the lining that is left
     out.
@@ -120,8 +121,8 @@ def relative_pressure_deviation_across_width(shoe: ShoeResponse, zone: float) ->
     across = np.zeros(len(z))
     for k in range(0, len(z) - 2, 2):
         across[k : k + 3] += (z[k + 2] - z[k]) / 6 * np.array([1, 4, 1])
-    # The variance across the width and the square of the mean pressure are integrated along the
-    # lining.
+    # The variance across the width, and the square of the mean over the width, are integrated along
+    # the lining.
     off = surface.pressure[inside] - shoe.pressure[inside, None]
     variance = weights @ (off**2 @ across) / across.sum()
     size = weights @ shoe.pressure[inside] ** 2
@@ -148,11 +149,11 @@ def plane_stress_error_rows_of_shoes(
 ) -> list[dict[str, Any]]:
     """A row for each shoe with the relative errors of plane stress against the solid shoe.
 
-    Keys: `torque`; `pressure`, the L2 error of the mean pressure over the width; `peak`, the peak
-    pressure by plane stress against the largest pressure on the face; `reaction`, the hinge
-    reaction. The same four keys with "corrected_" before them are for plane stress with the
-    correction for the width. `uneven` is the result of `relative_pressure_deviation_across_width`,
-    `mid_over_side` of `mid_plane_over_side_pressure`.
+    Keys: `torque`; `pressure`, the L2 error of the mean pressure over the width; `peak`, the error
+    of the peak pressure by plane stress against the largest pressure on the friction face;
+    `reaction`, the hinge reaction. The same four keys with the prefix "corrected_" are the errors
+    of plane stress with the correction for the width. `uneven` is the result of
+    `relative_pressure_deviation_across_width`, `mid_over_side` of `mid_plane_over_side_pressure`.
 
     three : the responses of the brake; case : name of the brake in the rows.
     """
@@ -191,8 +192,8 @@ def plane_stress_error_rows_of_shoes(
 def mid_plane_over_side_pressure(shoe: ShoeResponse) -> float:
     """Pressure of a solid shoe in its mid-plane, divided by the pressure at its side.
 
-    The ratio is taken at the middle of the contact. It is inf if no row of nodes across the width
-    is wholly in contact.
+    The ratio is taken in the middle of the contact, among the rows of nodes across the width that
+    touch the drum with all nodes. The result is inf if no row touches with all nodes.
     """
     p = pressure_over_friction_face_of_solid_shoe(shoe).pressure
     # Indices of the rows of nodes across the width whose nodes all touch the drum.
@@ -204,7 +205,7 @@ def mid_plane_over_side_pressure(shoe: ShoeResponse) -> float:
 
 
 def value_of_largest_magnitude_in_rows(table: Sequence[dict[str, Any]], key: str) -> float:
-    """The value of a key with the largest absolute value among the rows, with its sign."""
+    """The largest value of a key in magnitude among the rows, with its sign."""
     return float(max(values_of_key_in_rows(table, key), key=abs))
 
 
@@ -221,8 +222,8 @@ class PlaneStressErrorMap:
     x, y : array (n,), array (m,)
         Values of the first and of the second quantity.
     errors : dict
-        Arrays (m, n) of errors, by key of `plane_stress_error_rows_of_shoes`. The shoe with the
-        largest error counts.
+        Arrays (m, n) of errors, by key of `plane_stress_error_rows_of_shoes`. Each error is the
+        error of the shoe with the largest error.
     """
 
     name: str
@@ -243,8 +244,8 @@ class PlaneStressErrorMap:
         found = []
         for name, values, along in zip(self.axes, (self.x, self.y), (0, 1), strict=True):
             lines = np.asarray(within.all(axis=along))
-            # The number of rows or columns, counted without a gap from the last and from the first
-            # value of the quantity, in which all errors are within the limit.
+            # Number of successive values of the quantity with which all errors are within the
+            # limit, counted from the last value backwards and from the first value onwards.
             from_last, from_first = int(np.cumprod(lines[::-1]).sum()), int(np.cumprod(lines).sum())
             if from_last:
                 found.append(f"{name} from {values[-from_last]:g} on")
@@ -291,7 +292,7 @@ def map_plane_stress_errors(
 def rows_of_shares_within_error_limits(
     charts: Sequence[PlaneStressErrorMap],
 ) -> list[dict[str, Any]]:
-    """A row for each map and each error: its largest value, and the shares within the limits.
+    """A row for each map and each error: largest error, and shares of brakes within the limits.
 
     The limits are REPORTED_PLANE_STRESS_ERROR_LIMITS.
 
@@ -358,8 +359,8 @@ def compare_plane_stress_torque_with_solid(
 class TimeAndErrors(NamedTuple):
     """Time and errors of a model on a brake.
 
-    The errors are relative, and the shoe with the largest error counts. The error of the pressure
-    is the L2 error of the mean pressure over the width.
+    The errors are relative. Each is the error of the shoe with the largest error. The error of the
+    pressure is the L2 error of the mean pressure over the width.
 
     Attributes
     ----------
@@ -383,7 +384,7 @@ class TimeAndErrors(NamedTuple):
 
 
 class ModelWithFunctionThatSolvesBrake(NamedTuple):
-    """A model with its setting, and a function that returns its response to the brake."""
+    """A model with its setting, and a function that solves the brake by the model."""
 
     method: str
     setting: str
@@ -395,8 +396,8 @@ def measure_time_and_errors_of_models(
 ) -> list[TimeAndErrors]:
     """Time and errors of laws, foundation model, plane stress and solid shoes on a brake.
 
-    Errors are taken against solid shoes of a high degree across the width, and against the default
-    solve in plane stress.
+    Errors are differences from two responses: solid shoes with a high degree across the width, and
+    the default solve in plane stress.
 
     Parameters
     ----------
@@ -511,14 +512,14 @@ class PressuresOfWornSolidLinings(NamedTuple):
     ----------
     distance : tuple of float
         Sliding distances in units of 1/(k K), with the wear coefficient k and the stiffness K of
-        the lining.
+        the lining (pressure per compression).
     uneven : tuple of tuples
-        For each shoe and distance the result of `relative_pressure_deviation_across_width`.
+        For each lining and distance the result of `relative_pressure_deviation_across_width`.
     distance_from_sine_law : tuple of tuples
-        For each shoe and distance the relative L2 distance of the pressure from the sine law. The
-        pressure is the mean over the width.
+        For each lining and distance the relative L2 distance of the mean pressure over the width
+        from the pressure by the sine law.
     last : tuple of ShoeResponse
-        The shoes at the last distance.
+        The response of the shoe of each lining, at the last distance.
     """
 
     distance: tuple[float, ...]
@@ -625,8 +626,8 @@ def sentences_on_largest_plane_stress_errors(
     for name, points in curves.items():
         largest = []
         for key, said in WIDTH_ERROR_WORDS_IN_SENTENCES.items():
-            # `max` compares the errors. Of equal errors it takes the one at the largest value of
-            # the quantity.
+            # The largest error, and the value of the quantity at which it occurs. Of equal errors
+            # `max` takes the error at the largest value of the quantity.
             error, at = max(
                 (abs(value_of_largest_magnitude_in_rows(table, key)), at) for at, table in points
             )
@@ -652,7 +653,7 @@ def sentences_on_maps_of_plane_stress_errors(charts: Sequence[PlaneStressErrorMa
 def _describe_map_ranges_within_limits(chart: PlaneStressErrorMap, key: str) -> list[str]:
     """Texts, one for each reported limit: the range of a map with errors within the limit.
 
-    The list ends with the first limit that holds on the whole map.
+    The list ends after the first limit within which all errors of the map lie.
     """
     parts = []
     for limit in REPORTED_PLANE_STRESS_ERROR_LIMITS:

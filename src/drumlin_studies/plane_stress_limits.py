@@ -1,8 +1,8 @@
 """Ranges in which plane stress is right to 1, 5 and 20 %, by comparison with shoes in 3D.
 
-Two brakes are varied: one whose shoes have one width, and one with shoes of T-section. Each error
-is the distance of plane stress from shoes whose displacements are polynomials of the degree
-DEGREE_ACROSS_WIDTH_OF_LIMIT_STUDY across the width.
+Two brakes are varied: a brake with shoes of one width, and a brake with shoes of T-section. Each
+error is the difference between plane stress and shoes in 3D. The displacements of the shoes in 3D
+are polynomials across the width, of the degree DEGREE_ACROSS_WIDTH_OF_LIMIT_STUDY.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -23,22 +23,22 @@ from drumlin.fem.width.ladder import (
 DEGREE_ACROSS_WIDTH_OF_LIMIT_STUDY = 3
 """Degree of the polynomials across the width of the shoes with which plane stress is compared."""
 LIMITS_OF_PLANE_STRESS_ERROR = (0.01, 0.05, 0.20)
-"""Limits of the relative error. For each limit the range is stated in which the error of plane
-stress is within it.
+"""Limits of the relative error of plane stress. The study finds the range in which the error is
+within each limit.
 """
 NAMES_OF_LIMITED_QUANTITIES = {"pressure": "mean p over the width", "torque": "torque"}
 """Names of the compared quantities by their key in the error of plane stress."""
 
 
 class VariedQuantityOfPlaneStressError(NamedTuple):
-    """A quantity that is varied.
+    """A quantity of a brake that the study varies.
 
     Attributes
     ----------
     name : name of the quantity
     values : its values
-    value : returns the quantity's value on a brake
-    brake_with_value : returns the brake with another value
+    value : function that returns the quantity's value for a brake
+    brake_with_value : function that returns the brake with another value of the quantity
     needs_web : whether the quantity exists only on shoes whose parts have several widths
     """
 
@@ -58,7 +58,8 @@ def lining_width_over_thickness(brake: Brake) -> float:
 def brake_with_lining_width_over_thickness(brake: Brake, ratio: float) -> Brake:
     """The brake with linings whose width is `ratio` times their thickness.
 
-    The width of the bodies changes in the same proportion.
+    The width of the bodies is changed by the same factor. The thickness is that of the first
+    lining.
     """
     shoe = brake.shoes[0]
     width = ratio * shoe.lining.thickness
@@ -89,7 +90,7 @@ def overhang_over_table_thickness(brake: Brake) -> float:
 
 
 def brake_with_overhang_over_table_thickness(brake: Brake, ratio: float) -> Brake:
-    """The brake whose linings extend beyond the web by `ratio` times the table's thickness."""
+    """The brake with another table thickness: 1/`ratio` of the lining's overhang beyond the web."""
     shoe = brake.shoes[0]
     assert shoe.backing is not None
     thickness = shoe.backing.thickness * overhang_over_table_thickness(brake) / ratio
@@ -169,14 +170,15 @@ def rows_of_plane_stress_limits(
     every: int = 1,
     say: Callable[[str], None] = lambda _: None,
 ) -> list[dict[str, Any]]:
-    """A row for each variation, brake and value: the errors of plane stress.
+    """A row for each varied quantity, brake and value: the errors of plane stress.
 
     A value without an answer has no row.
 
     Parameters
     ----------
     brakes : the brakes that are varied, by name
-    every : only each `every`-th value of a quantity is computed, beginning with the first
+    every : 1 for all values of a quantity, 2 for every second value, beginning with the first, and
+        so on
     say : is called with a line of text on the progress
     """
     rows = []
@@ -197,7 +199,7 @@ def rows_of_plane_stress_limits(
 
 
 class QuantityRangeWithinPlaneStressErrorLimit(NamedTuple):
-    """The values of a varied quantity with which the error of plane stress is within a limit.
+    """The range of a varied quantity with which the error of plane stress is within a limit.
 
     `low` and `high` are the smallest and the largest of these values; None if no value is within
     the limit.

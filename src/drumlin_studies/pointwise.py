@@ -1,10 +1,10 @@
-"""The pointwise penalty: contact as in textbooks, solved by Newton's method, for comparison only.
+"""The pointwise penalty: contact as in textbooks, by Newton's method, for comparison only.
 
 At the Gauss points of each element edge on the lining (order + 1 points) the pressure is p = eps
 max(-g, 0), with the penalty stiffness eps and the gap g of the deformed lining. The drum drags the
 lining by the friction mu p. Each step of Newton's method solves the system below for the
-displacements u, and then takes those points as touching whose gap is closed. The steps end when no
-point changes between touching and open:
+displacements u. Then the points with a closed gap count as touching. The steps end when no point
+changes between touching and open:
 
     [K + sum w eps psi_a psi_b (n - mu s e) n^T] u = f + sum w eps psi_a (n - mu s e) g0
 
@@ -61,8 +61,8 @@ from drumlin.response.resultants import planar_cross_product
 DEFAULT_FACTOR_OF_POINTWISE_PENALTY = 1e3
 """Default penalty factor alpha in the penalty stiffness eps = alpha E/t [Pa/m].
 
-E and t are Young's modulus and thickness of the lining. There are more Gauss points than nodes, so
-that with a much larger factor the contact conditions at the points would over-constrain the nodes.
+E and t are Young's modulus and thickness of the lining. There are more Gauss points than nodes.
+With a much larger factor the contact conditions at the points would over-constrain the nodes.
 """
 MOST_NEWTON_STEPS_OF_POINTWISE_PENALTY = 60
 """Number of Newton steps after which the method gives up, because the contact has not converged."""
@@ -136,9 +136,9 @@ class _QuadraturePointsOfFrictionFace:
     phi, radius, gap : array (q,)
         Angle in the shoe's frame [rad], radius [m] and gap of the unloaded lining [m].
     gap_closure_by_displacements : sparse matrix (q, unknowns)
-        Maps the displacements to the closure n . u of the gap at each point.
+        Matrix that maps the displacements to the closure n . u of the gap at each point.
     nodal_forces_of_unit_contact : sparse matrix (q, unknowns)
-        In each row the nodal forces of a unit normal force and its friction at a point.
+        In each row the nodal forces of a normal force of 1 N at a point and of its friction.
     """
 
     weight: Floats
@@ -150,7 +150,7 @@ class _QuadraturePointsOfFrictionFace:
 
 
 class ShoeResponseByPointwisePenalty(NamedTuple):
-    """The response of a shoe, its balance and its number of Newton steps."""
+    """The response of a shoe, its imbalance of forces, and its number of Newton steps."""
 
     response: ShoeResponse
     balance: ForceAndMomentImbalance
@@ -160,7 +160,7 @@ class ShoeResponseByPointwisePenalty(NamedTuple):
 def _solve_one_shoe_by_penalty(
     brake: Brake, shoe: Shoe, mesher: Mesher, penalty: float, seconds: SecondsOfEachPhase
 ) -> ShoeResponseByPointwisePenalty:
-    """The response of one shoe with its balance and number of Newton steps.
+    """Solve one shoe; returns its response, its imbalance and its number of Newton steps.
 
     Parameters
     ----------
@@ -203,8 +203,8 @@ def _solve_one_shoe_by_penalty(
         u, on = contact_state.u, contact_state.touching
         p = np.where(on, stiffness * (points.gap_closure_by_displacements @ u - points.gap), 0.0)
         nodal = points.nodal_forces_of_unit_contact.T @ (points.weight * p)
-        # The hinge reaction is the residual of the equations of the two displacements that the pin
-        # fixes.
+        # The hinge reaction is the residual of two equations, those of the displacements that the
+        # pin fixes.
         reaction = (A @ u - load - nodal)[
             -DEGREES_OF_FREEDOM_OF_BODY_FRAME : 1 - DEGREES_OF_FREEDOM_OF_BODY_FRAME + 1
         ]
@@ -216,8 +216,8 @@ def _solve_one_shoe_by_penalty(
     balance = _relative_imbalance_of_forces_and_moments(
         parts, shoe, contact, reaction, given, force * moment
     )
-    # Friction assists the actuation if, in a rotation about the pin, its work has the same sign as
-    # the work of the actuation.
+    # Friction assists the actuation if both do work of the same sign in a rotation of the shoe
+    # about its pin.
     assists = _work_of_friction_in_shoe_motion(points, p, turned) * moment > 0
     to_brake, turn = shoe.frame.convert_vectors_from_shoe_to_brake_frame(reaction), float(u[-1])
     response = _shoe_response_from_quadrature_pressures(
@@ -235,11 +235,12 @@ def _answer_of_shoe_without_contact(shoe: Shoe) -> ShoeResponseByPointwisePenalt
 def _work_of_friction_in_shoe_motion(
     points: _QuadraturePointsOfFrictionFace, p: Floats, motion: Floats
 ) -> float:
-    """Work [N m] of the friction due to the pressures p (q,) [Pa], in a motion (unknowns,) [m].
+    """Work [N m] of the friction under the pressures p (q,) [Pa] in the displacements `motion` [m].
 
-    The matrix `nodal_forces_of_unit_contact` gives normal and friction forces, and
-    `gap_closure_by_displacements` gives the normal forces with the opposite sign. Their sum is the
-    friction alone.
+    `motion` (unknowns,) has all displacements of the shoe. The matrix
+    `nodal_forces_of_unit_contact` gives normal and friction forces, and
+    `gap_closure_by_displacements` gives the normal forces with the opposite sign. The sum of both
+    matrices gives the friction forces alone.
     """
     return float(
         (points.weight * p)
@@ -255,7 +256,7 @@ def _relative_imbalance_of_forces_and_moments(
     given: Floats,
     moment: float,
 ) -> ForceAndMomentImbalance:
-    """The relative imbalance of the forces on a shoe, and of their moments about the centre.
+    """The relative imbalance of forces on a shoe, and of their moments about the drum's centre.
 
     Parameters
     ----------
@@ -336,9 +337,10 @@ def _nodal_displacements_per_turn_about_pin(parts: AssembledUncondensedShoe, sho
 
 
 class _ContactStateOfShoeByNewton(NamedTuple):
-    """Contact state of a shoe: displacements (unknowns,), flags (q,), number of Newton steps.
+    """Contact state of a shoe: displacements u (unknowns,), touching points, number of steps.
 
-    A flag of `touching` tells whether a quadrature point touches the drum.
+    `touching` (q,) tells for each quadrature point whether it touches the drum. `steps` is the
+    number of Newton steps.
     """
 
     u: Floats
@@ -389,8 +391,7 @@ def _find_touching_points_by_newton(
                 f"shoe {name!r}: the pointwise contact has a singular tangent in step {step}"
             ) from error
         u[free] = factors.solve(load[free] - pushing @ points.gap)
-        # Those points touch in the next step whose gap would be closed by this step's
-        # displacements.
+        # In the next step a point touches if the displacements of this step close its gap.
         touching = points.gap_closure_by_displacements @ u > points.gap
         if (touching == on).all():
             return _ContactStateOfShoeByNewton(u, on, step)

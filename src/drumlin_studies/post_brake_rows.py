@@ -1,8 +1,9 @@
 """Table rows, curves and maps: a post brake by sine law, foundation model and finite elements.
 
 A post brake presses blocks on straight beams ("posts") against a drum. The results show the error
-of each simplification of the foundation model, the effect of clearances and friction, the brakes
-for which the model's assumptions hold, and the convergence of the model's grids.
+of each simplification of the foundation model, the effect of clearances and friction, brakes for
+which the model's assumptions hold or do not hold, and the convergence of the model with finer
+grids.
 """
 
 import math
@@ -56,17 +57,16 @@ POST_BRAKE_SOLVERS_BY_MODEL_NAME: dict[str, FunctionThatSolvesBrakeByModel] = {
     ),
     "sine": solve_brake_by_sine_law,
 }
-"""Solvers of a post brake by name. "foundation" is the foundation model as published, "lifted" the
-same model with every effect that the published one neglects.
+"""Solvers of a post brake by name. "foundation" is the foundation model as published. "lifted" is
+the same model with all effects that the published model neglects.
 """
 POST_BRAKE_SOLVERS_AND_TILT_SOLVER_BY_NAME: dict[str, FunctionThatSolvesBrakeByModel] = {
     "tilt": partial(foundation.solve_brake_by_foundation_model, lift=("tilt",)),
     **POST_BRAKE_SOLVERS_BY_MODEL_NAME,
 }
-"""Solvers of a post brake by name: POST_BRAKE_SOLVERS_BY_MODEL_NAME and a further foundation model.
+"""Solvers of a post brake by name: POST_BRAKE_SOLVERS_BY_MODEL_NAME and "tilt".
 
-"tilt" includes the tilt of the beam's sections, and neglects every other effect that the published
-model neglects.
+"tilt" is the published foundation model with one more effect, the tilt of the beam's sections.
 """
 CHANGES_TO_MEET_FOUNDATION_ASSUMPTIONS = {
     "drum.ring": None,
@@ -104,8 +104,8 @@ class TorqueErrorMapOverStiffnessGroups:
         Title of the map.
     x, y : array (n,), array (m,)
         Values of the dimensionless group k R^4/EI, x for the beam and y for the ring: k is the
-        stiffness of lining and block, R the drum's radius, and EI the bending stiffness of the beam
-        or of the ring.
+        stiffness of lining and block per length of the arc [N/m^2], R the drum's radius, and EI the
+        bending stiffness of the beam or of the ring.
     error : array (m, n)
         Relative errors, nan where the model or the finite elements have no answer.
     """
@@ -133,8 +133,9 @@ def largest_relative_torque_error_of_shoes(response: Response, true: Response) -
 def error_rows_of_foundation_model_effects(brake: Brake, fem: Response) -> list[dict[str, Any]]:
     """Rows with the relative errors of the foundation model's torque against finite elements.
 
-    The first row belongs to the published model. In each further row the model also includes one
-    effect that the published model neglects; in the last row it includes all of these effects.
+    The first row belongs to the published model. In each further row the model includes one of the
+    effects that the published model neglects. In the last row the model includes all of these
+    effects.
 
     brake : the post brake; fem : its response by finite elements.
     """
@@ -159,7 +160,7 @@ def brake_with_clearances_by_function_of_angle(
 
     gap : returns the clearances [m] at angles [rad] from the normal of the beam.
     """
-    # Each lining gets a table of 181 rows, an angle and the clearance there.
+    # Each lining gets a table with 181 rows of an angle and a clearance.
     changes = {}
     for i, shoe in enumerate(brake.shoes):
         theta = np.linspace(shoe.lining.start, shoe.lining.end, 181)
@@ -172,13 +173,13 @@ def brake_with_clearances_by_function_of_angle(
 def brake_with_other_lining_radius(brake: Brake, larger: float) -> Brake:
     """The brake with linings whose radius differs from the drum's radius.
 
-    The unloaded lining touches the drum with its middle if its radius is larger than the drum's,
-    and with its ends if its radius is smaller.
+    An unloaded lining of larger radius touches the drum with its middle, a lining of smaller radius
+    with its ends.
 
     larger : radius of the lining minus radius of the drum [m].
     """
-    # The gap is zero in the middle of a lining of larger radius, and at the ends of one of smaller
-    # radius.
+    # The gap is zero in the middle of a lining of larger radius, and at the ends of a lining of
+    # smaller radius.
     end = math.cos(0.5 * (brake.shoes[0].lining.end - brake.shoes[0].lining.start))
     zero_at = 1.0 if larger > 0 else end
     return brake_with_clearances_by_function_of_angle(
@@ -191,7 +192,7 @@ def rows_of_post_brake_results_by_clearance(
 ) -> list[dict[str, Any]]:
     """A row for each clearance, model and shoe: torque, peak pressure, figures of merit, contact.
 
-    The linings fit, have another radius, are displaced, or are worn in.
+    In the cases of clearance the linings fit, have another radius, are displaced, or are worn in.
 
     brake : the post brake with linings that fit; scene : its prepared model by finite elements.
     """
@@ -251,7 +252,7 @@ def torque_differences_from_sine_law_at_lining_radii(
 ) -> TorqueDifferencesOverRadiusOffset:
     """Relative torque differences from the sine law, for linings of another radius.
 
-    The result has the differences for each shoe and model.
+    The result has a list of pairs (radius difference, torque difference) for each shoe and model.
 
     Parameters
     ----------
@@ -285,8 +286,8 @@ def figures_of_merit_at_friction_coefficients(
 ) -> FiguresOfMeritOverFriction:
     """Figures of merit of each shoe and model over the coefficient of friction.
 
-    The list of a model ends before the first friction at which the model has no answer, because
-    the shoe locks.
+    The list of a model ends before the first friction at which a shoe locks and the model has no
+    answer.
 
     brake : the post brake; scene : its prepared model by finite elements; friction : coefficients
     (n,) in growing order.
@@ -328,7 +329,7 @@ def error_rows_of_violated_assumptions(brake: Brake, elements: int) -> list[dict
 
     The first brake meets all assumptions, and the last one is the given brake itself. A row has the
     relative error of the torque by each of NAMES_OF_MODELS_FOR_VIOLATED_ASSUMPTIONS against finite
-    elements. The shoe with the largest error counts.
+    elements, for the shoe with the largest error.
 
     brake : the post brake; elements : number of elements along each lining.
     """
@@ -373,8 +374,9 @@ def error_rows_of_violated_assumptions(brake: Brake, elements: int) -> list[dict
 def dimensionless_stiffnesses_of_beam_and_ring(brake: Brake) -> tuple[float, float]:
     """The dimensionless groups k R^4/EI of the beam and of the ring of a post brake.
 
-    k is the stiffness of lining and block in series per length of the arc, R the radius of the
-    drum, EI the bending stiffness of the beam or of the ring.
+    k is the stiffness of lining and block in series, per length of the arc [N/m^2]. R is the radius
+    of the drum, and EI the bending stiffness of the beam or of the ring. k and the beam are those
+    of the first shoe.
     """
     shoe, ring, R = brake.shoes[0], brake.ring, brake.size
     assert shoe.backing is not None and shoe.body is not None and ring is not None
@@ -391,10 +393,11 @@ def torque_error_maps_of_models_and_groups_of_brake(
 ) -> tuple[list[list[TorqueErrorMapOverStiffnessGroups]], list[tuple[float, float]]]:
     """Maps of the torque's error over the dimensionless groups of beam and ring, by model.
 
-    Each row has a map for each of NAMES_OF_MODELS_WITH_ERROR_MAPS. In the first row the lining is
-    soft compared with its block; the second row has a wooden block. The error is against finite
-    elements, and the shoe with the largest error counts. The second result has for each row the
-    values of both groups on the unchanged brake.
+    The first result has two rows of maps, with a map in each row for each of
+    NAMES_OF_MODELS_WITH_ERROR_MAPS. In the first row the lining is soft compared with its block. In
+    the second row the block is of wood, as in the brake file. The error is against finite elements,
+    for the shoe with the largest error. The second result has for each row the values of both
+    groups with the brake's own beam and ring.
 
     Parameters
     ----------
@@ -426,7 +429,7 @@ def torque_error_maps_of_models_and_groups_of_brake(
 def _torque_errors_at_dimensionless_stiffness_groups(
     brake: Brake, x: Floats, y: Floats, elements: int
 ) -> dict[str, Floats]:
-    """Relative errors (m, n) of the torque by each model, over two dimensionless groups.
+    """Maps (m, n) of the torque's relative error over two dimensionless groups, by model.
 
     An error is nan where a model or the finite elements have no answer.
 
@@ -436,7 +439,8 @@ def _torque_errors_at_dimensionless_stiffness_groups(
     beam, ring = dimensionless_stiffnesses_of_beam_and_ring(brake)
     body = brake.shoes[0].body
     assert brake.ring is not None and body is not None
-    # Bending stiffnesses [N m^2] of the beam and of the ring for which the groups are 1.
+    # Bending stiffnesses [N m^2] of the beam and of the ring with which the dimensionless groups
+    # are 1.
     EI, EI_r = body.plates["shoe"].bending_stiffness * beam, brake.ring.EI * ring
     error = {name: np.full((len(y), len(x)), np.nan) for name in POST_BRAKE_SOLVERS_BY_MODEL_NAME}
     for i, at_y in enumerate(y.tolist()):
@@ -458,9 +462,9 @@ def _torque_errors_at_dimensionless_stiffness_groups(
 def convergence_rows_of_foundation_grids(brake: Brake, repeats: int) -> list[dict[str, Any]]:
     """A row for each of several grids of the foundation model: errors, iterations and time.
 
-    The errors of torque, normal force and friction radius are against a grid of 2880 sections. They
-    are taken on a changed brake, whose linings touch the drum along their whole length. Iterations
-    and time belong to the given brake.
+    The errors of torque, normal force and friction radius are against a grid of 2880 sections. The
+    errors belong to a changed brake, whose linings touch the drum along their whole length.
+    Iterations and time belong to the given brake.
 
     brake : the post brake; repeats : number of timings.
     """
@@ -503,7 +507,7 @@ def convergence_rows_of_foundation_grids(brake: Brake, repeats: int) -> list[dic
 def _torque_normal_force_and_friction_radius(brake: Brake, sections: int) -> Floats:
     """The torque of a brake, and the normal force and friction radius of its first shoe, as (3,).
 
-    They come from the foundation model with `sections` sections along each beam.
+    The solver is the foundation model with `sections` sections along each beam.
     """
     response = foundation.solve_brake_by_foundation_model(brake, sections=sections)
     merit = response.merits[0]
@@ -514,7 +518,7 @@ def _torque_normal_force_and_friction_radius(brake: Brake, sections: int) -> Flo
 def beam_deflection_curves_of_shoes_by_model(
     scene: PreparedModel, brake: Brake, responses: Mapping[str, Response]
 ) -> list[dict[str, AbscissasAndOrdinatesOfCurve]]:
-    """For each shoe the deflection of its beam [m] over the length of the beam [m], by model.
+    """For each shoe and model the deflection of the beam [m] over the position along it [m].
 
     The deflection is measured from the straight line through both ends of the beam.
 
@@ -543,11 +547,12 @@ def beam_deflection_curves_of_shoes_by_model(
 def drum_rim_displacement_curves_by_model(
     scene: PreparedModel, brake: Brake, responses: Mapping[str, Response]
 ) -> tuple[dict[str, AbscissasAndOrdinatesOfCurve], dict[str, AbscissasAndOrdinatesOfCurve]]:
-    """Radial displacement [m] of the drum's rim over the angle [rad].
+    """Curves of the inward displacement [m] of the drum's friction surface over the angle [rad].
 
-    The first result has for each shoe the displacement by this shoe alone, by the published
-    foundation model. The second result has the displacement by all shoes: by the foundation model
-    with every effect that the published one neglects ("lifted"), and by finite elements ("fem").
+    The first result has for each shoe the displacement that this shoe alone causes, by the
+    published foundation model. The second result has the displacement that all shoes cause
+    together. It is computed by the foundation model with all effects that the published model
+    neglects ("lifted"), and by finite elements ("fem").
 
     Parameters
     ----------

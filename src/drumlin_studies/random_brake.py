@@ -1,10 +1,10 @@
 """Random brakes with shoes and drums of every shape that a brake file can express.
 
-A seed determines a brake. Sizes are drawn on logarithmic scales: drums of radius R = 20 mm to 3 m,
-linings with thicknesses of R/1000 to R/3 and arcs of 1 to 170 degrees, moduli over several powers
-of ten. The actuation forces follow from usual pressures of linings. Clearances and misfits follow
-from the compression that the forces cause, so that in some brakes the whole lining touches the drum
-and in others a part of it.
+A seed determines a brake. Sizes are drawn on logarithmic scales: drums of radius R from 20 mm to
+2.8 m, linings with thicknesses of R/1000 to R/3 and arcs of 1 to 163 degrees, moduli over several
+powers of ten. The actuation forces follow from usual pressures of linings. Clearances and misfits
+are about as large as the compression of the lining by the forces. So in some brakes the whole
+lining touches the drum, and in others a part of the lining.
 """
 
 import math
@@ -20,24 +20,26 @@ from drumlin.fem.solve import solve
 from drumlin.laws import self_locking_friction_of_hinged_shoe, solve_brake_by_sine_law
 
 ELEMENTS_PER_LINING_OF_FRICTIONLESS_TEST = 4
-"""Elements along a lining of the mesh on which a drawn brake is tested for contact without
-friction.
+"""Number of elements along a lining, on the mesh on which a drawn brake is tested for contact
+without friction.
 """
 ELEMENTS_PER_LINING_OF_SHAPE_KIND_CONTACT_TEST = 16
-"""Elements along a lining of the mesh on which a drawn brake is tested for contact with friction.
+"""Number of elements along a lining, on the mesh on which a drawn brake is tested for contact with
+friction.
 """
 LARGEST_FRICTION_OVER_LOCKING_FRICTION = 0.7
-"""Largest friction of a random brake, relative to the friction at which it locks by the sine law.
+"""Largest friction of a random brake, relative to the friction at which it locks itself by the sine
+law.
 
-The value is a judgement: nearer to self-locking the torque grows without bound, and a small error
-of the friction causes a large error of the torque.
+The value is a judgement. Nearer to self-locking a small error of the friction causes a large error
+of the torque, which grows without bound.
 """
 FRICTION_FACTOR_OF_SHAPE_KIND_CONTACT_TEST = 1.2
 """Factor by which a random brake's friction is raised for a test, in which all shoes must touch the
 drum.
 
-The test uses finite elements, because the elastic brake may lock itself at a lower friction than by
-the sine law. A brake that fails this test is drawn again.
+The test uses finite elements, because the elastic brake may lock itself at a lower friction than
+the rigid brake of the sine law. A brake that fails this test is drawn again.
 """
 MOST_BRAKES_OF_SHAPE_KIND_DRAWN_PER_SEED = 400
 """Number of brakes that are drawn for one seed before the generator gives up with NoAnswer.
@@ -45,7 +47,8 @@ MOST_BRAKES_OF_SHAPE_KIND_DRAWN_PER_SEED = 400
 Extreme sizes make many draws impossible.
 """
 DRAWN_SENSES_OF_ROTATION = ("clockwise", "counter-clockwise")
-"""Senses of rotation, in the order in which they are drawn."""
+"""Senses of rotation to draw from. `_draw_self_locking_or_opposed_brake` tries them in this order.
+"""
 
 FunctionThatDrawsShapeKindData = Callable[[np.random.Generator], dict[str, Any]]
 """A function that draws the data of a brake file, without title, rotation and friction."""
@@ -146,10 +149,11 @@ class RangesOfRandomArcShoe(NamedTuple):
     arc : tuple of float
         Smallest and largest arc of the lining [rad].
     thickness, body_thickness : tuple of float
-        Smallest and largest power of ten of the thickness of lining and body, divided by the drum's
-        radius.
+        Smallest and largest decimal logarithm of the thickness of lining and body, divided by the
+        drum's radius.
     modulus, body_modulus : tuple of float
-        Smallest and largest power of ten of Young's modulus [Pa] of the lining and of the body.
+        Smallest and largest decimal logarithm of Young's modulus [Pa] of the lining and of the
+        body.
     largest_angle_from_hinge : float
         Largest angle [rad] from the hinge to the far end of the lining.
     """
@@ -174,7 +178,7 @@ def _draw_arc_shoe_data(
     u = rng.uniform
     inside = bool(rng.random() < 0.6)
     hinge_angle = u(-3, 3)
-    # The lining lies on the side of growing angles from the hinge (1) or of falling angles (-1).
+    # 1 if the lining lies at larger angles than the hinge, -1 if it lies at smaller angles.
     hand = int(rng.choice([-1, 1]))
     gap = u(0.05, 0.35)
     span = min(math.exp(u(*np.log(ranges.arc))), ranges.largest_angle_from_hinge - gap)
@@ -202,8 +206,8 @@ def _draw_arc_shoe_data(
             "material": _draw_material_data(rng, 8.7, 11.3),
         }
     if ranges.body:
-        # The body is longer than the lining at both ends. Towards the hinge it extends over a
-        # random part of the angle between lining and hinge.
+        # The body is longer than the lining at both ends. Towards the hinge it extends over 0.1 to
+        # 0.9 of the angle between lining and hinge.
         overhang = [gap * u(0.1, 0.9), u(0.005, 0.12)][::hand]
         ends = {"start": start - overhang[0], "end": end + overhang[1]}
         shoe["body"] = ends | _draw_section_data_of_arc_body(rng, R, width, ranges)
@@ -265,8 +269,8 @@ def _draw_point_and_direction_of_actuation_force(
 def _draw_actuation_force(rng: np.random.Generator, shoe: dict[str, Any], R: float) -> float:
     """A random actuation force [N] for the data of a shoe on a drum of radius R [m].
 
-    If only a third of the lining carried the force, its mean pressure would be 1e-4 to 1e-2 of the
-    lining's modulus.
+    If a third of the lining carried the force alone, the pressure there would be 1e-4 to 1e-2 of
+    the lining's modulus.
     """
     lining = shoe["lining"]
     pressure = lining["material"]["E"] * _draw_number_between_powers_of_ten(rng, -4, -2)
@@ -289,7 +293,7 @@ class _RandomBeamAxis(NamedTuple):
     Attributes
     ----------
     turn : float
-        Angle [rad] of the beam's normal through the centre of the drum.
+        Angle [rad] of the normal of the beam that goes through the centre of the drum.
     hand : int
         1 if the axis runs from the hinge towards growing angles, -1 if towards falling angles.
     distance : float
@@ -322,8 +326,8 @@ def _draw_straight_beam_shoe_data(rng: np.random.Generator, R: float) -> dict[st
     axis = _RandomBeamAxis(turn, hand, back + R * u(0.04, 0.3) + depth / 2)
     half = u(0.25, 0.85)
     first, last = -half * u(0.6, 1.0), half * u(0.6, 1.0)
-    # Distances along the beam to both sides of its point nearest to the drum's centre: the hinge
-    # lies at -to_hinge, the actuation at to_actuation.
+    # Distances [m] along the beam of the hinge and of the actuation, on both sides of the beam's
+    # point nearest to the drum's centre.
     to_hinge = back * math.sin(-first) + R * u(0.15, 0.8)
     to_actuation = back * math.sin(last) + R * u(0.15, 0.8)
     # The arc of the lining contains the angle of the beam's normal.
@@ -422,7 +426,7 @@ def _draw_data_of_brake_with_backed_shoe(rng: np.random.Generator) -> dict[str, 
 
 
 def _draw_data_of_brake_with_rigid_shoe(rng: np.random.Generator) -> dict[str, Any]:
-    """The data of a brake with one rigid shoe; half of the shoes have a backing."""
+    """The data of a brake with one rigid shoe, which has a backing with probability 1/2."""
     R = _draw_drum_radius(rng)
     ranges = RangesOfRandomArcShoe(body=False, backing=rng.random() < 0.5)
     return {"drum": {"radius": R}, "shoe": [_draw_arc_shoe_data(rng, R, ranges)]}
@@ -473,15 +477,15 @@ def _draw_data_of_brake_with_two_shoes_on_elastic_ring(rng: np.random.Generator)
 
 
 def _draw_shoe_data_sometimes_with_backing(rng: np.random.Generator, R: float) -> dict[str, Any]:
-    """The data of a shoe along a drum of radius R [m]; three of ten shoes have a backing."""
+    """The data of a shoe along a drum of radius R [m], with a backing with probability 0.3."""
     return _draw_arc_shoe_data(rng, R, RangesOfRandomArcShoe(backing=rng.random() < 0.3))
 
 
 def _draw_data_of_brake_with_lining_misfit(rng: np.random.Generator) -> dict[str, Any]:
     """The data of a brake whose lining does not fit the drum.
 
-    The lining has one of: a clearance, a table of clearances, a taper, another radius, or blocks of
-    different heights.
+    The misfit of the lining is an even clearance, a table of clearances, a taper, another radius
+    with an offset, or blocks of different heights.
     """
     R, u = _draw_drum_radius(rng), rng.uniform
     on_post = rng.random() < 0.25
@@ -511,7 +515,7 @@ def _draw_data_of_brake_with_lining_misfit(rng: np.random.Generator) -> dict[str
 
 
 def _draw_data_of_brake_with_drum_out_of_round(rng: np.random.Generator) -> dict[str, Any]:
-    """The data of a brake whose drum is out of round, with one to three lobes of random orders."""
+    """The data of a brake whose drum is out of round by one to three harmonics of random orders."""
     R, u = _draw_drum_radius(rng), rng.uniform
     shoe = _draw_shoe_data_sometimes_with_backing(rng, R)
     size = _mean_lining_compression_due_to_force(shoe, R)
@@ -527,7 +531,7 @@ def _draw_data_of_brake_with_drum_out_of_round(rng: np.random.Generator) -> dict
 
 
 def _draw_data_of_brake_with_short_contact(rng: np.random.Generator) -> dict[str, Any]:
-    """The data of a brake with a short contact: 0.5 to 8 degrees by Hertz's formula.
+    """The data of a brake with a short contact: about 0.4 to 8 degrees by Hertz's formula.
 
     The lining has another radius than the drum.
     """
@@ -537,8 +541,8 @@ def _draw_data_of_brake_with_short_contact(rng: np.random.Generator) -> dict[str
     lining, inside = shoe["lining"], shoe["side"] == "internal"
     r = R * (1 - u(0.003, 0.04)) if inside else R * (1 + u(0.003, 0.04))
     lining["misfit"] = {"radius": float(r)}
-    # Half of the contact's length [m]. The force that causes this length follows from Hertz's
-    # formula.
+    # Half of a contact's length [m]. Hertz's formula gives the force that causes this length. The
+    # force of the brake is 0.5 to 1 times as large.
     half = R * math.radians(0.5 * _draw_number_between_powers_of_ten(rng, -0.3, 0.9))
     E = lining["material"]["E"]
     load = math.pi / 4 * half**2 * E * abs(1 / r - 1 / R) * lining["width"]
@@ -581,13 +585,13 @@ FUNCTIONS_THAT_DRAW_BRAKE_DATA_BY_SHAPE_KIND: dict[str, FunctionThatDrawsShapeKi
 The order of the kinds decides which seed draws which kind.
 """
 KINDS_THAT_LOCK_OR_NEVER_LOCK_WITH_FRICTION = ("locking", "opposed")
-"""Kinds of brakes with one shoe: the shoe locks itself as friction grows, or it never does."""
+"""Kinds of brakes with one shoe: the shoe locks itself at some friction, or at no friction."""
 
 
 def _draw_self_locking_or_opposed_brake(seed: int, kind: str, attempt: int = 0) -> Brake:
     """A random brake of one of KINDS_THAT_LOCK_OR_NEVER_LOCK_WITH_FRICTION.
 
-    Brakes are drawn until one of them is of this kind in one of the two senses of rotation.
+    Brakes are drawn until a brake is of this kind in one of the two senses of rotation.
 
     attempt : number of draws so far.
     """
@@ -630,8 +634,8 @@ def _draw_brake_data_with_one_shoe(rng: np.random.Generator, seed: int) -> dict[
     start, end = sorted([hinge_angle + hand * gap, hinge_angle + hand * (gap + arc)])
     far = hinge_angle + hand * (gap + arc)
     even_clearance = u(-2e-4, 1e-3) * R
-    # A table of clearances. Below, one of three is chosen: no clearance, an even clearance, or this
-    # table.
+    # A table of clearances. The lining gets no clearance, an even clearance or this table, by
+    # chance.
     table = [[x, u(-2e-4, 1e-3) * R] for x in np.linspace(start, end, 5).tolist()]
     shoe: dict[str, Any] = {
         "name": "shoe",

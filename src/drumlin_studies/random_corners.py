@@ -1,10 +1,11 @@
 """Random brakes that press on the drum only with a corner of the lining or under a tip of the gap.
 
 A seed determines a brake. The pressure is singular at a corner of a lining. It is singular as well
-under a tip, which is a kink of the lining's surface that points to the drum. In most brakes the
-corner lies in the edge zone, which comparisons of pressures leave out, or the tip bears a small
-part of the force. In the brakes of this module the corner or the tip bears nearly all of the force,
-because a taper, a table of clearances or another radius keeps the rest of the lining off the drum.
+under a tip, which is a kink of the lining's surface that points to the drum. In most brakes these
+singular pressures have little effect: a corner lies in the edge zone, which comparisons of
+pressures leave out, and a tip bears a small part of the force. In the brakes of this module the
+corner or the tip bears nearly all of the force, because a taper, a table of clearances or another
+radius keeps the rest of the lining off the drum.
 
 The contact depends only on the ratio of force to gap. Therefore the force has an ordinary size, and
 the gap is scaled until the contact has the length that was drawn for it.
@@ -40,30 +41,32 @@ the drum.
 The test keeps the brake away from the friction at which it would lock itself.
 """
 MOST_SOLVES_TO_SCALE_GAP_TO_CONTACT_LENGTH = 8
-"""Largest number of solves with which the gap of a brake is scaled until its contact has the drawn
-length.
+"""Largest number of solves in which the gap of a brake is scaled, until the contact has the drawn
+length. After these solves the brake is given up.
 """
 SIGNIFICANT_DIGITS_OF_GAP_FACTOR = 2
 """Significant digits of the factor by which a gap is scaled.
 
-With two digits the brake of a seed stays the same if a change of the solver changes the length of
-the contact by some percent.
+With two digits the brake of a seed stays the same, even if a change of the solver changes the
+length of the contact by some percent.
 """
 CONTACT_LENGTH_TOLERANCE_FACTOR = 1.25
 """Factor by which the length of the contact may be larger or smaller than the drawn length."""
 NUMBER_OF_LEVELS_FOR_CONTACT_LENGTH = 2
-"""Number of refinement levels that a solve needs to give the contact's length to some percent."""
+"""Number of refinement levels after which a solve knows the contact's length to some percent."""
 RANGE_OF_SHORT_CONTACT_LENGTH = math.radians(0.1), math.radians(0.8)
 """Smallest and largest length of a short contact [rad].
 
-More than half of a short contact lies in the edge zone at the end of the lining.
+At a corner more than half of a short contact lies in the edge zone at the lining's end.
 """
 RANGE_OF_LONG_CONTACT_LENGTH = math.radians(0.8), math.radians(8.0)
 """Smallest and largest length of a long contact [rad]."""
 PROBABILITY_OF_SHORT_CONTACT = 0.7
 """Probability with which a brake gets a short contact rather than a long one."""
 ANGLE_FROM_LINING_END_COUNTED_AS_CONTACT_THERE = 1e-9
-"""Angle [rad] between contact and lining's end below which the contact reaches the end."""
+"""Angle [rad] between the ends of contact and lining, below which the contact reaches the lining's
+end.
+"""
 
 RandomNumberGenerator = np.random.Generator
 """The generator from which random numbers are drawn."""
@@ -81,16 +84,16 @@ class HowBrakesOfCornerKindAreDrawn(NamedTuple):
         FUNCTIONS_THAT_DRAW_BRAKE_DATA_BY_SUPPORT_KIND; one of them gives the shoes and the drum.
     presses : str
         The part of the lining that bears the force: "corner", or "tip", a kink that points to the
-        drum. "table" stands for a random table of clearances with which either of them may bear the
-        force.
+        drum. "table" stands for a random table of clearances, with which a corner or a tip may bear
+        the force.
     """
 
     shapes: tuple[str, ...]
     presses: str
 
 
-# Names of kinds of random brakes, grouped by their shoes: rigid, elastic along the drum, on an
-# elastic ring, and supported by other parts than a hinge.
+# Names of kinds of random brakes, grouped by their shoes: rigid shoes, elastic shoes along the
+# drum, shoes on an elastic ring, and shoes without a hinge as their only support.
 RIGID_SHAPES, ARC_SHAPES = ("rigid",), ("arc", "backed")
 SHAPE_KINDS_WITH_ELASTIC_RING = ("arc on ring", "linings on ring", "post on ring")
 SUPPORT_KINDS_WITHOUT_HINGE = ("guide", "abutment", "rough abutment", "pivot")
@@ -116,13 +119,12 @@ WAYS_TO_DRAW_BRAKES_BY_CORNER_KIND: dict[str, HowBrakesOfCornerKindAreDrawn] = {
 
 
 def draw_random_brake_pressing_with_corner_or_kink(seed: int, kind: str | None = None) -> Brake:
-    """The random brake of a seed, in which one shoe presses only by a corner or a tip.
+    """The random brake of a seed, in which at least one shoe presses with a corner or a tip.
 
     A corner is an end of the lining's surface; a tip is a kink of this surface that points to the
     drum. All shoes press on the drum, even at FRICTION_FACTOR_OF_PRESSING_TEST times the friction
     of the brake. The first NUMBER_OF_LEVELS_FOR_CONTACT_LENGTH levels of a solve decide whether a
-    corner or a tip presses. Finer levels may show that friction lifts the corner itself a little
-    off the drum.
+    corner or a tip presses. On finer levels friction may lift the corner a little off the drum.
 
     Parameters
     ----------
@@ -160,10 +162,10 @@ def draw_random_brake_pressing_with_corner_or_kink(seed: int, kind: str | None =
 def _draw_brake_as_function_of_gap_factor(
     rng: RandomNumberGenerator, kind: str, seed: int
 ) -> Callable[[float], Brake]:
-    """A random brake whose gaps have no size yet: a function from a factor to the brake.
+    """A random brake as a function of a factor on its gaps between linings and drum.
 
-    The function returns the brake with all gaps between linings and drum multiplied by the factor.
-    Each shoe of the brake has a random line of force and a random gap.
+    The result is a function that returns the brake for a factor, with all gaps multiplied by the
+    factor. Each shoe of the brake has a random direction of its force and a random gap.
 
     kind : one of WAYS_TO_DRAW_BRAKES_BY_CORNER_KIND; seed : seed of the brake, for its title.
     """
@@ -197,10 +199,10 @@ def _shoe_data_with_randomly_turned_force(
 def _draw_gap_as_function_of_factor(
     rng: RandomNumberGenerator, shoe: Mapping[str, Any], radius: float, presses: str
 ) -> Callable[[float], LiningGapData]:
-    """A random gap of a lining that has no size yet: a function from a factor to the gap.
+    """A random gap of a lining as a function of a factor on this gap.
 
-    The function returns the gap, multiplied by the factor, as data of a lining. At a factor of 1
-    the gap is about as large as the compression of the lining by the force.
+    The result is a function that returns the gap, multiplied by the factor, as data of a lining. At
+    a factor of 1 the gap is about as large as the compression of the lining by the actuation force.
 
     Parameters
     ----------
@@ -295,13 +297,13 @@ def _clearance_table_at_even_angles(lining: Mapping[str, Any], gaps: Floats) -> 
 def _scale_gaps_to_random_contact_length(
     rng: RandomNumberGenerator, drawn: Callable[[float], Brake], presses: str
 ) -> Brake | None:
-    """The brake whose gaps are scaled so that its shortest contact has a random length.
+    """The brake with its gaps scaled so that its shortest contact has a random length.
 
-    The result is None where no factor gives this length within CONTACT_LENGTH_TOLERANCE_FACTOR, or
-    where the wrong part of the lining presses. The length of the contact falls as the inverse of
-    the gap if the gap is a wedge, and as the inverse square root if the gap is curved. The factor
-    is multiplied by (length/wanted length)^0.8. The exact power is 1 for a wedge and 2 for a curved
-    gap; the smaller power 0.8 does not overshoot.
+    The contact of a shoe is the sum of its contact arcs. The result is None where no factor gives
+    this length within CONTACT_LENGTH_TOLERANCE_FACTOR, or where the wrong part of the lining
+    presses. After each solve the factor on the gaps is multiplied by (length/wanted length)^0.8.
+    The exact power is 1 for a gap in the form of a wedge and 2 for a curved gap. The smaller power
+    0.8 does not overshoot.
 
     Parameters
     ----------
@@ -313,7 +315,7 @@ def _scale_gaps_to_random_contact_length(
         The part of the lining that bears the force: "corner", "tip" (a kink that points to the
         drum), or "table" for either of them.
     """
-    # The wanted length of the contact is uniform in its logarithm. The first tried factor on the
+    # The wanted length of the contact is drawn uniformly in its logarithm. The first factor on the
     # gaps is 3.
     low, high = (
         RANGE_OF_SHORT_CONTACT_LENGTH
@@ -335,9 +337,9 @@ def _scale_gaps_to_random_contact_length(
 
 
 def _solve_on_first_refinement_levels(brake: Brake) -> Response:
-    """The response of a brake on the level that gives the contact length.
+    """The response of a brake on the refinement level that decides on the contact's length.
 
-    It is the last of the first NUMBER_OF_LEVELS_FOR_CONTACT_LENGTH levels of a solve.
+    This level has the number NUMBER_OF_LEVELS_FOR_CONTACT_LENGTH.
 
     Raises NoAnswer where a level has no answer.
     """
@@ -354,7 +356,7 @@ def _total_contact_angle_of_shoe(shoe: ShoeResponse) -> float:
 
 
 def _is_contact_at_drawn_lining_part(brake: Brake, found: Response, presses: str) -> bool:
-    """Whether all shoes press, at least one of them with the lining's part that `presses` names.
+    """Whether all shoes press, and at least one shoe with the part of its lining named `presses`.
 
     The shoes must press on the drum also at FRICTION_FACTOR_OF_PRESSING_TEST times the friction.
 
@@ -366,8 +368,7 @@ def _is_contact_at_drawn_lining_part(brake: Brake, found: Response, presses: str
     )
     if not all(shoe.contact_arcs for shoe in (*found.shoes, *more.shoes)):
         return False
-    # At least one shoe must press with the part of its lining that `presses` names: with a corner,
-    # or with a tip, which is a kink that points to the drum.
+    # At least one shoe must press with the part of its lining that `presses` names.
     pairs = list(zip(brake.shoes, found.shoes, strict=True))
     corner = any(is_lining_corner_in_contact(shoe, response) for shoe, response in pairs)
     tip = any(is_kink_towards_drum_in_contact(shoe, response) for shoe, response in pairs)
@@ -376,7 +377,7 @@ def _is_contact_at_drawn_lining_part(brake: Brake, found: Response, presses: str
 
 def is_lining_corner_in_contact(shoe: Shoe, found: ShoeResponse) -> bool:
     """Whether the contact of a shoe reaches an end of its lining."""
-    # Distances between all ends of contact arcs and both ends of the lining.
+    # `distances` are those between all ends of contact arcs and both ends of the lining.
     ends = np.array(found.contact_arcs).ravel()
     corners = np.array([shoe.lining.start, shoe.lining.end])
     distances = np.abs(ends[:, None] - corners)

@@ -1,8 +1,8 @@
 """Random brakes whose shoes are supported and actuated in every possible way.
 
-A seed determines a brake. A shoe is drawn with its middle near the x axis; the brake is then turned
-and mirrored at random. Linings, bodies and forces have the sizes of real brakes: drums of radius R
-= 60 mm to 1.2 m, linings with thicknesses of R/60 to R/8, moduli from 1e8 to 1e9 Pa.
+A seed determines a brake. A shoe is drawn with its middle near the x axis. Then the whole brake is
+turned and mirrored at random. Linings, bodies and forces have the sizes of real brakes: drums of
+radius R = 60 mm to 1.2 m, linings with thicknesses of R/60 to R/8, moduli from 1e8 to 1e9 Pa.
 `mirror_turn_and_shift_brake` and `brake_with_scaled_lengths_and_moduli` turn, mirror, shift and
 scale a given brake.
 """
@@ -34,7 +34,7 @@ drum.
 A brake that locks itself below the raised friction is drawn again.
 """
 ELEMENTS_PER_LINING_OF_SUPPORT_KIND_TEST = 10
-"""Elements along a lining of the mesh on which a drawn brake is tested for contact of all shoes."""
+"""Number of elements along a lining, on the mesh on which a drawn brake is tested for contact."""
 RandomNumberGenerator = np.random.Generator
 """The generator from which random numbers are drawn."""
 FunctionThatDrawsSupportKindData = Callable[[RandomNumberGenerator], dict[str, Any]]
@@ -57,7 +57,7 @@ def draw_random_brake_of_support_kind(
         One of FUNCTIONS_THAT_DRAW_BRAKE_DATA_BY_SUPPORT_KIND. By default the seed modulo their
         number chooses the kind.
     rigid : bool
-        Whether the shoes have no elastic bodies, and thin linings of one thickness.
+        Whether the shoes are rigid, with thin linings of the same thickness and material.
 
     Raises
     ------
@@ -100,7 +100,7 @@ def draw_random_brake_of_kind(seed: int, kind: str) -> Brake:
     The kind is one of FUNCTIONS_THAT_DRAW_BRAKE_DATA_BY_SHAPE_KIND or of
     FUNCTIONS_THAT_DRAW_BRAKE_DATA_BY_SUPPORT_KIND.
 
-    Raises NoAnswer where the generator of the kind has no brake of the seed.
+    Raises NoAnswer if no brake of the kind can be drawn from the seed.
     """
     if kind in FUNCTIONS_THAT_DRAW_BRAKE_DATA_BY_SHAPE_KIND:
         return draw_random_brake(seed, kind)
@@ -108,7 +108,7 @@ def draw_random_brake_of_kind(seed: int, kind: str) -> Brake:
 
 
 def _require_contact_of_all_shoes(brake: Brake) -> None:
-    """Raise NoAnswer unless all shoes touch the drum by the brake's law and by finite elements."""
+    """Raise NoAnswer unless all shoes touch by the rigid-shoe law and by finite elements."""
     by_law = solve_brake_by_its_rigid_shoe_law(brake)
     by_elements = solve(brake, elements=ELEMENTS_PER_LINING_OF_SUPPORT_KIND_TEST)
     if not all(shoe.contact_arcs for shoe in (*by_law.shoes, *by_elements.shoes)):
@@ -158,9 +158,10 @@ def _draw_drum_brake_data(
 def _draw_unsupported_shoe_data(
     rng: RandomNumberGenerator, R: float, *, inside: bool = True
 ) -> dict[str, Any]:
-    """The data of a random shoe with its middle near the x axis, without support and actuation.
+    """The data of a random shoe near the x axis, without support and actuation.
 
-    Seven of ten shoes have an elastic body, the others are rigid.
+    The middle of the lining is at most 0.1 rad from the x axis. The shoe has an elastic body with
+    probability 0.7; without a body it is rigid.
 
     R : radius of the drum [m]; inside : whether the shoe lies inside the drum.
     """
@@ -200,7 +201,7 @@ def _draw_actuation_data(
     direction: float,
     at: tuple[float, float],
 ) -> dict[str, Any]:
-    """The data of a random actuation force that strains the lining by 1e-4 to 3e-3.
+    """The data of a random actuation force, which would strain the whole lining by 1e-4 to 3e-3.
 
     Parameters
     ----------
@@ -231,7 +232,7 @@ def _point_at_fractions_of_drum_radius(R: float, x: float, y: float) -> dict[str
 def _draw_data_of_shoe_on_abutment(
     rng: RandomNumberGenerator, R: float, *, rough: bool
 ) -> dict[str, Any]:
-    """The data of a random internal shoe whose end (foot) slides on a flat abutment.
+    """The data of a random internal shoe whose foot (the end of the shoe) slides on an abutment.
 
     R : radius of the drum [m]; rough : whether the abutment has friction.
     """
@@ -273,7 +274,7 @@ def _draw_data_of_pivoted_shoe(rng: RandomNumberGenerator, R: float) -> dict[str
 
 
 def _draw_data_of_guided_shoe(rng: RandomNumberGenerator, R: float) -> dict[str, Any]:
-    """The data of a random shoe that can only move along a guide and is pushed nearly along it.
+    """The data of a random shoe that can only move along a guide.
 
     R : radius of the drum [m].
     """
@@ -293,9 +294,9 @@ def _shoe_data_without_actuation_force(shoe: dict[str, Any]) -> dict[str, Any]:
 
 
 def mirror_shoe_data_to_other_drum_side(shoe: dict[str, Any]) -> dict[str, Any]:
-    """The data of a shoe after it is mirrored about the y axis of the drum.
+    """The data of a shoe mirrored about the y axis of the drum, with the name "second".
 
-    The new shoe is named "second".
+    The mirror image lies on the other side of the drum.
     """
     return _mirror_turn_and_shift_shoe_data(shoe | {"name": "second"}, math.pi, mirrored=True)
 
@@ -307,7 +308,7 @@ def _draw_data_of_cam_brake(rng: RandomNumberGenerator) -> dict[str, Any]:
     def draw_data_of_hinged_or_abutting_shoe(
         rng: RandomNumberGenerator, R: float
     ) -> dict[str, Any]:
-        """The data of one shoe, for the radius R of the drum [m]."""
+        """The data of one shoe, on a hinge or on an abutment, for a drum of radius R [m]."""
         if on_hinges:
             return _draw_data_of_hinged_shoe(rng, R)
         return _draw_data_of_shoe_on_abutment(rng, R, rough=bool(rng.random() < 0.5))
@@ -319,7 +320,7 @@ def _draw_data_of_cam_brake(rng: RandomNumberGenerator) -> dict[str, Any]:
             mirror_shoe_data_to_other_drum_side(draw_data_of_hinged_or_abutting_shoe(rng, R)),
         ],
     )
-    # The cam actuates both shoes, in place of the forces that were drawn for them.
+    # The cam actuates both shoes. The forces that were drawn for the shoes are removed.
     force = 2 * min(shoe["actuation"]["force"] for shoe in data["shoe"])
     shoes = [_shoe_data_without_actuation_force(shoe) for shoe in data["shoe"]]
     return data | {"shoe": shoes, "actuation": {"force": force}}
@@ -355,8 +356,8 @@ def _draw_data_of_strut_brake(rng: RandomNumberGenerator) -> dict[str, Any]:
     """The data of a brake whose first shoe pushes the second, hinged shoe through a strut."""
 
     def draw_data_of_both_shoes(rng: RandomNumberGenerator, R: float) -> list[dict[str, Any]]:
-        """The data of both shoes, for the radius R of the drum [m]."""
-        # The actuation that is drawn with the second shoe is removed again, because the strut
+        """The data of both shoes, for a drum of radius R [m]; only the first has an actuation."""
+        # The second shoe is mirrored together with an actuation, which is then removed: the strut
         # pushes this shoe.
         u, second = rng.uniform, _draw_unsupported_shoe_data(rng, R)
         second |= {
@@ -377,7 +378,7 @@ def _draw_until_shoe_has_elastic_body(
     R: float,
     makes: Sequence[Callable[[RandomNumberGenerator, float], dict[str, Any]]],
 ) -> dict[str, Any]:
-    """The data of a shoe that is drawn again until it has an elastic body.
+    """The data of a random shoe with an elastic body; shoes are drawn until one has a body.
 
     R : radius of the drum [m]; makes : functions that draw a shoe, one of them chosen at random.
     """
@@ -431,12 +432,13 @@ def _draw_data_of_linked_blocks_brake(rng: RandomNumberGenerator) -> dict[str, A
     names = ("first", "second", "third", "fourth")[: int(rng.integers(2, 5))]
 
     def draw_data_of_all_blocks(rng: RandomNumberGenerator, R: float) -> list[dict[str, Any]]:
-        """The data of all blocks, for the radius R of the drum [m]; only the first is pushed."""
+        """The data of all blocks, for a drum of radius R [m]; only the first has an actuation."""
         strap, angle = rng.uniform(1.05, 1.15), float(rng.uniform(-1.5, -0.5))
         blocks: list[dict[str, Any]] = []
         for name in names:
             block, end = _draw_linked_block_and_its_end_angle(rng, R, name, angle, strap)
-            # The first block is pulled at its start by a force along the strap.
+            # The actuation of the first block is a force along the strap, which pulls at the
+            # block's start.
             if not blocks:
                 pulled = angle
                 point = strap * math.cos(pulled), strap * math.sin(pulled)
@@ -457,7 +459,7 @@ def _draw_linked_block_and_its_end_angle(
 ) -> tuple[dict[str, Any], float]:
     """The data of a random block of a chain, and the angle of its end [rad].
 
-    An abutment at its end supports the block.
+    An abutment at the end of the block supports it.
 
     Parameters
     ----------
@@ -522,8 +524,8 @@ def _draw_data_of_pad_brake(rng: RandomNumberGenerator, support: str) -> dict[st
     )
     shoe["actuation"] = {"force": force, **shoe["actuation"]}
     compression = force / (material["E"] * length * width) * thickness
-    # A random generator of their own for misfits leaves all other random numbers of the pad
-    # unchanged.
+    # The misfits have their own generator of random numbers. So all other random numbers of a pad
+    # do not depend on the misfits.
     lining |= _draw_clearance_and_misfit_of_pad(rng.spawn(1)[0], lining, compression)
     return {"plane": {"sliding": str(rng.choice(["+x", "-x"]))}, "shoe": [shoe]}
 
@@ -543,8 +545,8 @@ def _draw_support_and_line_of_force_of_pad(
         Start and length of the lining [m].
     """
     u, middle = rng.uniform, start + length / 2
-    # On a hinge or a lever, the pin and the line of force lie on opposite sides of the pad's
-    # middle, at equal distances.
+    # With a hinge or a lever, the pin and the line of force lie on opposite sides of the pad's
+    # middle, at equal distances from it.
     away, height = length * u(0.8, 1.5), length * u(0.1, 0.5)
     pin, at = {"x": middle - away, "y": height}, {"x": middle + away, "y": height}
     straight: dict[str, Any] = {"direction": -math.pi / 2, "point": at}
@@ -555,8 +557,8 @@ def _draw_support_and_line_of_force_of_pad(
         return {"hinge": pin, "actuation": straight}
     at = {"x": middle + length * u(-0.1, 0.1), "y": height}
     actuation = {"direction": -math.pi / 2 + u(-0.1, 0.1), "point": at}
-    # The random numbers of the abutment are drawn for a guide as well, so that a seed gives the
-    # same pad with both supports.
+    # The random numbers of the abutment are also drawn for a guide. So a seed gives the same pad
+    # with both supports.
     abutment = {
         "point": {"x": start - 0.1 * length, "y": length * u(0.05, 0.2)},
         "direction": u(-0.2, 0.2),
@@ -570,10 +572,10 @@ def _draw_support_and_line_of_force_of_pad(
 def _draw_clearance_and_misfit_of_pad(
     rng: RandomNumberGenerator, lining: dict[str, Any], size: float
 ) -> dict[str, Any]:
-    """The keys `clearance` and `misfit` of a pad's lining; seven of ten pads have neither.
+    """Random values of `clearance` and `misfit` of a pad's lining; empty with probability 0.7.
 
-    lining : data of the lining; size : compression of the lining by the pad's force [m], which is
-    the size of the gaps.
+    lining : data of the lining; size : size of the gaps [m], which is the compression of the lining
+    by the pad's force.
     """
     u, length = rng.uniform, lining["end"] - lining["start"]
     way = int(rng.integers(10))
@@ -667,7 +669,8 @@ class _MirrorTurnAndShift(NamedTuple):
     turn, mirrored, shift : float, bool, float
         As in `_mirror_turn_and_shift_shoe_data`.
     on_plane : bool
-        Whether the shoe slides on a plane, so that its lining has ends x [m] in place of angles.
+        Whether the shoe presses on a plane; the ends of its lining are then coordinates x [m] and
+        no angles.
     """
 
     turn: float
@@ -700,15 +703,15 @@ class _MirrorTurnAndShift(NamedTuple):
         )
 
     def lining_place_after_mirror_turn_and_shift(self, place: float) -> float:
-        """The angle or the length x of a place on a lining, after the motion."""
-        # On a plane, `mirrored` is combined with a turn by 180 degrees; the two together mirror the
+        """The coordinate of a place on a lining after the motion: angle, or x on a plane."""
+        # On a plane a mirrored shoe is also turned by 180 degrees. Both motions together mirror the
         # shoe about the y axis.
         if self.on_plane:
             return math.cos(self.turn) * place + self.shift
         return self.turn + self.sign_of_mirrored_angles * place
 
     def lining_data_after_mirror_turn_and_shift(self, part: dict[str, Any]) -> dict[str, Any]:
-        """The data of a lining or body with its angles and misfit mirrored, turned and shifted.
+        """The data of a lining or body, with its ends, clearances and misfit after the motion.
 
         A mirror exchanges start and end.
         """
@@ -806,8 +809,8 @@ def brake_with_scaled_lengths_and_moduli(brake: Brake, length: float, modulus: f
 
     def scale_value_of_key(key: str, value: Any) -> Any:
         """The value of a key, multiplied by the factor that belongs to the key's unit."""
-        # A row of a table has two numbers: an angle or (on a plane) a length, then a clearance or
-        # depth.
+        # A row of a table has two numbers. The first is an angle, or a length x on a plane. The
+        # second is a clearance or a depth.
         if key in {"clearance", "blocks"} and isinstance(value, list | tuple):
             return [[place * along, size * length] for place, size in value]
         if isinstance(value, bool | str) or value is None or not isinstance(value, int | float):

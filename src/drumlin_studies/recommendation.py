@@ -3,8 +3,8 @@
 A target is the largest allowed relative error of a quantity. For each brake and target the fastest
 method is chosen whose error is below the target. Peers are other finite element programs. A row is
 the result of one method on one brake: its errors and times, with the name of the brake under
-`brake`. The floors of a brake are the uncertainties of the reference solution from which errors are
-taken. An error below its floor counts as not known.
+`brake`. Errors are differences from a reference solution. The floors of a brake are the
+uncertainties of this solution. An error below its floor counts as not known.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -16,16 +16,16 @@ LARGEST_ALLOWED_ERRORS_OF_RECOMMENDED_METHODS = {
     "torque_error": (0.1, 0.05, 0.01, 1e-3, 1e-4),
     "pressure_error": (0.1, 0.05, 0.01, 5e-3, 1e-3, 1e-4),
 }
-"""Targets: the largest allowed relative errors, for each of which a method is recommended, by the
-error's key in a row.
+"""Targets: largest allowed relative errors, by the error's key in a row. A method is recommended
+for each target.
 """
 QUANTITY_NAMES_BY_ERROR_KEY = {"torque_error": "torque", "pressure_error": "p (L2)"}
 """Names of the quantities of LARGEST_ALLOWED_ERRORS_OF_RECOMMENDED_METHODS in tables, by the
 error's key in a row.
 """
 LARGEST_COMPARED_PEER_PRESSURE_ERROR = 5e-3
-"""Largest relative error of a peer's pressure with which it is compared with drumlin on the same
-mesh.
+"""Largest relative error of a peer's pressure with which the peer is compared with drumlin on the
+same mesh.
 """
 AIMED_PEER_TIME_OVER_DRUMLIN_TIME: Mapping[
     str, Mapping[float, tuple[float | None, float | None]]
@@ -35,9 +35,9 @@ AIMED_PEER_TIME_OVER_DRUMLIN_TIME: Mapping[
 }
 """The aims of the project for the ratio of a peer's time to drumlin's time.
 
-The keys are the name of the peer and the relative error of the pressure. Of the two numbers the
-first is for a cold solve, which starts without a prepared model, and the second for a further load
-case on a prepared model. None means that there is no aim.
+The keys are the name of the peer and the allowed relative error of the pressure. The first number
+is the aim for a cold solve, which starts without a prepared model. The second number is the aim for
+a further load case on a prepared model. None means that there is no aim.
 """
 
 MethodResultRow = Mapping[str, Any]
@@ -97,7 +97,7 @@ def _fastest_method_within_error_or_reason(
 ) -> dict[str, Any]:
     """The fastest method on a brake with an error below a target, as keys and values of a row.
 
-    Without such a method the row has the reason under `family`.
+    If no method has an error below the target, the row has the reason under `family`.
 
     rows : rows of the brake; key : key of the error; floors : uncertainties of the brake's
         reference.
@@ -122,7 +122,7 @@ class RecommendedMethodCell(NamedTuple):
     Attributes
     ----------
     what : str
-        The method in words.
+        The method in words, or the reason why no method is recommended.
     sort : str
         "law", "foundation", "elastic" or "none": the CSS class of the cell on the report's page.
     row : mapping
@@ -144,9 +144,9 @@ class RecommendedMethodTable(NamedTuple):
     targets : tuple of float
         Largest allowed relative errors.
     lines : dict
-        For the name of each brake a cell for each target.
+        Lists of cells, one cell for each target, by the brake's name.
     by_law : list of int
-        For each target the number of brakes on which the error of a law is below the target.
+        For each target the number of brakes for which a law is recommended.
     """
 
     quantity: str
@@ -158,7 +158,7 @@ class RecommendedMethodTable(NamedTuple):
 def recommended_methods_by_brake_and_target(
     best: Sequence[MethodResultRow],
 ) -> list[RecommendedMethodTable]:
-    """For each quantity the matrix of recommended methods, from the rows of fastest methods."""
+    """The table of recommended methods for each quantity, from the rows of fastest methods."""
     found = []
     for key, targets in LARGEST_ALLOWED_ERRORS_OF_RECOMMENDED_METHODS.items():
         lines: dict[str, list[RecommendedMethodCell]] = {}
@@ -192,9 +192,9 @@ def fastest_solve_times_within_error(
     floors: Mapping[str, ReferenceUncertaintyByErrorKey],
     target: float,
 ) -> list[float]:
-    """Times [s] of the fastest method on each brake whose error of the pressure is below a target.
+    """Time [s] on each brake of the fastest method with an error of the pressure below a target.
 
-    Brakes without such a method are left out.
+    Brakes without a method that meets the target are left out.
 
     rows : rows of all methods and brakes; floors : uncertainties of each brake's reference; target
         : relative error.
@@ -224,7 +224,7 @@ class TimesOfPeerAndDrumlinOnBrake(NamedTuple):
         Largest allowed relative error of the pressure.
     best, own : mapping or None
         Rows of the fastest solve of the peer (best) and of drumlin (own) with an error below the
-        target; None where there is no such solve.
+        target; None if no solve meets the target.
     aims : tuple of two
         Ratios of the peer's time to drumlin's time that the project aims at: for a cold solve, and
         for a further load case.
@@ -250,8 +250,9 @@ class ComparisonWithPeersOnBrake(NamedTuple):
         Pairs of rows of a peer and of drumlin on the same mesh, where the peer's error of the
         pressure is at most LARGEST_COMPARED_PEER_PRESSURE_ERROR.
     even : pair or None
-        The row of a peer on the finest uniform mesh, and the fastest row of drumlin with an error
-        of the pressure of at most LARGEST_COMPARED_PEER_PRESSURE_ERROR.
+        The row of a peer on the finest uniform mesh, and the row of drumlin's fastest solve with an
+        error of the pressure of at most LARGEST_COMPARED_PEER_PRESSURE_ERROR. None if one of them
+        is missing.
     """
 
     brake: str

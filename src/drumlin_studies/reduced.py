@@ -6,16 +6,16 @@ surrogates predicts how much the answer changes if a part of the brake is omitte
 
 The shoe is a bar from the hinge to its far end. Each section carries the contact forces and the
 actuation force that act on the shoe between the section and the far end (Timoshenko, Strength of
-Materials II). Two unit loads i and j cause the bending moments m, normal forces n and shear forces
-v. The flexibility is
+Materials II). A unit load i causes the bending moment m_i, the normal force n_i and the shear force
+v_i in a section. The flexibility, the displacement at load j by load i, is
 
     F_ij = Int (m_i m_j/EI + n_i n_j/EA + kappa v_i v_j/GA) ds.
 
 The ring is in plane stress. Its displacements are a Fourier series around the drum with the terms
 u_r = U(r) cos k theta and u_theta = V(r) sin k theta. U and V are polynomials of degree
-DEGREE_THROUGH_RING_THICKNESS through the thickness. The series holds for a fixed and for a free
-rim, for thick and for thin rings. A wave much shorter than the thickness deforms the ring like a
-half-plane, to 1 % (Johnson, Contact Mechanics, section 13.2).
+DEGREE_THROUGH_RING_THICKNESS through the thickness. The series holds for fixed and free rims and
+for thick and thin rings. Under a wave of pressure much shorter than the thickness, the ring deforms
+like a half-plane, to 1 % (Johnson, Contact Mechanics, section 13.2).
 """
 
 import math
@@ -52,7 +52,7 @@ from drumlin.fem.substructure.ring import RingSubstructure
 DEFAULT_ELEMENTS_PER_LINING_OF_SURROGATE = 24
 """Default number of elements along a lining of a surrogate.
 
-With this number a predicted change is right within a factor of two.
+With this number the predicted change by an omission is right within a factor of two.
 """
 SECTIONS_OF_SURROGATE_BAR = 4 * DEFAULT_ELEMENTS_PER_LINING_OF_SURROGATE
 """Number of sections into which the bar of a shoe is divided.
@@ -78,8 +78,8 @@ DEGREE_THROUGH_RING_THICKNESS = 6
 A higher degree changes no significant digit of a prediction.
 """
 HALF_PLANE_LIMIT_OF_RING_WAVE_NUMBER = 7.0
-"""Limit of k h/R for mode k of a ring of radius R and thickness h. Above the limit the ring deforms
-like a half-plane, to 1 %.
+"""Limit of k h/R for the mode of order k of a ring of radius R and thickness h. Above the limit the
+ring deforms like a half-plane, to 1 %.
 """
 MODULUS_FACTOR_OF_RIGID_BEAM = 1e5
 """Factor that multiplies the modulus of a straight beam, so that the beam counts as rigid."""
@@ -90,7 +90,7 @@ SHEAR_COEFFICIENT_OF_RECTANGULAR_SECTION = 6 / 5
 def make_function_that_prepares_surrogates(
     elements: int = DEFAULT_ELEMENTS_PER_LINING_OF_SURROGATE,
 ) -> Callable[[Brake], PreparedModel]:
-    """A function that returns the surrogate of a brake, a coarse model that is solved quickly.
+    """A function that returns the surrogate of a brake: a coarse model that is solved quickly.
 
     The function keeps its meshes: brakes that differ only in shoes and ring share one mesh of the
     linings. It raises BadInput for a brake that finite elements do not cover.
@@ -262,7 +262,7 @@ class _ShoeAsBar(NamedTuple):
             The points [m].
         beyond : array (m, n), optional
             1 where a point lies beyond a section, seen from the hinge, so that the section carries
-            the force; 0 elsewhere. By default it follows from the points.
+            the force at the point; 0 elsewhere. By default these numbers follow from the points.
         """
         if beyond is None:
             if self.is_arc:  # place: angle from the shoe's hinged end
@@ -277,10 +277,10 @@ class _ShoeAsBar(NamedTuple):
         shear = np.stack([-normal[..., 1], normal[..., 0]], axis=-1)
 
         def flexibility_root_of_section_forces(part: Floats, root: Floats) -> Floats:
-            """Rows of S for a force in the sections: `part` (m, n, 2) times `root` (m,).
+            """Rows (m, 2 n) of S for moments or forces in the sections: `part` times `root`.
 
-            part : moment, normal or shear force in each section by unit loads at the points; root :
-            square root of the section's compliance.
+            part : (m, n, 2), moment, normal or shear force in each section by unit loads at the
+            points; root : (m,), square root of each section's compliance.
             """
             # Only the sections between the hinge and the point of a force carry the force.
             scaled = part * (beyond * root[:, None])[..., None]
@@ -296,8 +296,8 @@ class _ShoeAsBar(NamedTuple):
 def _bar_that_replaces_shoe(shoe: Shoe, radius: float) -> _ShoeAsBar:
     """The bar that stands for the elastic body of a shoe.
 
-    Where a body along an arc carries lining and backing, these bend with the body as one bonded
-    section.
+    Where a body along an arc carries a lining and a backing, the three are one bonded section of
+    the bar.
 
     radius : radius of the drum [m].
     """
@@ -350,7 +350,7 @@ def _middles_of_bar_sections() -> Floats:
 def _arc_axis_of_bar(
     shoe: Shoe, body: ShoeBodyOfConstantSection, radius: float
 ) -> _AxisAndSectionStiffnessOfBar:
-    """The axis of a shoe on an arc; lining and backing stiffen the sections that carry them.
+    """The axis and the stiffness of a shoe along an arc, with lining and backing where it has them.
 
     radius : radius of the drum [m].
     """
@@ -379,7 +379,7 @@ def _arc_axis_of_bar(
 
 
 def _straight_axis_of_bar(shoe: Shoe) -> _AxisAndSectionStiffnessOfBar:
-    """The axis of a shoe with a straight beam, from the hinge to the actuation force."""
+    """The axis and the stiffness of a straight beam, from the hinge to the actuation force."""
     assert shoe.body is not None
     hinge, end = (
         shoe.frame.convert_vectors_to_shoe_frame(shoe.pin.xy),
@@ -406,9 +406,10 @@ def _lining_or_backing_as_bar_layer(shoe: Shoe, layer: Lining | Backing) -> Rect
 def _ring_with_closed_form_flexibility(
     brake: Brake, ring: DrumRing, bodies: tuple[ShoeSubstructure, ...], count: int
 ) -> RingSubstructure:
-    """The elastic drum ring of a surrogate: the square roots of its flexibility under each lining.
+    """The elastic drum ring of a surrogate, with the square roots of its flexibility.
 
-    A square root has the shape (2 count + 2, n) for the n contact nodes of a lining.
+    Each lining has two square roots, for pressure and for friction, of the shape (2 count + 2, n)
+    for the n contact nodes of the lining.
 
     Parameters
     ----------
@@ -427,7 +428,7 @@ def _ring_with_closed_form_flexibility(
     assert section is not None
     k = np.arange(count + 1)
     radial, shear = radial_ring_compliances_under_two_tractions_by_mode(ring, radius, sign, k)
-    # Factors that turn integrals of a nodal pressure times a wave into Fourier coefficients.
+    # Factors that turn integrals of pressure times cos k theta into Fourier coefficients.
     share = np.where(k == 0, 0.5, 1.0) / (math.pi * radius * section.width)
     root = np.sqrt(share * radial)
     turned = np.where(k == 0, 0.0, sign * share * shear / root)
@@ -454,8 +455,8 @@ def _cosine_and_sine_integrals_over_lining(
 ) -> tuple[Floats, Floats]:
     """Integrals b Int psi_i cos k theta ds and b Int psi_i sin k theta ds over a lining [m^2].
 
-    Both are arrays (modes, n). b is the width of the lining, psi_i are the shape functions of its n
-    contact nodes, theta is the angle around the brake, k are the orders of the modes.
+    Both results are arrays (modes, n). b is the width of the lining, psi_i is the shape function of
+    contact node i of n, theta is the angle around the brake, and k is the order of a mode.
     """
     line = body.line
     psi, x, ds = edge_quadrature_points(line.xy[:, line.pieces])
@@ -467,8 +468,8 @@ def _cosine_and_sine_integrals_over_lining(
         )
     )
     found = np.zeros((len(k), len(line.nodes)), dtype=complex)
-    # In each row of `line.pieces` a node occurs at most once. With a repeated node, += with an
-    # index array would add only the last of its values.
+    # `+=` with an index array is right, because a node occurs at most once in each row of
+    # `line.pieces`. For a repeated node it would add only the last value.
     for value, nodes in zip(psi, line.pieces, strict=True):
         found[:, nodes] += shoe.lining.width * (wave * (value * ds)).sum(axis=2)
     return found.real, found.imag
@@ -480,8 +481,9 @@ def radial_ring_compliances_under_two_tractions_by_mode(
     """Radial displacements of a ring's friction surface under two tractions, for each mode.
 
     Both results are arrays (m,) [m/Pa]. The first is for the radial traction cos k theta, the
-    second for the traction sin k theta around the drum. On a free rim the mean rigid-body motion is
-    set to zero, by a force that is distributed over the rim like this motion.
+    second for the traction sin k theta around the drum. With a free rim the rigid-body motion of
+    the rim is set to zero on average. The necessary force is distributed over the rim like this
+    motion.
 
     Parameters
     ----------
@@ -497,8 +499,7 @@ def radial_ring_compliances_under_two_tractions_by_mode(
     section = ring.section
     assert section is not None
     assert isinstance(section.material, Material)
-    # Modes whose waves are much shorter than the thickness follow from the formulas of a
-    # half-plane.
+    # For modes with waves much shorter than the thickness the formulas of a half-plane hold.
     long = modes * section.thickness <= HALF_PLANE_LIMIT_OF_RING_WAVE_NUMBER * radius
     if not long.all():
         E, nu = section.material.E, section.material.nu
@@ -599,8 +600,9 @@ def _ring_stiffness_of_each_mode(
 def _displacement_constraints_at_ring_rim_by_mode(ring: DrumRing, modes: Ints) -> Floats:
     """The constraints (m, 2 n, 2) on the displacements U and V of n nodes, for each of m modes.
 
-    A fixed rim does not move. Of a free rim the rigid-body modes k = 0 (rotation) and k = 1
-    (translation) are suppressed. A constraint whose coefficients are all zero is inactive.
+    A fixed rim does not move. For a free rim the constraints suppress the rigid-body motions: the
+    rotation in mode k = 0 and the translation in mode k = 1. A constraint whose coefficients are
+    all zero is inactive.
     """
     size, rim = DEGREE_THROUGH_RING_THICKNESS + 1, DEGREE_THROUGH_RING_THICKNESS
     hold = np.zeros((len(modes), 2 * size, 2))
@@ -633,7 +635,8 @@ def _displacements_under_linear_constraints(K: Floats, hold: Floats, load: Float
     bordered[:, :n, :n] = K
     bordered[:, :n, n:] = scale * hold
     bordered[:, n:, :n] = scale * hold.transpose(0, 2, 1)
-    # An inactive constraint has a zero row; a 1 on its diagonal keeps the system regular.
+    # An inactive constraint has a row of zeros. A number on the diagonal of this row keeps the
+    # system regular.
     for j in range(2):
         bordered[:, n + j, n + j] = np.where(hold[:, :, j].any(axis=1), 0.0, scale)
     right = np.zeros((m, n + 2, load.shape[2]))

@@ -70,8 +70,7 @@ RUN_IN_TOLERANCE_FROM_LAW = 0.01
 run in.
 """
 STATUS_OF_RUN_ENDING_AT_LAW = "at the law"
-"""Status of a brake whose pressure and torque end, after wear, at the values of its rigid-shoe law.
-"""
+"""Status of a brake whose pressure and torque reach those of its rigid-shoe law by wear."""
 PRESSURE_AT_LAW, TORQUE_AT_LAW = 0.01, 0.001
 """Largest relative differences of pressure and of torque from the rigid-shoe law with which a
 worn-in brake counts as "at the law"."""
@@ -86,7 +85,7 @@ class WearRunUntilPressureSettles:
     name : str
         Name of the brake and of the model.
     setup : WearSetup
-        The linings, with the equations of their contact.
+        The linings before wear, with the equations of their contact.
     states : list of WearState
         Wear and pressure at growing sliding distances.
     goal : FinalWearPressureAndTorque
@@ -106,7 +105,7 @@ class WearRunUntilPressureSettles:
         return [state.s / self.unit for state in self.states]
 
     def largest_relative_pressure_alternation_between_nodes(self, state: WearState) -> float:
-        """The largest amplitude on any lining by which the pressure alternates from node to node.
+        """The largest amplitude of any lining's pressure that alternates from node to node.
 
         The amplitude is relative to the pressure of the same lining in this state.
         """
@@ -144,12 +143,12 @@ def wear_brake_until_pressure_settles(
 def list_wear_models_and_reason_against_finite_elements(
     brake: Brake,
 ) -> tuple[list[tuple[str, str, Brake]], str | None]:
-    """The models by which a brake can run in, and the reason why finite elements cannot.
+    """The models that can compute the running in of a brake, and why finite elements cannot.
 
-    Each model comes as a suffix to the brake's name, the name of the model, and the brake. The
-    reason is None if finite elements can run in the brake. A brake with a single shoe also runs in
+    Each model is a tuple: a suffix to the brake's name, the name of the model, and the brake. The
+    reason is None if finite elements apply to the brake. A brake with a single shoe is also listed
     with the opposite rotation. With two shoes this is not needed, because one shoe leads and the
-    other trails. A brake with rigid external shoes also runs in with its shoes on guides.
+    other trails. A brake with rigid external shoes is also listed with its shoes on guides.
     """
     found, reason = list[tuple[str, str, Brake]](), reason_against_finite_element_model(brake)
     if reason is None:
@@ -172,7 +171,7 @@ def brake_with_opposite_rotation(brake: Brake) -> Brake:
 
 
 def prepare_wear_setup_by_model(model: str, brake: Brake, elements: int) -> WearSetup:
-    """The linings of a brake before wear, by a model that can compute wear.
+    """The linings of a brake before wear, with the contact equations of a model.
 
     elements : number of elements along each lining, for models by finite elements.
     """
@@ -236,9 +235,10 @@ def table_row_and_wear_run_of_brake(
 def table_row_of_wear_run_until_settled(one: WearRunUntilPressureSettles) -> dict[str, Any]:
     """The table row of a run, in which a brake wears until its pressure no longer changes.
 
-    The row has the distances of pressure and torque from the law for new linings ("new_") and after
-    the last state ("end_"), the sliding distances after which they are near the law, these
-    distances as shares of the lining's life, and the errors of the balances of volume and energy.
+    The row has the relative differences of pressure and torque from the rigid-shoe law with new
+    linings ("new_") and in the last state ("end_"). It also has the sliding distances after which
+    pressure and torque are near the law, the same distances as shares of the lining's life, and the
+    errors of the balances of volume and energy.
     """
     setup, states, goal, unit = one.setup, one.states, one.goal, one.unit
     # Relative distances of pressure and torque from the law: with new linings, and after the last
@@ -247,8 +247,8 @@ def table_row_of_wear_run_until_settled(one: WearRunUntilPressureSettles) -> dic
         relative_differences_from_end_of_wear(setup, states[0], goal),
         relative_differences_from_end_of_wear(setup, states[-1], goal),
     )
-    # Shares of the lining's life that pass while pressure or torque is more than 1 %, and more than
-    # 0.1 %, off the law.
+    # Shares of the lining's life during which pressure or torque differs from the law by more than
+    # 1 % (`spent`), and by more than 0.1 % (`close`).
     spent = compute_life_of_linings(
         setup, states, goal, ARCHARD_WEAR_LAW, within=RUN_IN_TOLERANCE_FROM_LAW
     )
@@ -298,12 +298,12 @@ def row_comparing_run_with_halved_wear_steps(one: WearRunUntilPressureSettles) -
     """The row that compares a wear run with the same run in steps of half the size.
 
     `pressure`, `torque` and `depth` are the largest relative differences between both runs.
-    `long_pressure` and `long_torque` are the differences from the rigid-shoe law after ten times
-    the sliding distance of the run.
+    `long_pressure` and `long_torque` are the relative differences from the rigid-shoe law after a
+    third run, over ten times the sliding distance.
     """
     s = [state.s for state in one.states]
-    # The run is repeated with a further state in the middle of each step. Every second state of the
-    # new run then has the sliding distance of a state of the old run.
+    # The run is repeated with two steps in place of each step. Every second state of the new run
+    # has the sliding distance of a state of the old run.
     middles = [(a + b) / 2 for a, b in pairwise(s)]
     halved = wear_linings_in_given_steps(
         one.setup.interfaces, ARCHARD_WEAR_LAW, sorted([*s[1:], *middles])
@@ -372,8 +372,9 @@ class WearWithRegularDrumReversals:
         For each state the relative distance of its pressure from the rigid-shoe law for the present
         sense of rotation.
     mean : float
-        Relative distance of the wear in the last two runs between reversals, one in each sense of
-        rotation, from the wear that the mean of the law's pressures in both senses would cause.
+        Relative difference between two worn depths: the depth worn between the last reversals, once
+        in each sense of rotation, and the depth that the mean of the law's pressures for both
+        senses would cause.
     """
 
     every: float
@@ -407,7 +408,8 @@ def wear_brake_with_drum_reversals(
     every : float
         Sliding distance between two reversals, in units of 1/(k K).
     turns : int
-        Number of runs, each of the distance `every`; the drum reverses between two of them.
+        Number of runs without reversal, each over the distance `every`. The drum reverses between
+        two runs.
     """
     # Linings and rigid-shoe law for each sense of rotation. The key True is the first sense.
     setups = {
@@ -436,8 +438,8 @@ def wear_brake_with_drum_reversals(
     # `turned` gets the last state before each reversal, and the last state of the whole run.
     turned = [state for state, after in pairwise(states) if state.forward != after.forward]
     turned.append(states[-1])
-    # The depth worn in the last two runs between reversals, one in each direction, is compared
-    # with the depth by Archard's law under the worn-in pressures of both directions.
+    # The depth worn in the last two runs, one in each sense of rotation, is compared with the depth
+    # by Archard's law under the worn-in pressures of both senses of rotation.
     worn_off = turned[-1].depth - turned[-3].depth
     law = ARCHARD_WEAR_LAW.coefficient * size * (goals[True].pressure + goals[False].pressure)
     mean = _largest_relative_difference_on_linings(setups[True], worn_off, law)
@@ -447,14 +449,14 @@ def wear_brake_with_drum_reversals(
 def _largest_relative_difference_on_linings(
     setup: WearSetup, values: Floats, reference: Floats
 ) -> float:
-    """The largest relative difference of values from a reference among the linings of a brake.
+    """The largest relative L2 difference, among the linings of a brake, of values from a reference.
 
     Parameters
     ----------
     setup : WearSetup
         The linings, with n nodes altogether.
     values, reference : array (n,)
-        The values and their reference at the nodes.
+        The values and their reference at the nodes. The elements at the lining's ends are left out.
     """
     differences = []
     for surface in setup.surfaces:
@@ -492,7 +494,8 @@ def rows_and_last_states_of_wear_runs_in_equal_steps(
 ) -> tuple[list[dict[str, Any]], list[LastStateOfEqualWearSteps]]:
     """Table rows and last states of wear runs in steps of equal size, implicit and explicit ones.
 
-    The torque of each run is compared with the torque of a run in fine steps of controlled error.
+    The torque of each run is compared with the torque of a reference run, whose fine steps have a
+    small estimated error.
 
     Parameters
     ----------
@@ -534,7 +537,7 @@ def rows_and_last_states_of_wear_runs_in_equal_steps(
 def _list_implicit_and_explicit_wear_runs(
     one: WearRunUntilPressureSettles, end: float, steps: Sequence[float]
 ) -> Iterator[tuple[str, float, Callable[[], list[WearState]]]]:
-    """For each size of wear step an implicit and an explicit run: name, step size, and function.
+    """Yield for each step size an implicit and an explicit run: name, step size, and function.
 
     one : a run of the brake; end : sliding distance of the runs; steps : sizes of the steps; both
         in units of 1/(k K).
@@ -565,7 +568,7 @@ def wear_run_whose_new_linings_touch_least(
 
 @dataclass(frozen=True)
 class AnimationFrameOfWearRun:
-    """A moment of a run: the wear state, and for each shoe its fields and its turn.
+    """A frame of an animation of a wear run: the wear, and the fields and the turn of each shoe.
 
     The fields are displacements and stresses inside the shoe. The turn is the angle [rad] by which
     the shoe has turned about its pin.
@@ -591,9 +594,9 @@ def animation_frames_of_run(
     one : WearRunUntilPressureSettles
         The run.
     count : int
-        Number of moments.
+        Number of frames.
     """
-    # At each moment the brake with worn linings is solved and the stresses are computed.
+    # For each frame the brake with worn linings is solved, and its stresses are computed.
     end = one.states[-1].s
     moments = []
     for s in [0.0, *np.geomspace(3e-4 * end, end, count - 1)]:

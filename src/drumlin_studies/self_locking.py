@@ -1,7 +1,7 @@
-"""Table rows on self-locking. It begins at the friction limit, where the torque has no bound.
+"""Table rows on self-locking, which begins at the friction limit, where the torque is unbounded.
 
-The rows show this limit of friction, the torque up to the limit, whether a brake has exactly one
-answer below the limit and no answer beyond it, and slopes of the torque.
+The rows show the friction limit, the torque up to the limit, and slopes of the torque. They also
+show whether a brake has exactly one answer below the limit and no answer beyond the limit.
 """
 
 import math
@@ -40,7 +40,8 @@ LARGEST_SEARCHED_FRICTION_OF_RANDOM_BRAKE = 100.0
 LARGEST_FRICTION_CHECKED_FOR_UNIQUENESS = 1.0
 """Largest coefficient of friction at which the uniqueness of an answer is checked.
 
-It takes the place of the friction limit if a shoe locks itself at a larger friction or never.
+This value takes the place of the friction limit if a shoe locks itself at a larger friction or at
+no friction.
 """
 FRACTIONS_OF_LOCKING_FRICTION_WITH_ONE_ANSWER = (0.1, 0.3, 0.5, 0.7, 0.9, 0.99)
 """Fractions of the friction limit (where the brake locks itself) at which it must have exactly one
@@ -54,8 +55,8 @@ NUMBER_OF_RANDOM_STARTING_CONTACT_SETS = 5
 ELEMENTS_PER_LINING_OF_UNIQUENESS_CHECK = 16
 """Elements along a lining of the random brakes whose answers are checked for uniqueness."""
 ELEMENTS_PER_LINING_IF_ALL_CONTACT_SETS_ARE_TRIED = 4
-"""Elements along a lining of the brakes for which all possible contact sets are tried. There must
-be few, because the number of sets doubles with each node.
+"""Elements along a lining of the brakes for which all possible contact sets are tried. The number
+is small, because each node more doubles the number of contact sets.
 """
 SEED_OF_RANDOM_STARTING_CONTACT_SETS = 7
 """Seed of the random contact sets; it is used together with the seed of the brake."""
@@ -72,7 +73,7 @@ SelfLockingRow = dict[str, Any]
 def row_of_self_locking_friction(brake: Brake, elements: int) -> SelfLockingRow:
     """A row with the friction at which a brake locks itself, by finite elements and by sine law.
 
-    Of several groups of shoes, the group that locks at the lowest friction counts.
+    If the brake has several groups of shoes, the friction is that of the group that locks first.
 
     elements : number of elements along each lining.
     """
@@ -99,7 +100,9 @@ def row_of_self_locking_friction(brake: Brake, elements: int) -> SelfLockingRow:
 def row_of_torque_curves_by_friction(brake: Brake, name: str, elements: int) -> SelfLockingRow:
     """A row with the curves of torque [N m] over friction, by finite elements and by the sine law.
 
-    Each curve ends just before the friction at which the brake locks itself by the same model.
+    The curve by finite elements ends just before the friction at which the brake locks itself by
+    finite elements. The curve by the sine law ends there as well, or earlier, just before the
+    friction at which the brake locks itself by the sine law.
 
     Parameters
     ----------
@@ -118,8 +121,8 @@ def row_of_torque_curves_by_friction(brake: Brake, name: str, elements: int) -> 
         ).values()
     )
     law = _lowest_locking_friction_by_law(brake)
-    # Friction coefficients of the curve: even steps up to 0.9 of the limit, then distances from the
-    # limit that shrink by a constant factor.
+    # Friction coefficients of the curve, divided by the limit: even steps up to 0.9, then distances
+    # from the limit that shrink by a constant factor.
     fractions = (*np.linspace(0.02, 0.9, 45), *(1 - np.logspace(-1, -6, 26)[1:]))
     mu = [end * fraction for fraction in fractions]
     of_law = [m for m in mu if m < law * 0.999]
@@ -147,8 +150,9 @@ def torque_times_distance_to_locking_friction_and_its_change(
     """The product T (mu_lock - mu) [N m] at the friction limit, and its change near the limit.
 
     If the torque T has a pole at the friction mu_lock, the product is constant near mu_lock. The
-    second result is the relative change of the product from the friction (1 - 1e-5) mu_lock up to
-    mu_lock.
+    first result is the product at the last point of the curve, 1e-6 mu_lock below the limit. The
+    second result is the relative change of the product from the friction (1 - 1e-5) mu_lock to this
+    point.
 
     row : a row of `row_of_torque_curves_by_friction`.
     """
@@ -161,13 +165,13 @@ def torque_times_distance_to_locking_friction_and_its_change(
 
 
 def row_on_uniqueness_of_contact_solutions(seed: int, way: str) -> SelfLockingRow:
-    """A row on whether a random brake has one answer below its friction limit and none beyond it.
+    """A row on the answers of a random brake: one below its friction limit, none beyond it.
 
     The contact iteration starts from all nodes in contact, from no node in contact, and from random
-    contact sets. `disagreeing` lists the fractions of the limit at which one of the iterations does
-    not end in the answer that is followed from zero friction. Beyond the limit, `beyond` counts the
-    stable answers of the contact iteration, and `answered` counts the solves of drumlin that have
-    an answer.
+    contact sets. `disagreeing` lists the fractions of the limit at which some iteration does not
+    end in the answer that is followed from zero friction. `beyond` is the number of stable answers
+    of the contact iteration beyond the limit. `answered` is the number of solves by drumlin beyond
+    the limit that have an answer. Both are None if the limit is above 10.
 
     Parameters
     ----------
@@ -218,9 +222,9 @@ def row_on_uniqueness_of_contact_solutions(seed: int, way: str) -> SelfLockingRo
 
 
 def _smallest_singular_friction_on_coarse_mesh(brake: Brake) -> float:
-    """The lowest friction at which the equations of any contact set become singular.
+    """The lowest friction at which the equations of some contact set become singular.
 
-    All contact sets are tried, which is possible because a coarse mesh has few of them.
+    All contact sets are tried. This is possible because a coarse mesh has few contact sets.
     """
     coarse = make_prepared_model(brake, elements=ELEMENTS_PER_LINING_IF_ALL_CONTACT_SETS_ARE_TRIED)
     return smallest_friction_that_makes_any_contact_set_singular(
@@ -241,7 +245,7 @@ def _count_stable_answers_beyond_friction_limit(
     frictions: list[float],
     starts: list[Bools],
 ) -> int:
-    """The number of stable answers at friction coefficients beyond the limit.
+    """The number of stable answers that contact iterations find beyond the friction limit.
 
     Parameters
     ----------
@@ -266,11 +270,12 @@ def _count_stable_answers_beyond_friction_limit(
 def _agreement_counts_and_disagreeing_friction_fractions(
     problems: FrictionDependentProblem, top: float, starts: list[Bools]
 ) -> tuple[SelfLockingRow, list[float]]:
-    """Counts of how contact iterations end, summed over fractions of a locking friction.
+    """Counts of how contact iterations end, and the fractions of `top` with a disagreement.
 
-    At a fraction with a disagreement an iteration from one of the contact sets does not end in the
-    answer that is followed from zero friction. The counts also have the largest `difference`
-    between answers that count as the same.
+    The counts are summed over all fractions. At a fraction with a disagreement, an iteration from
+    some contact set does not end in the answer that is followed from zero friction. The counts also
+    contain `difference`, the largest difference between the pressures of answers that count as the
+    same.
 
     Parameters
     ----------
@@ -318,7 +323,7 @@ def _kind_of_first_lining_clearance(brake: Brake) -> str:
 def rows_of_torque_slopes_and_differences(
     brake: Brake, name: str, penalty: float
 ) -> list[SelfLockingRow]:
-    """A row for each slope of the brake's torque, beside the difference quotient of two solves.
+    """A row for each slope of the brake's torque, with the difference quotient from two solves.
 
     The first row also has the sensitivity S = (mu/T) dT/dmu to friction, by finite elements and by
     the sine law.

@@ -2,8 +2,8 @@
 
 The stated errors are compared with the true errors of brakes whose far finer solutions are stored
 as files (`stored_truth`). A stated error that is too small is a wrong number. A stated error that
-is ten times too large makes drumlin solve on a finer level that is not needed. The ratio of stated
-to true error shows both. `stated_and_true_errors_of_stored_brake` solves one brake on all levels of
+is ten times too large makes drumlin solve on a finer level than needed. The ratio of stated to true
+error shows both. `stated_and_true_errors_of_stored_brake` solves one brake on all levels of
 refinement once, and finds the errors that a solve states by default and at two tolerances.
 `spreads_of_stated_over_true_errors` reduces the ratios of each quantity to two numbers. The command
 
@@ -52,7 +52,8 @@ TOLERANCES_OF_SOLVES_BY_NAME = {
     "1e-3": TolerancesOfPressureAndTorque(1e-3, 1e-3),
     "1e-4": TolerancesOfPressureAndTorque(1e-4, 1e-4),
 }
-"""The tolerances to which the brakes are solved, by name: the default one and two smaller ones."""
+"""The tolerances to which the brakes are solved, by name: the default and two smaller tolerances.
+"""
 
 NAME_OF_SMALLEST_TOLERANCE_OF_SOLVES = "1e-4"
 """Name of the smallest tolerance of TOLERANCES_OF_SOLVES_BY_NAME, at which a solve takes
@@ -60,45 +61,43 @@ longest.
 """
 
 PROMISED_FRACTION_OF_TOO_SMALL_ERRORS = 0.01
-"""Largest fraction of stated errors that may be below the true errors, as README promises.
-"""
+"""Largest fraction of stated errors that may be below the true errors, as README promises."""
 
 PASS_PROBABILITY_AT_PROMISED_FRACTION = 0.95
-"""Probability that the test passes if just the promised fraction of errors is too small.
+"""Probability with which a program with just the promised fraction of too small errors passes.
 
-The fraction is PROMISED_FRACTION_OF_TOO_SMALL_ERRORS of all stated errors.
+The promised fraction of too small errors is PROMISED_FRACTION_OF_TOO_SMALL_ERRORS.
 
-From this probability follows how many of the judged errors may be too small. Without this allowance
-a test on few errors would fail by chance although the promise is kept.
+This probability gives the number of judged errors that may be too small. A smaller number would
+make a test on few errors fail by chance, although the promise is kept.
 """
 
 ALLOWED_RELATIVE_CHANGE_OF_SPREAD = 0.3
-"""Largest relative difference between a number of a spread and its value in the stored file.
+"""Largest relative change of a number in `StatedOverTrueSpread` since the last fit.
 
-The file is SPREADS_AND_COSTS_FILE_NAME.
+The values of the last fit are in the file SPREADS_AND_COSTS_FILE_NAME.
 
-A change of the levels of refinement alone can move these numbers by half of
-ALLOWED_RELATIVE_CHANGE_OF_SPREAD. With a limit twice as large, a test would overlook a change of
-the stated errors by a factor of two. ALLOWED_RELATIVE_CHANGE_OF_SPREAD also limits the growth of
-the median true errors.
+A change of the refinement levels alone can change these numbers by half of this limit. With twice
+this limit a test would overlook a change of all stated errors by a factor of two. The limit also
+holds for the growth of the median true errors.
 """
 
 ALLOWED_GROWTH_OF_ALL_UNKNOWNS = 0.1
 """Fraction by which the number of unknowns of all answers together may grow since the last fit. The
-time of a solve grows a little faster than the number of unknowns, and a user would just notice a
-tenth more time.
+time of a solve grows a little faster than the number of unknowns. A user would just notice a solve
+that takes a tenth more time.
 """
 
 ALLOWED_GROWTH_FACTOR_OF_BRAKE_UNKNOWNS = 1.4
-"""Factor by which the number of unknowns of a single brake may grow since the last fit. A change in
-round-off can cost one more solve on a level of refinement, in addition to the four or more that a
-brake needs.
+"""Factor by which the number of unknowns of a single brake may grow since the last fit. A brake
+needs solves on four or more refinement levels. A change in round-off can cost a solve on one more
+level.
 """
 
 MOST_UNKNOWNS_OF_QUICK_BRAKE = 100_000
-"""Largest number of unknowns of a brake that counts as quickly solved, in at most half a second.
+"""Largest number of unknowns of a brake that counts as quickly solved: in at most half a second.
 
-The unknowns of all meshes up to the answer at the smallest tolerance are added. The fast tests
+The number is the sum over all meshes up to the answer at the smallest tolerance. The fast tests
 judge only the brakes within this limit.
 """
 
@@ -139,8 +138,8 @@ class StatedTrueErrors(NamedTuple):
     def stated_over_true_error(self, quantity: str) -> float:
         """The ratio of the stated error to the true error minus its uncertainty.
 
-        The ratio is inf if the uncertainty is at least as large as the true error, and nan if the
-        quantity is not judged.
+        The ratio is inf if the uncertainty is at least as large as the true error, and nan if one
+        of the errors is not known.
         """
         kinds = {"stated": self.stated, "true": self.true, "unsure": self.unsure}
         return stated_over_true_error_of_row(
@@ -150,7 +149,8 @@ class StatedTrueErrors(NamedTuple):
     def is_true_error_certain(self, quantity: str) -> bool:
         """Whether the true error of a quantity is known well enough to judge its stated error.
 
-        A stated error of 1 means that the quantity is not known. It is not judged.
+        A stated error of 1 means that drumlin does not know the quantity. Such an error is not
+        judged, and the result is False.
         """
         return (
             self.true[quantity]
@@ -177,7 +177,7 @@ class MedianErrorsAndUnknownsOfAllBrakes(NamedTuple):
 
     Attributes
     ----------
-    answers : number of brakes that reach the tolerance
+    answers : number of brakes whose stated error of the pressure is within the tolerance
     pressure, torque : median true errors of the pressure and of the torque
     unknowns : number of unknowns of all meshes that were solved, by the brake's name
     """
@@ -203,11 +203,11 @@ def stated_and_true_errors_of_stored_brake(
     def solve_and_count_unknowns(
         scene: PreparedModel, brake: Brake, *, start: Response | None = None
     ) -> Response:
-        """The response of `solve_prepared_model`; its number of unknowns is added to `solved`."""
+        """Solve a prepared model; appends the number of its unknowns to `solved`."""
         solved.append(sum(body.unknowns for body in scene.bodies))
         return solve_prepared_model(scene, brake, start=start)
 
-    # All tolerances read the same sequence of solved levels, so that each level is solved once.
+    # All tolerances read the same sequence of solved levels. So each level is solved once.
     sequences: tuple[Iterable[SolvedLevel], ...] = tee(
         solve_brake_on_finer_and_finer_mesh_levels(brake, solve_and_count_unknowns),
         len(TOLERANCES_OF_SOLVES_BY_NAME),
@@ -266,7 +266,7 @@ def names_of_quickly_solved_brakes(
 ) -> set[str]:
     """Names of the brakes that reach the smallest tolerance with few unknowns.
 
-    These are at most MOST_UNKNOWNS_OF_QUICK_BRAKE unknowns.
+    Few unknowns are at most MOST_UNKNOWNS_OF_QUICK_BRAKE.
 
     `worths` are accuracy and cost of the answers of all brakes, by tolerance of
     TOLERANCES_OF_SOLVES_BY_NAME.
@@ -368,7 +368,7 @@ def describe_faults_of_stated_errors(
         ratios = [(one.stated_over_true_error(quantity), one) for one in rows]
         known = [(value, one) for value, one in ratios if not math.isnan(value)]
         small = [f"{one.name} at {one.asked} ({value:.2f})" for value, one in known if value < 1]
-        # The allowed number of too small errors is a quantile of the binomial distribution.
+        # The number of too small errors that is allowed is a quantile of the binomial distribution.
         if len(small) > binom.ppf(
             PASS_PROBABILITY_AT_PROMISED_FRACTION, len(known), PROMISED_FRACTION_OF_TOO_SMALL_ERRORS
         ):
@@ -434,7 +434,7 @@ def read_stored_spreads_of_stated_errors(folder: Path) -> StoredErrorRatioSpread
 def _rounded_spreads_of_stated_over_true_errors(
     rows: Sequence[StatedTrueErrors],
 ) -> dict[str, dict[str, float]]:
-    """The spread of the ratios of stated to true error, rounded as in the stored file.
+    """The spread of the ratios of stated to true error, rounded to two decimals for the file.
 
     The first key is the quantity, such as "pressure". The inner keys are the names of the numbers
     in `StatedOverTrueSpread`.
@@ -446,7 +446,7 @@ def _rounded_spreads_of_stated_over_true_errors(
 
 
 def main(folder: str) -> None:
-    """Judge the stated errors of all brakes in a folder by true errors, and write them."""
+    """Judge the stated errors of the brakes in a folder, and write SPREADS_AND_COSTS_FILE_NAME."""
     rows = stated_and_true_errors_of_folder(Path(folder))
     worths = median_errors_and_unknowns_by_tolerance(rows)
     quick = names_of_quickly_solved_brakes(worths)

@@ -36,13 +36,14 @@ def compute_cases_in_parallel_with_journal(
         Returns the result of a case. It must be a function of a module, so that other processes
         can import it.
     journal : JournalOfCaseResults
-        Finished results. Cases that it contains are not computed again; new results are added.
+        Journal of finished results. Cases in the journal are not computed again. New results are
+        added to it.
     say : function
         Is called with a line of text on the progress.
     processes : int
         Number of worker processes; with 0 the cases are computed in this process.
     what : str
-        Word for the cases in the text on the progress.
+        Word for "cases" in the text on the progress.
     """
     # Only cases that the journal lacks are computed; their results are added to the journal.
     left = [case for case in cases if case not in journal]

@@ -7,21 +7,22 @@ solves the brakes of the seeds FIRST to LAST - 1 to TOLERANCE (by default 0.01) 
 brakes that FILE already has, so that a long comparison can be made piece by piece. It prints a line
 for each new brake and three tables on all brakes of FILE: the ratios of stated to true errors, the
 brakes that reach the tolerance, and the ratios for the errors that a solve by plane stress states
-for its neglect of the widths. The three steps of a brake (answer, its truth, plane stress) are
-given up after SECONDS of processor time together (by default 120). KIND is a name in
+for its neglect of the widths. A brake has three steps: the answer, its truth, and plane stress.
+They are given up after SECONDS of processor time together (by default 120). KIND is a name in
 FUNCTIONS_THAT_DRAW_BRAKES_BY_SOLID_KIND:
 
 - "free": brakes of draw_random_brake whose shoes have parts of several widths
 - "built": steel shoes with a table under the lining and a web, as they are built. The table is as
   wide as the lining and 1/30 to 1/8 of this width thick. The web is 1/12 to 1/4 as wide.
-- "one": brakes of draw_random_brake whose bodies are made as wide as the linings
+- "one": brakes of draw_random_brake, with bodies made as wide as the linings
 
-The true errors are distances from a reference solution, the truth. A solve with fine elements of
-the section and a high degree across the width would take minutes. So the truth is a sum of two
-parts. The first part is the answer on the first level of the section's hp elements, with functions
-across the width that are graded to the sides of all parts. The second part is a difference of two
-answers with degree DEGREE_ACROSS_WIDTH_IN_SECOND_PART_OF_TRUTH across the width: the answer on the
-level that follows the level of the judged solve, minus the answer on the first level.
+The true errors are distances from a reference solution, the truth. A solve with fine elements in
+the section (the plane of the drum) and a high degree across the width would take minutes. Therefore
+the truth is a sum of two parts. The first part is the answer on the first level of the section's hp
+elements, with functions across the width that are graded to the sides of all parts. The second part
+is a difference of two answers with degree DEGREE_ACROSS_WIDTH_IN_SECOND_PART_OF_TRUTH across the
+width: the answer on the level after the level of the judged solve, minus the answer on the first
+level.
 
 Two differences add up to the uncertainty of the truth: the distance between the graded functions
 and the same functions of one degree less, and the distance between the truth and a truth whose
@@ -29,29 +30,31 @@ second part has one degree less across the width. The second distance shows how 
 the section's elements depends on the degree. The error of these elements on the finest level is not
 contained.
 
-Measured to 1 % with limits of 20 to 40 s ("free" 510000 to 510008, "built" 510000 and 510001), far
-fewer brakes than a verdict needs, with one break at most beside each web: all 21 stated errors of
-the seven brakes with a truth are at least as large as the true errors. The median ratio of stated
-to true error is 2.9 for the pressure p (two "free" brakes) and 3.7 for the reaction (three brakes).
-Both "built" brakes and 4 of 7 "free" brakes reach 1 % by stated errors; by true errors all seven
-brakes with a truth do. Of the three brakes that do not state 1 %, two are limited by the elements
-of the section (stated error of p 0.7 % and 2.6 % on the second level), and one by the degree across
-an overhang of 1.2 thicknesses of the lining (1.3 % with degree 5). The stated error of plane stress
-is 0.9 to 1.24 times its true error wherever the true error is above 1 %.
+A break is a place across the width at which two polynomials meet. Results of an earlier code, which
+had at most one break beside each web: solves to 1 %, with limits of 20 to 40 s, of "free" 510000 to
+510008 and "built" 510000 and 510001. These are far fewer brakes than a verdict needs. All 21 stated
+errors of the seven brakes with a truth are at least as large as the true errors. The median ratio
+of stated to true error is 2.9 for the pressure p (two "free" brakes) and 3.7 for the reaction
+(three brakes). Both "built" brakes and 4 of 7 "free" brakes reach 1 % by stated errors; by true
+errors all seven brakes with a truth do. Of the three brakes that do not state 1 %, two are limited
+by the elements of the section (stated error of p 0.7 % and 2.6 % on the second level), and one by
+the degree across an overhang of 1.2 thicknesses of the lining (1.3 % with degree 5). The stated
+error of plane stress is 0.9 to 1.24 times its true error wherever the true error is above 1 %.
 
-The present code has breaks beside webs, a third level for short contacts, small elements at the
-ends of the contact in the mid-plane, and chooses the level and the degree together. Its stated
-errors were judged on brakes to which no number is fitted ("built" 510020 to 510022, "free" 510020
-and 510022): all 15 are at least as large as the true errors. Three of the five brakes state 1 %.
-The stated error of plane stress is 0.79 to 1.13 times the true one wherever the true one is above
-1 %. "free" 510023 stated 0.9 % of p with a true error of 2.5 %, because provisional errors were
-taken for all shoes. It states 3.7 % without them, as now on shoes like this one.
+The present code has more breaks beside webs, a third level for short contacts, and small elements
+at the ends of the contact in the mid-plane. It chooses the level and the degree together. Its
+stated errors were judged on brakes to which no number of the code is fitted ("built" 510020 to
+510022, "free" 510020 and 510022). All 15 stated errors are at least as large as the true errors.
+Three of the five brakes state 1 %. The stated error of plane stress is 0.79 to 1.13 times the true
+error wherever the true error is above 1 %. For "free" 510023 drumlin once stated a much too small
+error of p, 0.9 % for 2.5 %, because it used provisional errors for all shoes. Now it uses no
+provisional errors for such shoes, and states 3.7 %.
 
 Without truths, 8 of 14 further brakes stated at most 1 % ("built" 510000 to 510004, 510008, 510012,
 510023, 510024, "free" 510000, 510001, 510009, 510013, 510017). "built" 510008 misses 1 % by the
 elements of the section (2.0 % on the second level). The other five miss it by the degree across
 overhangs of 1.8 to 9.2 thicknesses of the lining, whose stated error stays at 0.9 to 2.4 % up to
-degree 5. These solves take 0.8 to 1.4 GB. `fem.width.ladder` says what moves there.
+degree 5. These solves take 0.8 to 1.4 GB of memory. `fem.width.ladder` says what moves there.
 """
 
 import json
@@ -100,8 +103,8 @@ DEGREE_OF_POLYNOMIAL_PIECES_ACROSS_TRUTH_WIDTH = 3
 FIRST_WORDS_OF_TIMEOUT_REASON = "given up after"
 """First words of the reason why a brake that takes too long has no answer or no truth."""
 REASON_TO_LEAVE_OUT_BRAKE_FOR_PART_WIDTHS = "the widths of its parts are those of another kind"
-"""The reason why a brake is left out: its shoes' parts have one width where several are asked for,
-or several where one is asked for.
+"""The reason why a brake is left out: the parts of its shoes have one width, but the kind needs
+several widths, or the other way round.
 """
 DEGREE_ACROSS_WIDTH_IN_SECOND_PART_OF_TRUTH = 2
 """Degree across the width in the second part of the truth (the reference solution): the answer on a
@@ -110,19 +113,19 @@ finer level of the section minus the answer on its first level.
 With degree 3 the solve of a shoe with table and web on the finer level takes minutes.
 """
 SHORTEST_LINING_PIECE_OF_SUMMED_PRESSURES = 1e-12
-"""Length [rad] of a piece of a lining below which it is left out when pressures of several
-responses are summed.
+"""Length [rad] below which a piece of a lining is left out of a sum of the pressures of several
+responses.
 
 The ends of all elements of these responses divide the lining into pieces. Ends that differ only by
 round-off make such short pieces.
 """
 LENGTH_OF_POLYNOMIAL_PIECES_BESIDE_PART_SIDES = 0.2
-"""Length, across the width, of the pieces beside the side of a part, on which the reference
-solution's functions are polynomials.
+"""Length across the width of the short pieces beside the side of a part. On each piece the
+reference solution's functions across the width are polynomials.
 
-It is relative to the lining's thickness or, if the next break between pieces is nearer than this
-thickness, to the distance of the break. Pieces much shorter than the elements of the section only
-add unknowns.
+The length is relative to the lining's thickness, or to the distance of the next break (end of a
+piece) if this distance is less. Pieces much shorter than the elements of the section only add
+unknowns.
 """
 STEEL_DATA_OF_TABLES_AND_WEBS = {"E": 210e9, "nu": 0.3}
 """Material of tables and webs of the "built" shoes: Young's modulus [Pa] and Poisson's ratio."""
@@ -151,8 +154,8 @@ With a smaller value errors of the truth would be taken for errors of the solve;
 few brakes would remain.
 """
 LEAST_JUDGED_TRUE_ERROR = 1e-5
-"""Smallest true relative error for which a stated error is judged; the truth itself is no more
-exact.
+"""Smallest true relative error for which a stated error is judged. The truth itself has errors of
+this size.
 """
 
 
@@ -217,7 +220,7 @@ class SolidErrorRow:
         return self.true[name] > least
 
     def is_stated_error_surely_too_small(self, name: str) -> bool:
-        """Whether a stated error is below the true error minus the uncertainty of the truth.
+        """Whether a stated error is below the true error minus the truth's uncertainty.
 
         `name` is one of NAMES_OF_STATED_ERRORS_COMPARED_WITH_TRUE.
         """
@@ -245,9 +248,8 @@ class SolidReferenceWithUncertaintySolutions(NamedTuple):
     ----------
     truth : the truth
     lower : the truth, computed with graded functions of one degree less across the width
-    truth_with_lower_degree_step : the truth, with the difference to the finer level of one degree
-        less across the
-    width
+    truth_with_lower_degree_step : the truth, computed with one degree less across the width in the
+        difference of two levels
     """
 
     truth: Response
@@ -284,7 +286,7 @@ def draw_random_brake_with_steel_table_and_web(seed: int) -> Brake:
 
 
 def draw_random_brake_with_bodies_as_wide_as_linings(seed: int) -> Brake:
-    """Draw the random brake of a seed, and make its bodies as wide as the linings."""
+    """Draw the random brake of a seed, with elastic bodies made as wide as the linings."""
     brake = draw_random_brake_on_rigid_drum(seed)
     if any(shoe.body is None for shoe in brake.shoes):
         return brake
@@ -309,7 +311,7 @@ def functions_across_width_graded_to_sides(
     halves, breaks = half_widths_of_parts(shoe).values(), piece_ends_across_half_width_of_shoe(shoe)
 
     def is_side_of_shoe_part_at_distance_from_mid_plane(place: float) -> bool:
-        """Whether the side of a part of the shoe is at this distance [m] from the mid-plane."""
+        """Whether a part of the shoe ends at the distance `place` [m] from the mid-plane."""
         return any(abs(place - half) <= SAME_HALF_WIDTH_TOLERANCE * half for half in halves)
 
     found = set(breaks)
@@ -344,10 +346,10 @@ def response_with_width_functions_graded_to_sides(
 def response_plus_difference_of_two_others(
     base: Response, start: Response, end: Response
 ) -> Response:
-    """The sum of a response and of the difference of two other responses of the same brake.
+    """The response base + end - start, from three responses of the same brake.
 
-    Torques, reactions, peaks and pressures are summed: base + end - start. The other attributes are
-    those of `base`.
+    The sum is made of torques, normal forces, reactions, peaks and pressures. The other attributes
+    are those of `base`.
 
     Parameters
     ----------
@@ -391,9 +393,8 @@ def reference_solution_for_solid_solve(
 ) -> SolidReferenceWithUncertaintySolutions:
     """The reference solution for a solve of a brake with solid shoes, and its uncertainty.
 
-    `found` is the response of the solve. The truth refines up to the level that follows the level
-    of the solve; a solve on the finest level has no following one, and the truth ends on the same
-    level.
+    `found` is the response of the solve. The second part of the truth reaches to the level after
+    the level of the solve. For a solve on the finest level it reaches to the same level.
 
     Raises
     ------
@@ -458,7 +459,7 @@ def row_of_stated_and_true_errors_of_random_solid_brake(
 
 
 def reason_why_brake_is_left_out(brake: Brake, kind: str) -> str:
-    """The reason why a brake is not compared; empty if it is.
+    """The reason why a brake is not compared; empty if it is compared.
 
     The kind "one" leaves out brakes whose shoes have parts of several widths, and the other kinds
     leave out brakes whose shoes have parts of one width. `kind` is a name in
@@ -541,11 +542,11 @@ def read_solid_error_rows(path: Path) -> list[SolidErrorRow]:
 
 
 def table_lines_of_stated_over_true_quantiles(rows: Sequence[SolidErrorRow]) -> list[str]:
-    """Table lines on the stated and the true errors: how many are too small, and their ratios.
+    """Table lines on stated and true errors: how many stated errors are too small, and ratios.
 
-    A stated error that is surely too small is below the true error even if the truth is wrong by
-    its uncertainty. The ratios and the share of ratios below 1/2 are taken over the errors that are
-    judged.
+    A stated error is surely too small if it is below the true error minus the uncertainty of the
+    truth. The quantiles of the ratios, and the number of ratios below 1/2, belong to the judged
+    errors.
     """
     lines = ["error     brakes  at least true  surely too small  judged  below half   5 %   half"]
     known = [row for row in rows if row.true]
@@ -568,7 +569,7 @@ def table_lines_of_stated_over_true_quantiles(rows: Sequence[SolidErrorRow]) -> 
 
 
 def table_lines_of_brakes_within_tolerance(rows: Sequence[SolidErrorRow]) -> list[str]:
-    """Table lines: brakes that reach the tolerance, their time, and brakes given up."""
+    """Text lines: share of brakes that reach the tolerance, number given up, and typical time."""
     answered = [row for row in rows if row.stated]
     known = [row for row in answered if row.true]
     apply = [
@@ -592,8 +593,8 @@ def table_lines_that_judge_stated_plane_stress_errors(rows: Sequence[SolidErrorR
     """Table lines on the stated errors of plane stress: how many are good, and how many are poor.
 
     Only brakes on which plane stress has a true error of at least
-    LEAST_TRUE_PLANE_STRESS_ERROR_TO_JUDGE are judged. GOOD_FACTOR and POOR_FACTOR say what good and
-    poor mean.
+    LEAST_TRUE_PLANE_STRESS_ERROR_TO_JUDGE are judged. A good estimate is within the factor
+    GOOD_FACTOR of the true error. A poor estimate is below the true error divided by POOR_FACTOR.
     """
     lines = ["plane stress: error  brakes  within 1.5  below 1/3  least   half   most"]
     for name in NAMES_OF_STATED_ERRORS_COMPARED_WITH_TRUE:

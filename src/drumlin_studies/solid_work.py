@@ -1,4 +1,4 @@
-"""Error and run time of all models against solid shoes, beside their error against plane stress.
+"""Run time and two errors of all models: against solid shoes, and against plane stress.
 
 A plane model can be exact for plane stress and still miss the real shoe, whose pressure varies over
 its width. Each row therefore has two errors: against the solid truth, and against the truth in
@@ -37,11 +37,11 @@ from drumlin_studies.solid_error import (
 from drumlin_studies.work_precision import LEAST_SECONDS_OF_ONE_REPEAT
 
 LEVEL_NUMBER_OF_PLANE_STRESS_TRUTH = 5
-"""Number of the refinement level on which the truth in plane stress is solved. All compared levels
-are coarser.
+"""Number of the refinement level on which the truth in plane stress is solved. Compared solves use
+coarser levels.
 """
 LONGEST_SECONDS_OF_REPEATED_SOLVE = 1.0
-"""Processor time [s] up to which a solve is repeated; the median of its times is then taken."""
+"""Processor time [s] of a solve up to which the solve is repeated; the median time counts."""
 NUMBER_OF_TIMED_REPEATS_OF_FAST_SOLVE = 3
 """Number of timed repeats of a fast solve, after a first solve that is not counted."""
 
@@ -94,7 +94,7 @@ class RunTimeAndErrorsOfModelOnBrake(NamedTuple):
 
 
 class ModelWithFunctionToTime(NamedTuple):
-    """A model with its setting, and a function without arguments that returns its response."""
+    """A model with its setting, and a function without arguments that solves the brake by it."""
 
     family: str
     name: str
@@ -154,8 +154,8 @@ def relative_uncertainty_of_solid_shoe_reference(
 ) -> dict[str, float]:
     """The relative uncertainty of the torque and the mean pressure of a solid truth.
 
-    It is the distance between the answers with two degrees across the width on one level, plus the
-    distance between the answers on two levels with the lower degree.
+    The uncertainty is a sum of two distances: between the answers with two degrees across the width
+    on the same level, and between the answers on two levels with the lower degree.
     """
     by_degree = relative_distance_of_plane_stress_from_width_solution(
         brake, truth.lower, truth.response
@@ -169,7 +169,7 @@ def relative_uncertainty_of_solid_shoe_reference(
 def list_models_compared_with_solid_shoes(
     brake: Brake, setting: SettingsOfSolidComparisonSolves
 ) -> list[ModelWithFunctionToTime]:
-    """All models of a brake, from the laws to CalculiX, with their settings."""
+    """The models that apply to a brake, from the laws to solid shoes with stated errors."""
     models = []
     refused = reasons_why_models_do_not_apply(brake)
     for law in ("sine", "cosine", "uniform"):
@@ -205,8 +205,8 @@ def list_models_compared_with_solid_shoes(
 def _solve_mesh_level_with_degree_across_width(brake: Brake, number: int, degree: int) -> Response:
     """The response of a brake with a degree across the width, on one refinement level.
 
-    Degree 0 is plane stress. Solves with other degrees start from the contact of its answer on the
-    first level.
+    Degree 0 is plane stress. Solves with other degrees start from the contact in the answer of
+    plane stress on the first level.
 
     Parameters
     ----------
@@ -238,9 +238,9 @@ def measure_models_against_solid_shoes(
     solid: Response,
     say: Callable[[str], None] = lambda _: None,
 ) -> list[RunTimeAndErrorsOfModelOnBrake]:
-    """Run times of all models on a brake, and errors against the solid and the plane truth.
+    """A row for each model on a brake: run time, errors against solid truth and plane truth.
 
-    Models that give no answer have no row.
+    The last rows are solves of solid shoes by CalculiX. Models without an answer have no row.
 
     Parameters
     ----------

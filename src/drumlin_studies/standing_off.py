@@ -31,9 +31,10 @@ RANGE_OF_FORCE_DIVISOR = 1.0, 300.0
 
 
 def draw_random_brake_with_clearances(seed: int, kind: str | None = None) -> Brake:
-    """The random brake of a seed; by the rigid-shoe law all its shoes touch the drum.
+    """The random brake of a seed with clearances; by the rigid-shoe law all shoes touch the drum.
 
-    Contact is not tested by finite elements, because some of these brakes have no answer by them.
+    Contact is not tested by finite elements, because some of these brakes have no answer by finite
+    elements.
 
     Parameters
     ----------
@@ -77,8 +78,8 @@ def _brake_data_with_clearances_and_less_force(
     """The data of a brake, changed to have clearances, other lining moduli and smaller forces.
 
     The two shoes of a cam become mirror images of each other. A cam moves the loaded ends of both
-    shoes by the same distance, so that of two shoes with different clearances only one would touch
-    the drum.
+    shoes by the same distance. With different clearances only one of the shoes would touch the
+    drum.
     """
     # All forces of the brake are divided by the same number.
     divisor = draw_number_uniform_in_logarithm(rng, *RANGE_OF_FORCE_DIVISOR)
@@ -100,7 +101,8 @@ def _shoe_data_with_clearance_and_less_force(
 ) -> dict[str, Any]:
     """The data of a shoe, changed to a clearance, another lining modulus and a smaller force.
 
-    drum : data of the drum, None on a plane; divisor : number by which the force is divided.
+    drum : data of the drum, or None for a brake on a plane; divisor : number by which the force is
+    divided.
     """
     lining = {key: value for key, value in shoe["lining"].items() if key != "misfit"}
     size = lining["end"] - lining["start"] if drum is None else drum["radius"]

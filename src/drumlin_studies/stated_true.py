@@ -44,17 +44,17 @@ QUANTITIES_WHOSE_STATED_ERRORS_ARE_JUDGED = ("pressure", "torque", "peak", "reac
 SMALLEST_RELEVANT_TRUE_ERROR = 1e-6
 """Relative true error below which any stated error counts as large enough.
 
-The calibration fits no factor to smaller errors: nobody asks for so small an error of the pressure,
-and so small a difference may be an error of the truth or round-off.
+The calibration fits no factor to smaller errors. Nobody asks for a smaller error of the pressure,
+and a smaller difference may be round-off or an error of the truth.
 """
 JUDGED_TOLERANCES = (1e-2, 1e-3, 1e-4)
 """Relative tolerances to which each brake is solved before its stated errors are judged."""
 GAUSS_POINTS, GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(8)
 """Gauss points in [-1, 1] and their weights, for integrals between two nodes of a pressure."""
 LARGEST_PRESSURE_CHANGE_OF_TRUTH_OVER_TOLERANCE = 0.1
-"""Fraction of the tolerance by which the pressure may still change on the last level of the truth.
+"""Largest allowed change of the pressure on the last level of the truth, relative to the tolerance.
 
-The truth is solved on finer and finer levels until the pressure changes by less than this.
+The truth is solved on finer and finer levels until the change of the pressure is below this limit.
 """
 NUMBER_OF_PEAK_SEARCH_ANGLES = 4001
 """Number of evenly spaced angles at which the peak pressure is searched, in addition to the nodes.
@@ -62,7 +62,7 @@ NUMBER_OF_PEAK_SEARCH_ANGLES = 4001
 
 
 class PressureFromNodesAtAnyAngle(PressureAtNodesOfShoe, Protocol):
-    """A pressure that is given at nodes and can be computed at any angle."""
+    """A pressure of a shoe that is given at nodes and can be computed at any angle."""
 
     def pressure_at(self, theta: Floats) -> Floats:
         """The pressure [Pa] at angles theta [rad]."""
@@ -93,8 +93,8 @@ class FarFinerSolutionOfBrake:
     shoes : sequence of FarFinerSolutionOfShoe
         The solution of each shoe on the finest mesh of a sequence.
     unsure : mapping
-        Relative uncertainty by QUANTITIES_WHOSE_STATED_ERRORS_ARE_JUDGED: the estimated distance
-        from the limit of the sequence, plus the round-off of the elimination.
+        Relative uncertainty by QUANTITIES_WHOSE_STATED_ERRORS_ARE_JUDGED: the estimated distance of
+        the solution from the limit of the sequence, plus the round-off of the elimination.
     seconds : float
         Processor time of the sequence [s].
     """
@@ -143,8 +143,8 @@ def solve_fine_reference_by_hp_elements(brake: Brake, tolerance: float) -> FarFi
             ):
                 break
     except NoAnswer:
-        # A fine level may have no answer, because of round-off, although the coarser levels have
-        # one.
+        # Because of round-off a fine level may have no answer, although the coarser levels have an
+        # answer.
         if len(solutions) < 3:
             raise
     if len(solutions) < 3:
@@ -241,7 +241,7 @@ def true_errors_of_response(
 
 
 def _relative_hinge_reaction_error(found: Any, true: FarFinerSolutionOfShoe) -> float:
-    """Error of the hinge reaction of a shoe, relative to the size of the true reaction."""
+    """Error of a shoe's hinge reaction, relative to `reference_force_of_reaction_errors`."""
     size = reference_force_of_reaction_errors(true.hinge_reaction, true.normal_force)
     return math.dist(found.hinge_reaction, true.hinge_reaction) / size
 
@@ -253,8 +253,8 @@ def relative_pressure_error_of_shoe(
 ) -> float:
     """L2 norm of the error of a shoe's pressure, relative to the L2 norm of the true pressure.
 
-    Zones at both ends of the lining are left out unless half of the force acts there. The result is
-    nan for a shoe that does not press on the drum.
+    Zones at both ends of the lining are left out, unless half of the force acts in these zones. The
+    result is nan if the true pressure is zero.
 
     found : the pressure that is judged; true : the far finer solution; edge : length of each zone
     [rad].
@@ -263,11 +263,11 @@ def relative_pressure_error_of_shoe(
         true.theta, true.pressure, true.order, edge
     )
     first, last = true.theta[0] + zone, true.theta[-1] - zone
-    # The nodes of both pressures divide the lining into intervals, over which the error is
-    # integrated.
+    # The nodes of the judged pressure and the element ends of the true pressure divide the lining
+    # into intervals. The error is integrated over each interval.
     knots = np.unique(np.concatenate([[first, last], found.theta, true.theta[:: true.order]]))
     knots = knots[(knots >= first) & (knots <= last)]
-    # Within an interval both pressures are smooth, so that Gauss quadrature is exact enough.
+    # Within an interval both pressures are smooth. Gauss quadrature is therefore exact enough.
     half = 0.5 * np.diff(knots)[:, None]
     theta, weight = knots[:-1, None] + half * (1 + GAUSS_POINTS), half * GAUSS_WEIGHTS
     p = true.pressure_at(theta)
@@ -309,7 +309,7 @@ def computed_peak_outside_edge_zones(
 def _relative_peak_pressure_error(
     shoe: Shoe, length_per_surface_coordinate: float, found: Any, true: FarFinerSolutionOfShoe
 ) -> float:
-    """Relative error of the peak pressure of a shoe; nan if the shoe does not press on the drum.
+    """Relative error of the peak pressure of a shoe; nan if the true peak is zero.
 
     A response of drumlin states its peak pressure. The peak of another solution, for example by
     triangles, is found by `computed_peak_outside_edge_zones`.
@@ -334,9 +334,10 @@ def row_of_stated_and_true_errors(
     """A row with the stated and the true errors of a brake that is solved to a tolerance.
 
     The keys are QUANTITIES_WHOSE_STATED_ERRORS_ARE_JUDGED with "stated_", "true_" or "unsure_"
-    before them; "unsure_" is the uncertainty of the true error. A value that is not known has no
-    key. `outcome` is "reached", "not reached", "no truth" or "failed", and `reason` is a line of
-    text on a failure.
+    before them; "unsure_" is the uncertainty of the true error. A stated error that drumlin does
+    not give is nan. The "true_" and "unsure_" keys are missing without a far finer solution, and
+    all three kinds of keys are missing after a failed solve. `outcome` is "reached", "not reached",
+    "no truth" or "failed", and `reason` is a line of text on a failure.
 
     Parameters
     ----------
@@ -345,7 +346,7 @@ def row_of_stated_and_true_errors(
     tolerance : float
         Relative tolerance of the solve.
     solve : function
-        Solves a brake with the keyword `tolerance`.
+        Returns the response of a brake for the keyword argument `tolerance`.
     true : FarFinerSolutionOfBrake or None
         The far finer solution of the brake; None where it has no answer.
     failure : str
@@ -403,17 +404,20 @@ def stated_over_true_error_of_row(one: Mapping[str, Any], name: str) -> float:
 
 
 def summary_rows_of_stated_errors(rows: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
-    """A row for each tolerance and quantity on how far the stated errors can be trusted.
+    """A row for each tolerance and quantity: how often the stated errors are large enough.
 
-    Keys of a row, where shares are fractions of the brakes: `brakes`: number of brakes; `reached`:
-    share that reached the tolerance; `judged`: number with a stated and a true error; `above`:
-    share whose true error minus its uncertainty is above the stated error; `above_whole`: share
-    whose whole true error is above the stated error; `above_twice`: share whose true error minus
-    its uncertainty is above twice the stated error; `smallest`: smallest ratio of stated to true
-    error; `median`: median of this ratio over the brakes whose true error is more than four times
-    its uncertainty; `median_relevant`: the same median over brakes whose true error is also at
-    least SMALLEST_RELEVANT_TRUE_ERROR; `missed`: share whose true error minus its uncertainty is
-    above the tolerance.
+    Brakes without a far finer solution are left out. Keys of a row: `brakes`: number of brakes;
+    `reached`: fraction of the brakes that reached the tolerance; `missed`: fraction of the brakes
+    whose true error minus its uncertainty is above the tolerance; `judged`: number of brakes with a
+    stated and a true error.
+
+    The other keys belong to the judged brakes. `above`: fraction whose true error minus its
+    uncertainty is above the stated error; `above_whole`: fraction whose whole true error is above
+    the stated error; `above_twice`: fraction whose true error minus its uncertainty is above twice
+    the stated error; `smallest`: smallest ratio of the stated error to the true error minus its
+    uncertainty; `median`: median ratio of stated to true error over the brakes whose true error is
+    more than four times its uncertainty; `median_relevant`: the same median over those of these
+    brakes whose true error is at least SMALLEST_RELEVANT_TRUE_ERROR.
     """
     table = []
     for tolerance in sorted({one["tolerance"] for one in rows}, reverse=True):

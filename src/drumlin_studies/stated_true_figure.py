@@ -71,8 +71,8 @@ def _plot_error_points_and_return_whether_any_exist(
     for tolerance, (mark, color) in zip(
         tolerances, MARK_AND_COLOUR_OF_EACH_TOLERANCE, strict=False
     ):
-        # Errors that are known well are drawn in full colour and get a label; the others are drawn
-        # pale.
+        # Points with a well-known true error are drawn in full colour and get a label. The other
+        # points are drawn pale.
         own = [row for row in rows if row["tolerance"] == tolerance]
         for known in (True, False):
             points = [
@@ -100,10 +100,11 @@ def _plot_error_points_and_return_whether_any_exist(
 def _true_error_and_stated_ratio_of_row(
     row: Mapping[str, Any], name: str, known: bool
 ) -> tuple[float, float] | None:
-    """The point of a row: true error of a quantity, and ratio of stated to true error.
+    """The coordinates of a row's point: true error of a quantity, ratio of stated to true error.
 
-    The result is None if one of the errors is missing. It is also None if the true error is well
-    known and `known` is false, or not well known and `known` is true.
+    The result is None if one of the errors is missing or zero. With `known` true, the result is
+    None as well if the true error is not well known. With `known` false, it is None if the true
+    error is well known.
     """
     stated = float(row.get(f"stated_{name}", math.nan))
     true = float(row.get(f"true_{name}", math.nan))
@@ -117,7 +118,7 @@ def _true_error_and_stated_ratio_of_row(
 
 
 def plot_cumulative_shares_of_stated_over_true_ratios(ratios: Mapping[str, Floats]) -> Figure:
-    """Figure of cumulative distributions: share of levels with a stated/true ratio below a value.
+    """Figure of distributions: share of refinement levels with a stated/true ratio below a value.
 
     The figure has a line for each quantity.
 
@@ -129,7 +130,8 @@ def plot_cumulative_shares_of_stated_over_true_ratios(ratios: Mapping[str, Float
         for (name, values), (_, color) in zip(
             ratios.items(), MARK_AND_COLOUR_OF_EACH_TOLERANCE, strict=True
         ):
-            # The percentage of ratios up to each sorted ratio is the cumulative distribution.
+            # The percentage of ratios up to each ratio, plotted over the sorted ratios, is the
+            # cumulative distribution.
             percent = np.linspace(0, 100, len(values))
             axes.semilogx(
                 np.sort(values), percent, color=color, label=PANEL_TITLES_BY_QUANTITY[name]
@@ -144,7 +146,7 @@ def plot_cumulative_shares_of_stated_over_true_ratios(ratios: Mapping[str, Float
 def plot_errors_over_unknowns_of_levels(rows: Sequence[Mapping[str, Any]]) -> Figure:
     """Figure of the errors of pressure and torque against the cube root of a shoe's unknowns.
 
-    The polynomial degree of the hp elements stands beside each point.
+    The text "p = ..." beside each point is the polynomial degree of the hp elements.
 
     rows : rows of `orders.error_rows_of_hp_levels`.
     """

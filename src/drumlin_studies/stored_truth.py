@@ -14,8 +14,8 @@ mesh more than a study uses (`TRIANGLE_MESHES_OF_STORED_TRUTH`). This method sha
 with the judged hp elements. The triangles do not cover brakes on a plane and some wheel cylinders.
 These brakes are solved by hp elements of a higher degree with exact contact
 (`HP_MESHES_OF_STORED_TRUTH`), which are smaller at every singular point than the elements on any
-level of a solve. The last three meshes of either sequence give the uncertainty that is stored with
-the solution.
+level of a solve. The last three meshes of a sequence give the uncertainty, which is stored with the
+solution.
 """
 
 import json
@@ -69,16 +69,16 @@ TRIANGLE_MESHES_OF_STORED_TRUTH = (
 )
 """Meshes of curved triangles, coarse to fine.
 
-The arguments of DegreeAndGradingOfTriangleMesh are degree, halvings, longest_over_corner_distance
-and size. The last mesh is not used in the studies. It has a higher degree, and its triangles are
-halved more often towards the singular points. On four brakes this mesh lowered the uncertainty of
-the pressure from 1e-5 to 2e-6 and of the torque from 1e-10 to 1e-11. A further mesh lowered
-neither.
+The arguments are the attributes `degree`, `halvings`, `longest_over_corner_distance` and `size` of
+DegreeAndGradingOfTriangleMesh. The last mesh is not used in the studies. It has a higher degree,
+and its triangles are halved more often towards the singular points. On four brakes this mesh
+lowered the uncertainty of the pressure from 1e-5 to 2e-6 and of the torque from 1e-10 to 1e-11. A
+further mesh lowered neither.
 """
 
 HP_MESHES_OF_STORED_TRUTH = (
-    # The arguments are degree, zone, edge, end, ratio, opening, largest, back, hinge, through: see
-    # `RefinementLevel`.
+    # The arguments are the attributes of `RefinementLevel` in their order, from `degree` to
+    # `layer_size_ratio`.
     RefinementLevel(6, 0.02, 0.01, 0.0008, 0.42, 0.25, 15 * DEGREE_IN_RADIANS, 0.02, 0.012, 0.2),
     RefinementLevel(
         7, 0.006, 0.004, 0.0003, 0.45, 0.27, 13 * DEGREE_IN_RADIANS, 0.007, 0.004, 0.24
@@ -89,8 +89,10 @@ HP_MESHES_OF_STORED_TRUTH = (
 )
 """Meshes of hp elements, coarse to fine, finer than every level of a solve.
 
-On 20 brakes these hp elements were compared with the curved triangles. The pressures differ by at
-most 2e-5, or 1e-4 where the lining presses with its corner, and the torques by at most 2e-7."""
+On 20 brakes the responses on these meshes were compared with the curved triangles. The relative
+differences of the pressures are at most 2e-5, or 1e-4 if the lining presses with its corner. The
+relative differences of the torques are at most 2e-7.
+"""
 
 TRIANGLE_MESHES_FOR_PRESSED_CORNER = (
     DegreeAndGradingOfTriangleMesh(4, 14, 0.7, 0.8),
@@ -107,23 +109,24 @@ TRIANGLE_MESHES_FOR_PRESSED_TIP = (
 
 The smallest triangles have sizes of 2e-7 (TRIANGLE_MESHES_FOR_PRESSED_CORNER) and 1e-8
 (TRIANGLE_MESHES_FOR_PRESSED_TIP) of the lining's thickness. In some brakes round-off turns
-triangles of TRIANGLE_MESHES_FOR_PRESSED_TIP inside out. TRIANGLE_MESHES_FOR_PRESSED_CORNER is then
-used for a tip too, with an uncertainty of the pressure of 1e-4 to 6e-4 in place of 1e-5 to 2e-4.
+triangles of TRIANGLE_MESHES_FOR_PRESSED_TIP inside out. Then TRIANGLE_MESHES_FOR_PRESSED_CORNER is
+used for a tip as well. The uncertainty of the pressure is then 1e-4 to 6e-4, in place of 1e-5 to
+2e-4.
 """
 
 POWER_LAW_LENGTH_OVER_CONTACT_LENGTH = 2e-3
-"""Length of the region next to a pressed corner in which the power law of the corner replaces the
-computed pressure, divided by the length of the contact.
+"""Length of the region next to a pressed corner, divided by the length of the contact. In this
+region the power law of the corner's pressure replaces the computed pressure.
 
-Some ten triangles lie in this region. With 14 triangles in it the pressure changed by 5e-6 and 4e-5
-on two brakes.
+Some ten triangles lie in this region. A region with 14 triangles changed the pressure by 5e-6 and
+4e-5 (relative) on two brakes.
 """
 
 LEAST_USABLE_TRUE_ERROR_OVER_ITS_UNCERTAINTY = 4.0
-"""Smallest ratio of a true error to its uncertainty with which the true error is used to judge the
-stated error.
+"""Smallest ratio of a true error to its uncertainty. With a smaller ratio the true error is not
+used to judge the stated error.
 
-At smaller ratios the difference between answer and truth may be an error of the truth.
+The difference between answer and truth may then be an error of the truth.
 """
 
 SIGNIFICANT_DIGITS_OF_STORED_PRESSURES = 10
@@ -131,7 +134,7 @@ SIGNIFICANT_DIGITS_OF_STORED_PRESSURES = 10
 
 
 class StoredTruth(NamedTuple):
-    """A brake with a far finer solution, as a file holds them.
+    """A brake with its far finer solution, as a file stores both.
 
     Attributes
     ----------
@@ -148,7 +151,7 @@ class StoredTruth(NamedTuple):
 
 
 class KindSeedAndChangesOfStoredBrake(NamedTuple):
-    """How a brake is drawn whose far finer solution is stored in a file.
+    """How a stored brake is drawn: kind and seed of a random brake, and changed values.
 
     Attributes
     ----------
@@ -186,8 +189,9 @@ CLEARANCE_TABLE_WITH_TIP = ((1.756715664026018, 1e-5), (2.3, 0.0), (3.4409912167
 """Clearance table with a tip, a kink that points to the drum, for the brake
 `draw_random_brake_of_support_kind(FIRST_SEED_OF_STORED_BRAKES + 1, "hinge")`.
 
-The rows are an angle theta [rad] and a clearance [m]. The tip is in the middle row. It is about as
-high as the lining's compression by the force, so that nearly the whole lining presses on the drum.
+The rows are an angle theta [rad] and a clearance [m]. The tip is in the middle row. The gaps at the
+ends are about as large as the lining's compression by the force. Therefore nearly the whole lining
+presses on the drum.
 """
 
 HOW_STORED_BRAKES_ARE_DRAWN_BY_FILE_NAME: dict[str, KindSeedAndChangesOfStoredBrake] = {
@@ -382,8 +386,8 @@ def solve_stored_brake_on_far_finer_meshes(name: str) -> StoredTruth:
 
     A brake that presses only by a corner of the lining or by a kink that points to the drum is
     solved on the meshes TRIANGLE_MESHES_FOR_PRESSED_CORNER or TRIANGLE_MESHES_FOR_PRESSED_TIP.
-    Other brakes are solved by the triangles, or by finer hp elements where the triangles have no
-    answer. Raises NoAnswer where no solver has an answer.
+    Other brakes are solved by triangles. If triangles do not apply or have no answer, the brakes
+    are solved by finer hp elements. Raises NoAnswer where no solver has an answer.
     """
     drawn = HOW_STORED_BRAKES_ARE_DRAWN_BY_FILE_NAME[name]
     brake = drawn.brake()
@@ -426,9 +430,9 @@ def solve_brake_on_corner_or_kink_by_fine_triangles(brake: Brake) -> FarFinerSol
     A tip is a kink of the lining that points to the drum. The meshes are
     TRIANGLE_MESHES_FOR_PRESSED_TIP for a tip and TRIANGLE_MESHES_FOR_PRESSED_CORNER for a corner.
     Next to a corner in contact the pressure has no bound, and no triangle is small enough for it. A
-    power law replaces the computed pressure there, and the error of this power law is added to the
-    uncertainty. Raises BadInput if triangles cannot mesh the brake, and NoAnswer if the brake has
-    no solution.
+    power law replaces the computed pressure next to the corner. The error of this power law is
+    added to the uncertainty. Raises BadInput if triangles cannot mesh the brake, and NoAnswer if
+    the brake has no solution.
     """
     begin = time.process_time()
     # An AssertionError means that round-off has turned triangles of TRIANGLE_MESHES_FOR_PRESSED_TIP

@@ -4,11 +4,11 @@ from collections.abc import Mapping, Sequence
 from typing import Any, TypeVar
 
 RowType = TypeVar("RowType", bound=Mapping[str, Any])
-"""Stands for the type of a row: a selection of rows has rows of the same type."""
+"""Type variable for the type of a row: a selected row has the same type as the given rows."""
 
 
 def values_of_key_in_rows(rows: Sequence[Mapping[str, Any]], key: str) -> list[Any]:
-    """The list of the values of a key, one for each row. Every row must have the key."""
+    """The values of a key, one for each row. Every row must have the key."""
     return [row[key] for row in rows]
 
 

@@ -9,7 +9,7 @@ from drumlin.brake.plane_brake import make_drum_or_plane_brake_from_data
 TEXTBOOK_LINING = {"thickness": 0.01, "width": 0.04, "material": {"E": 3e8, "nu": 0.25}}
 """Data of the lining of all drum brakes of this module, in SI units.
 
-These brakes are solved by the closed-form laws, which do not depend on thickness and modulus.
+The brakes are solved by closed-form laws, whose results do not depend on thickness and modulus.
 """
 
 
@@ -47,18 +47,18 @@ def brake_with_one_hinged_shoe(
     spin : int
         1 if the drum turns counter-clockwise, -1 if it turns clockwise.
     hand : int
-        1 if the angles `arc` count counter-clockwise from the hinge, -1 if clockwise.
+        1 if the angles in `arc` count counter-clockwise from the hinge, -1 if they count clockwise.
     turned : float
         Angle [rad] of the hinge around the drum, counter-clockwise from the x axis.
     width : float
         Width of the lining [m].
     pivot : tuple of two float, optional
-        Radius [m] and angle from the hinge [rad] of a pivot. The shoe then turns about the pivot on
-        a lever, and the hinge belongs to the lever.
+        Radius [m] of a pivot, and its angle from the hinge [rad], counted as in `arc`. With a pivot
+        the shoe hangs on a lever, and the hinge is the hinge of the lever.
     """
     start, end = sorted(turned + hand * phi for phi in arc)
-    # The sense of the moment about the hinge that presses the shoe on the drum: 1 is
-    # counter-clockwise, and -1 is clockwise.
+    # Sense of the actuation moment about the hinge: 1 if a counter-clockwise moment presses the
+    # shoe on the drum, -1 if a clockwise moment does.
     pressing = -hand if side == "internal" else hand
     shoe = {
         "name": "shoe",
@@ -105,7 +105,7 @@ def brake_with_block_on_lever(
     arm : float
         Distance of the force from the lever's pin [m].
     x, a : float
-        Distances [m] of the lever's pin: x to the left of the block's middle, a above the top of
+        Position [m] of the lever's pin: x to the left of the block's middle, and a above the top of
         the drum.
     P : float
         Downward force on the lever [N].

@@ -1,7 +1,7 @@
-"""Speed of sweeps, which solve a brake for many input values, and sweeps that are killed.
+"""The speed of sweeps, and sweeps that are killed. A sweep solves a brake for many inputs.
 
-The speed is the number of cases per second by processes of this machine and by Dask workers. A
-killed sweep must continue from its journal without loss.
+The speed is the number of cases per second. It is measured for processes of this machine and for
+Dask workers. A killed sweep must continue from its journal without loss.
 """
 
 import importlib
@@ -29,8 +29,9 @@ ENVIRONMENT_THAT_KEEPS_FREED_MEMORY = {
 }
 """Environment variables that make the C library glibc keep freed memory for later use.
 
-Freed memory up to these sizes [bytes] is kept. Dask sets the first variable to a small value, and
-this also turns off glibc's automatic choice of the second one. Both are therefore set here.
+The values are sizes [bytes] up to which freed memory is kept. Dask sets the first variable to a
+small value. This setting also turns off glibc's automatic choice of the second variable. Therefore
+both variables are set here.
 """
 
 
@@ -46,12 +47,12 @@ class MeasuredTimeOfSweep(NamedTuple):
     started : float
         Wall time until all workers are ready [s].
     seconds : float
-        Wall time from then until all cases are solved [s].
+        Wall time from the end of `started` until all cases are solved [s].
     rows : list of mappings
         The result of each case.
     processor : float
-        Processor time of all processes from start to end [s]. Other programs on the machine do not
-        lengthen it.
+        Processor time of all processes from start to end [s], on which other programs of the
+        machine have little influence.
     """
 
     by: str
@@ -64,7 +65,7 @@ class MeasuredTimeOfSweep(NamedTuple):
 
     @property
     def solved_sweep_cases_per_second(self) -> float:
-        """Number of cases per second, once the workers are ready."""
+        """Number of cases per second, without the time to start the workers."""
         return self.cases / self.seconds
 
 
@@ -73,8 +74,9 @@ def measure_time_of_sweep_by_processes(
 ) -> MeasuredTimeOfSweep:
     """The measured time of a sweep by processes of this machine.
 
-    `sample` are the numbers of the cases that are solved on all levels; the stated errors of the
-    other cases follow from them. Without a sample each case states its own errors.
+    `sample` has the numbers of the cases that are solved on all refinement levels. The stated
+    errors of the other cases follow from these cases. Without a sample each case states its own
+    errors.
     """
     start, before = time.perf_counter(), _processor_time_with_ended_child_processes()
     with provide_workers_for_cases_of_sweep(workers) as found:
@@ -141,8 +143,8 @@ def _measure_time_of_dask_sweep_with_environment(
 def _set_environment_variables(more: dict[str, str]) -> Iterator[None]:
     """Set environment variables for a block of code, and restore the environment afterwards.
 
-    Dask sets further variables for its workers and does not remove them. They would slow down the
-    sweeps that are measured afterwards.
+    Dask sets further environment variables for its workers and does not remove these variables.
+    They would slow down the sweeps that are measured afterwards.
     """
     before = dict(os.environ)
     os.environ.update(more)
@@ -167,8 +169,8 @@ def _measure_time_of_sweep_by_started_workers(
 ) -> MeasuredTimeOfSweep:
     """The measured time of a sweep by workers that have been started.
 
-    The workers first solve some cases by the sine law, so that all of them are ready. The time to
-    condense the shoes that several cases share belongs to the measured time.
+    First the workers solve some cases by the sine law, until all workers are ready. Then the
+    measured time begins. It includes the time to condense the shoes that several cases share.
 
     Parameters
     ----------
@@ -179,12 +181,12 @@ def _measure_time_of_sweep_by_started_workers(
     found : WorkersOfSweep
         The started workers.
     start : float
-        Clock reading at which the start of the workers began [s].
+        Clock reading [s] just before the start of the workers.
     sample : sequence of int
-        Numbers of the cases that are solved on all levels; the stated errors of the other cases
-        follow from them.
+        Numbers of the cases that are solved on all refinement levels. The stated errors of the
+        other cases follow from these cases.
     """
-    # Before the clock starts, twenty quick cases for each worker make all workers load the modules.
+    # Twenty quick cases for each worker make all workers load the modules before the measurement.
     warm = [case._replace(model="sine", options={}) for case in cases[: 20 * found.workers]]
     solve_all_cases_of_sweep(warm, executor=found.executor, workers=found.workers)
     ready = time.perf_counter()
@@ -203,7 +205,7 @@ def rows_of_cases_per_second(measured: Sequence[MeasuredTimeOfSweep]) -> list[Ca
     """
     found = []
     for one in measured:
-        # The first measurement with the same kind of workers, which has one worker.
+        # The first measurement with the same kind of workers; it has one worker.
         alone = next(other for other in measured if other.by == one.by)
         row = {key: value for key, value in one._asdict().items() if key != "rows"}
         found.append(
@@ -221,10 +223,10 @@ def rows_of_sweep_times_with_and_without_sample(
 ) -> list[CaseResultsByName]:
     """A table row for each number of workers: the time of a sweep with and without a sample.
 
-    `gain` is the time without a sample divided by the time with it. In the sweep with a sample,
-    `itself` is the number of cases that state errors of their own. For the other cases, `distance`
-    is the largest distance of a torque from the torque without a sample, divided by the stated
-    error.
+    `gain` is the time without a sample divided by the time with it. `itself` is the number of cases
+    that state their own errors in the sweep with a sample. `distance` belongs to the other cases:
+    it is the largest relative difference between the torques with and without a sample, divided by
+    the stated error of the torque.
     """
     found = []
     for one in sampled:
@@ -257,7 +259,7 @@ def torques_of_solved_sweep_cases(rows: Sequence[CaseResultsByName]) -> Floats:
 def time_and_error_rows_of_coarser_meshes(
     cases: Sequence[SweepCase], elements: Sequence[int | None], fine: int
 ) -> list[CaseResultsByName]:
-    """A row for each mesh with the processor time per case and the largest error of the torque.
+    """A row for each mesh: processor time per case, and largest torque error among the cases.
 
     Parameters
     ----------
@@ -268,8 +270,7 @@ def time_and_error_rows_of_coarser_meshes(
     fine : int
         Elements along each lining of the mesh against which errors are taken.
     """
-    # Torques on the fine mesh. The errors of the coarser meshes are the differences from these
-    # torques.
+    # Torques on the fine mesh. The errors of the other meshes are relative to these torques.
     true = torques_of_solved_sweep_cases(
         solve_all_cases_of_sweep([case._replace(options={"elements": fine}) for case in cases])
     )
@@ -326,9 +327,9 @@ def kill_and_finish_sweep(
     seed: int,
     say: Callable[[str], None] = lambda _: None,
 ) -> tuple[list[KilledSweepRun], list[CaseResultsByName]]:
-    """Kill several runs of a sweep at random moments, then let the sweep finish.
+    """Kill several runs of a sweep at random times, then let the sweep finish.
 
-    Each run is a process of its own, which is ended by SIGKILL. The results are the kills and the
+    Each run is a separate process, which SIGKILL ends. The results are the killed runs, and the
     rows of the finished sweep.
 
     Parameters
@@ -340,7 +341,7 @@ def kill_and_finish_sweep(
     kills : int
         Number of runs that are killed.
     seed : int
-        Seed of the random moments.
+        Seed of the random times.
     say : function
         Is called with a line of text on the progress.
 
@@ -349,7 +350,7 @@ def kill_and_finish_sweep(
     NoAnswer
         A run ends before it is killed.
     """
-    # A run is killed when the journal has this number of rows: between 5 % and 90 % of the cases.
+    # Numbers of finished cases at which a run is killed, between 5 % and 90 % of the cases.
     at = sorted(random.Random(seed).sample(range(len(cases) // 20, 9 * len(cases) // 10), kills))
     spawn = multiprocessing.get_context("spawn")
     done = []
@@ -368,8 +369,8 @@ def kill_and_finish_sweep(
                 time.sleep(0.001)
             process.kill()
             process.join()
-            # Only a process that was killed from outside has a negative exit status. Its value is
-            # the number of the signal, which is not the same on all systems.
+            # Only a process that was killed from outside has a negative exit status. The status
+            # depends on the system, so that only its sign is checked.
             if process.exitcode >= 0:
                 raise NoAnswer("killed: the run ended before it could be killed; take more cases")
         done.append(KilledSweepRun(found, _count_finished_cases_in_journal(path)))

@@ -2,9 +2,10 @@
 
 Every trial ends in one of ALL_TRIAL_OUTCOMES. An answer is right under three conditions: its forces
 balance, pressure times gap is zero at each node to 1e-8, and six digits of its torque agree with
-the refined solution. The refined solution solves the whole system of equations in extended
-precision (`drumlin.fem.error_control.refinement`). Fewer digits must agree if the condition number
-of the problem allows fewer. A refusal is right if it names a physical reason.
+the refined solution. The refined solution comes from the whole system of equations in extended
+precision (`drumlin.fem.error_control.refinement`). If the condition number of the problem allows
+less than six exact digits, only these digits must agree. A refusal is right if it names a physical
+reason.
 """
 
 import dataclasses
@@ -53,7 +54,7 @@ ALL_TRIAL_OUTCOMES = (
 )
 """All outcomes of a trial: answers, refusals with a reason, bad input, and faults."""
 LARGEST_RELATIVE_RESIDUAL_OF_RIGHT_ANSWER = 1e-8
-"""Largest relative residual of a right answer, in the balances of forces and moments and in the
+"""Largest relative residual of a right answer, for the balances of forces and moments and for the
 products of pressure and gap.
 """
 TORQUE_DIGITS_THAT_AGREE_WITH_REFINED_SOLUTION = 6
@@ -61,7 +62,8 @@ TORQUE_DIGITS_THAT_AGREE_WITH_REFINED_SOLUTION = 6
 ELIMINATION_ORDER_OF_REFINED_SOLUTION = "MMD_AT_PLUS_A"
 """Name, in the library SuperLU, of the order in which the refined solution eliminates its unknowns.
 
-It differs from the order that the model uses, so that both solutions have different round-off.
+The order differs from the order of an ordinary solve. Therefore both solutions have different
+round-off.
 """
 LARGEST_FACTOR_OF_POINTWISE_PENALTY = 1e16
 """Largest penalty factor of the pointwise penalty; it also replaces an infinite factor."""
@@ -70,7 +72,7 @@ POINTWISE_REFUSAL_OUTCOMES_BY_WORDS = {"repeats": "cycles", "singular": "singula
 MOST_UNKNOWNS_FOR_POINTWISE_PENALTY = 12_000
 """Largest number of unknowns of a shoe for which the pointwise penalty is tried.
 
-The method factorises the whole system up to 60 times.
+The pointwise penalty factorises the whole system of equations up to 60 times.
 """
 LARGEST_TORQUE_DIFFERENCE_FROM_POINTWISE_PENALTY = 1e-2
 """Relative difference below which the torques of drumlin and of the pointwise penalty agree.
@@ -101,7 +103,8 @@ def solve_and_judge_case(case: ExtremeCase) -> dict[str, Any]:
             response = solve_prepared_model(scene, brake, penalty=case.penalty)
         touches = any(shoe.contact_arcs for shoe in response.shoes)
         row["outcome"] = "answer" if touches else "no contact"
-    # A trial looks for unexpected exceptions, so that any exception becomes an outcome of the row.
+    # A trial looks for unexpected exceptions. Therefore any exception becomes an outcome of the
+    # row.
     except Exception as error:
         row |= _outcome_and_reason_of_failed_case(error)
     row["seconds"] = time.perf_counter() - start
@@ -176,8 +179,9 @@ def text_of_changed_quantities(case: ExtremeCase) -> str:
 def is_answer_accurate(row: dict[str, Any]) -> bool:
     """Whether the answer of a row is right.
 
-    Its residuals must be small, and TORQUE_DIGITS_THAT_AGREE_WITH_REFINED_SOLUTION of its torque
-    must be correct, or as many as the condition number of the problem allows.
+    An answer is right if its residuals are small and TORQUE_DIGITS_THAT_AGREE_WITH_REFINED_SOLUTION
+    digits of its torque are correct. If the condition number of the problem allows fewer digits,
+    only these digits must be correct.
     """
     if row["digits"] is None:
         return False
@@ -211,7 +215,8 @@ def worst_numerical_accuracy_of_shoe_groups(
         "condition": max(row["condition"] for row in rows),
         "seconds_whole": max(row["seconds_whole"] for row in rows),
     }
-    # If the refined solution of one group failed, the correct digits of the answer are not known.
+    # If the refined solution of a group failed, the number of correct digits of the answer is not
+    # known.
     known = [row for row in rows if row["digits"] is not None]
     if len(known) < len(rows):
         failure = next(row["whole"] for row in rows if row["whole"])
@@ -228,13 +233,12 @@ def worst_numerical_accuracy_of_shoe_groups(
 def _accuracy_of_answer_of_group(response: Response, group: ShoeGroup) -> dict[str, Any]:
     """The values of `worst_numerical_accuracy_of_shoe_groups` for one group of coupled shoes.
 
-    `whole` is the reason why the refined solution of the group failed, or empty.
+    The key `whole` is the reason why the refined solution of the group failed, or empty.
     """
     group, _ = group.solve_contact_and_abutment_friction()
-    # In the group and in the refined solution the actuation force is 1; `size` is the real force
-    # [N].
+    # In the equations of the group the largest actuation force is 1. `size` is this force [N].
     size, shoes = group.largest_actuation_force, [response.shoes[i] for i in group.members]
-    # The answer's pressures per unit of the actuation force, in the order of the group's nodes.
+    # The pressures of the answer divided by `size`, in the order of the group's nodes.
     pairs = zip(shoes, group.shoes, strict=True)
     p = np.concatenate([found.pressure[:: shoe.frame.sense] for found, shoe in pairs]) / size
     active = p > 0
@@ -250,7 +254,7 @@ def _accuracy_of_answer_of_group(response: Response, group: ShoeGroup) -> dict[s
     except NoAnswer as error:
         return row | {"whole": str(error), "seconds_whole": time.perf_counter() - start}
     row["seconds_whole"] = time.perf_counter() - start
-    # Both torques are divided by the actuation force.
+    # Both torques are divided by the largest actuation force.
     torque = sum(shoe.torque for shoe in shoes) / size
     off = abs(torque - refined.torque) / refined.torque if refined.torque else 0.0
     exact = np.concatenate(refined.p)
@@ -277,7 +281,7 @@ def _accuracy_of_answer_of_group(response: Response, group: ShoeGroup) -> dict[s
 
 
 def correct_decimal_digits_at_relative_error(error: float) -> float:
-    """The number of correct decimal digits of a value with a relative error, from 0 to 16."""
+    """Number of correct decimal digits of a value with the relative error `error`, from 0 to 16."""
     return float(np.clip(-math.log10(max(error, 1e-16)), 0, 16))
 
 

@@ -3,7 +3,7 @@
 The inner body takes the place of a lining: the unknown pressures belong to its contact nodes. The
 outer body takes the place of the drum. The nodes of both contact lines together divide the contact
 into intervals, over which the coupling is integrated. Each body is supported at the side away from
-the contact. The support of the inner body (its holder) may move as a rigid body.
+the contact. The support of the inner body may move as a rigid body.
 """
 
 from collections.abc import Sequence
@@ -39,7 +39,7 @@ from drumlin.fem.substructure.ring import (
 
 
 def points_with_steps_growing_to_end(fine: float, growth: float, end: float) -> Floats:
-    """Points from 0 to `end`, whose distances begin with `fine` and grow by a factor `growth`."""
+    """Points from 0 to `end`, with steps that begin with about `fine` and grow by `growth` each."""
     steps = [fine]
     while sum(steps) < end:
         steps.append(steps[-1] * growth)
@@ -52,8 +52,8 @@ def angles_graded_from_middle_to_both_ends(
 ) -> Floats:
     """Angles from -end to end [rad], symmetric about 0.
 
-    There are `count` equal steps between -fine_half and fine_half. Outside of them the steps grow
-    by the factor `growth`.
+    Between -fine_half and fine_half there are `count` equal steps. Towards both ends each further
+    step is larger than the step before, by the factor `growth`.
     """
     inner = np.linspace(-fine_half, fine_half, count + 1)
     outer = (
@@ -77,8 +77,8 @@ def plane_mesh_of_ring_sector(angles: Floats, depths: Floats, radius: float, sig
     sign : int
         1 if the body lies outside the contact surface, -1 if it lies inside.
     """
-    # A rectangular grid of depth and angle is bent to the sector. The boundaries are found by
-    # depth.
+    # A rectangular grid in the coordinates depth and angle is mapped to the sector. The depth tells
+    # which edges belong to a boundary.
     grid = skfem.MeshQuad.init_tensor(depths, angles)
     middle = grid.p[:, grid.facets].mean(axis=1)
     mesh = skfem.MeshQuad2.from_mesh(grid)
@@ -176,9 +176,9 @@ class InnerAndOuterBodyInContact:
         Matrices that turn displacements of the inner body's nodes into gaps and slips at the
         contact.
     pressed, dragged : array (m, n)
-        Square roots of the flexibility of both bodies, under unit pressures (pressed) and unit
-        tangential tractions (dragged) at the n nodes. Products of two of them, for example
-        pressed.T @ dragged, are flexibilities.
+        Square roots of the flexibility of both bodies together: `pressed` under unit pressures and
+        `dragged` under unit tangential tractions at the n nodes. Products of two square roots, for
+        example pressed.T @ dragged, are flexibilities.
     motions : array (2 n, motions)
         Displacements of the n contact nodes for a unit of each rigid motion of the inner body's
         support.
@@ -221,8 +221,8 @@ class InnerAndOuterBodyInContact:
         ]
         if outer is not None:
             N, T = coupling_matrices_of_lining_and_ring(inner.line, outer.line, 1.0, sign)
-            # The flexibilities S^T S of both bodies add up, so that their square roots S are
-            # stacked.
+            # The flexibility of both bodies is the sum of their flexibilities S^T S. Its square
+            # root is a stack of their square roots S.
             pressed, dragged = halves
             halves = [
                 np.vstack([pressed, _flexibility_root_times_nodal_forces(outer, -N)]),
@@ -306,8 +306,9 @@ class InnerAndOuterBodyInContact:
 def first_contact_set_from_coarse_problem(problem: ContactProblem, share: int = 6) -> Bools:
     """A first contact set (n,) for a contact problem: whether each node touches.
 
-    It is the contact set of a coarser problem, which keeps every `share`-th node and has a linear
-    pressure between these nodes. The coarser problem starts from a still coarser one.
+    The set is the contact set of a coarser problem. The coarser problem keeps every `share`-th
+    node, with a linear pressure between the kept nodes. If more than 40 nodes are kept, it starts
+    from a still coarser problem.
     """
     n = len(problem.q)
     kept = np.unique(np.round(np.linspace(0, n - 1, max(3, n // share))).astype(int))
@@ -323,9 +324,9 @@ def first_contact_set_from_coarse_problem(problem: ContactProblem, share: int = 
 def _flexibility_root_times_nodal_forces(
     one: BodyCondensedToContactNodes, forces: Floats
 ) -> Floats:
-    """The product of the square root of a body's flexibility with n sets of nodal forces.
+    """The square root of a body's flexibility, multiplied by n sets of nodal forces.
 
-    forces : array (n, 2 nodes) of forces on the contact nodes, x and y of each node [N].
+    forces : array (n, 2 nodes) [N], in each row a force on each contact node, x and y in turn.
     """
     return one.condensed.half_flexibility_under_nodal_forces(forces.T)
 

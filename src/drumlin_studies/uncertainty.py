@@ -1,7 +1,7 @@
 """The uncertainty of a value due to its mesh, and of the comparison of a simulation with data.
 
-The uncertainty due to the mesh is Roache's grid convergence index. The uncertainty of a comparison
-is the validation uncertainty of ASME V&V 20.
+The measure of the uncertainty due to the mesh is Roache's grid convergence index. The uncertainty
+of a comparison is the validation uncertainty of ASME V&V 20.
 """
 
 import math
@@ -12,8 +12,8 @@ from drumlin.comparison import richardson_limit_from_three_meshes
 CONVERGENCE_INDEX_SAFETY_FACTOR = 1.25
 """Factor of safety of the grid convergence index, by which the extrapolated error is multiplied.
 
-It applies where three meshes show the order of convergence (Roache 1994). With two meshes Roache
-uses 3.
+The value applies if three meshes show the order of convergence (Roache 1994). With two meshes
+Roache uses the value 3.
 """
 
 
@@ -31,8 +31,8 @@ class GridConvergenceIndex(NamedTuple):
         meshes. It is relative to the value on the finer mesh of the pair.
     asymptotic : float
         Index of the coarser pair, divided by r^p times the index of the finer pair, with the ratio
-        r of the mesh sizes and the order p. A value near 1 means that the error falls with the
-        order p on these meshes.
+        r of the mesh sizes and the order p. Near 1 the errors on these meshes fall with the order
+        p.
     """
 
     order: float
@@ -80,7 +80,7 @@ def grid_convergence_index_of_three_values(
             f"no order: the differences {far:g} and {near:g} do not shrink with one sign"
         )
     # Richardson extrapolation gives the order and the limit. The indices follow from the distance
-    # of the values from this limit.
+    # of the fine value from this limit.
     limit = richardson_limit_from_three_meshes(coarse, medium, fine, ratio)
     growth = ratio**limit.order
     fine_index = safety * limit.uncertainty / abs(fine)
@@ -97,7 +97,7 @@ class ComparisonOfSimulationWithData(NamedTuple):
     error : float
         Comparison error E = S - D.
     uncertainty : float
-        Validation uncertainty u_val of E due to mesh, inputs and data, but not due to the model.
+        Validation uncertainty u_val of E: due to mesh, inputs and data, but not due to the model.
         The error of the model lies between E - u_val and E + u_val.
     """
 

@@ -1,8 +1,8 @@
 """Fit the safety factors of the stated errors of solid shoes on random brakes.
 
-`width_error_rows_of_random_brake` solves a brake by several degrees across the width on one
-mesh of the section, or by one degree on two meshes of the section. It returns rows, each with an
-estimated error without its safety factor and the true error. `fit_safety_factors_of_width_errors`
+`width_error_rows_of_random_brake` solves a brake by several degrees across the width on one mesh of
+the section, or by one degree on two meshes of the section. Each row that it returns has an
+estimated error without its safety factor, and the true error. `fit_safety_factors_of_width_errors`
 finds the smallest factors with which the estimates are large enough. The command
 
     make calibrate
@@ -58,7 +58,7 @@ SEEDS_FOR_FIT_TO_ERRORS_OF_WIDTH_DEGREE: dict[str, Sequence[int]] = {
     "free": range(1000, 1021),
     "built": range(3100, 3107),
 }
-"""Seeds of the brakes on which the safety factors for errors of the degree across the width are
+"""Seeds of the brakes to which the safety factors for errors of the degree across the width are
 fitted.
 
 The keys are kinds in `solid_error.FUNCTIONS_THAT_DRAW_BRAKES_BY_SOLID_KIND`.
@@ -66,7 +66,8 @@ The keys are kinds in `solid_error.FUNCTIONS_THAT_DRAW_BRAKES_BY_SOLID_KIND`.
 SEEDS_FOR_FIT_TO_ERRORS_OF_SECTION_MESH: dict[str, Sequence[int]] = {
     "built": (3100, 3102, 3104, 3105, 3106, 3108, 3109, 3110, 3111, 3117),
 }
-"""Seeds of the brakes on which the safety factors for errors of the mesh in the section are fitted.
+"""Seeds of the brakes to which the safety factors for errors of the mesh in the section (the plane
+of the drum) are fitted.
 
 The keys are kinds in `solid_error.FUNCTIONS_THAT_DRAW_BRAKES_BY_SOLID_KIND`. The brakes are few,
 because the solve of a brake on the second level of the section takes up to 110 s.
@@ -83,14 +84,16 @@ the second level has up to 180 000 unknowns. On a brake with a wide overhang ("b
 distance is 0.40 % of the pressure with degree 2 and with degree 3.
 """
 FRACTION_COVERED_BY_STATED_WIDTH_ERROR = 0.99
-"""Fraction of the solves in the fit whose true errors must not exceed their stated errors."""
+"""Fraction of the solves in the fit whose stated errors must be at least as large as the true
+errors.
+"""
 LARGEST_TRUE_OVER_STATED_ERROR_ALLOWED_IN_FIT = 2.0
 """Largest ratio of a true error to its stated error that the fit allows on any solve."""
 LEAST_TRUE_ERROR_IN_FIT_BY_QUANTITY = {"pressure": 1e-3, "torque": 1e-5, "reaction": 1e-5}
 """Smallest true relative error with which a row enters the fit, by quantity.
 
-Smaller errors are as large as the effect of round-off and of contact ends, which move from node to
-node.
+Smaller errors are no larger than the effect of round-off, and of the contact's ends, which can only
+lie at nodes.
 """
 LEAST_TRUE_ERROR_IN_FIT_OVER_ITS_UNCERTAINTY = 2.0
 """Smallest true error with which a row enters the fit, relative to the uncertainty of the true
@@ -195,12 +198,12 @@ def width_error_rows_of_random_brake(
 def error_rows_of_degrees_across_width(
     brake: Brake, plane: Response
 ) -> list[EstimatedAndTrueErrorOfSolidShoe]:
-    """Rows with the errors of several degrees across the width, on one mesh.
+    """Rows with estimated and true errors of several degrees across the width, on one mesh.
 
-    The true error of a degree is its distance from the truth, whose functions across the width are
-    graded to the sides of all parts. The answer of the highest degree has other errors than the
-    truth, so that its distance from the truth serves as the uncertainty of the true errors. `plane`
-    is the response by plane stress.
+    The true error of a degree is the distance of its answer from the truth, whose functions across
+    the width are graded to the sides of all parts. The answer of the highest degree has other
+    errors than the truth. Its distance from the truth therefore serves as the uncertainty of the
+    true errors. `plane` is the response by plane stress.
     """
     cache = CacheOfCondensedBodies()
     section = hp_elements_to_compare_width_degrees(brake, plane, cache=cache)
@@ -243,9 +246,10 @@ def error_rows_of_coarsest_cross_section_mesh(
 ) -> list[EstimatedAndTrueErrorOfSolidShoe]:
     """Rows with the estimated and true errors due to the coarsest mesh in the section.
 
-    The errors are distances between the first two levels of this mesh. The estimate has the degree
-    `ladder.WIDTH_DEGREE_FOR_HP_ELEMENT_ERROR_ESTIMATE` across the width, and the true error the
-    degree DEGREE_ACROSS_WIDTH_FOR_TRUE_SECTION_ERROR. `plane` is the response by plane stress.
+    The errors are distances between the answers on the first two levels of this mesh. The estimate
+    has the degree `ladder.WIDTH_DEGREE_FOR_HP_ELEMENT_ERROR_ESTIMATE` across the width, and the
+    true error the degree DEGREE_ACROSS_WIDTH_FOR_TRUE_SECTION_ERROR. `plane` is the response by
+    plane stress.
     """
     levels, loose = (
         REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[:NUMBER_OF_LEVELS_FOR_SECTION_ERROR_ESTIMATE],
@@ -288,11 +292,12 @@ def smallest_safety_factor_of_width_errors(
 ) -> float:
     """The smallest safety factor that makes the estimates large enough, rounded up to two digits.
 
-    Estimates times the factor cover the true errors of the fraction
-    FRACTION_COVERED_BY_STATED_WIDTH_ERROR of all solves, or of about all but one if the solves are
-    few. No true error is more than LARGEST_TRUE_OVER_STATED_ERROR_ALLOWED_IN_FIT times as large as
-    its estimate times the factor. A solve is one brake with one degree. The factor that a solve
-    needs is the largest over its quantities. The result is nan without usable rows.
+    A stated error is an estimate times the factor. For the fraction
+    FRACTION_COVERED_BY_STATED_WIDTH_ERROR of all solves the stated errors are at least as large as
+    the true errors, or for about all solves but one if there are few. No true error is more than
+    LARGEST_TRUE_OVER_STATED_ERROR_ALLOWED_IN_FIT times its stated error. A solve is one brake with
+    one degree. The factor that a solve needs is the largest that one of its quantities needs. The
+    result is nan without usable rows.
     """
     by_solve: dict[tuple[str, int, int], float] = {}
     for row in rows:

@@ -5,14 +5,14 @@ The command
     python -m drumlin_studies.width_error FIRST LAST [DEGREE]
 
 prints a line for each random brake on a rigid drum with a seed from FIRST to LAST - 1, and two
-tables. The first table has the ratios of estimated to true error. The second has the true error
-that remains after the correction for the widths, divided by the estimated error. The first table
-separates brakes whose parts have one width from brakes whose parts have several. Both tables leave
-out brakes on which the error of plane stress is less than LEAST_JUDGED_PLANE_STRESS_ERROR.
+tables. The first table has the ratios of estimated to true error. The second table has the true
+error that remains after the correction for the widths, divided by the estimated error. The first
+table separates brakes whose parts have one width from brakes whose parts have several. Both tables
+leave out brakes on which the error of plane stress is less than LEAST_JUDGED_PLANE_STRESS_ERROR.
 
 The true error is the difference from a model whose displacements vary across the width as
 polynomials of the degree DEGREE (by default 5). Both models use the first level of hp elements in
-the plane of the drum, so that the error of this mesh cancels.
+the plane of the drum. Therefore the error of this mesh cancels in the difference.
 """
 
 import sys
@@ -65,8 +65,8 @@ class TrueAndEstimatedPlaneStressErrorRow(NamedTuple):
     Attributes
     ----------
     title : title of the brake
-    widths : largest number of intervals across half the width of a shoe. The edges of narrower
-        parts, for example of a web, separate the intervals.
+    widths : number of intervals across half the width of a shoe, the largest over the shoes. The
+        sides of narrower parts, for example of a web, separate the intervals.
     true, estimated : relative errors by the names of NAMES_OF_JUDGED_PLANE_STRESS_ERRORS
     remaining : true relative errors after the correction for the widths
     """
@@ -97,8 +97,9 @@ def true_and_estimated_plane_stress_errors_or_reason(
     if reason is not None:
         return reason
     try:
-        # The default solve gives the estimate of the error. The two models that give the true error
-        # start from its contact, and their meshes are graded to its singular points.
+        # The default solve gives the estimate of the error. Two further solves give the true error.
+        # They start from the contact of the default solve, and their meshes are graded to its
+        # singular points.
         response = solve(brake, model_error=True)
         points = singular_points_of_each_shoe_shape(
             brake,

@@ -4,8 +4,8 @@ The methods are laws, the foundation model, finite elements, penalty contact as 
 peers, which are other finite element programs. A method is plain data (a family, a name and
 options), so that it can be a key in a journal and be sent to another process. The errors are
 differences of the method's response from a reference. The time is processor time, the median of
-several repeats. A fixed piece of work, the unit, is timed just before each repeat. The ratio of
-both times hardly changes if the speed of the machine changes.
+several repeats. A fixed piece of work, the unit, is timed just before each repeat. The ratio of a
+repeat's time to the unit's time hardly depends on the speed of the machine.
 """
 
 import math
@@ -65,8 +65,8 @@ LEAST_REPEATS_OF_TIMING = 5
 MOST_REPEATS_OF_TIMING = 9
 """Largest number of repeats of a timing."""
 LEAST_TOTAL_SECONDS_OF_TIMING = 0.1
-"""Total time [s] that all repeats of a timing must reach; a timing ends earlier after
-MOST_REPEATS_OF_TIMING.
+"""Total time [s] that all repeats of a timing must reach. After MOST_REPEATS_OF_TIMING the timing
+ends with less.
 """
 LEAST_SECONDS_OF_ONE_REPEAT = 2e-3
 """Shortest time [s] of one repeat of a timing. If a call takes less, a repeat has several calls."""
@@ -85,8 +85,8 @@ to the number, so that the error goes on falling where the pressure is singular.
 LEAST_ELEMENT_LAYERS_BEHIND_LINING = 4
 """Smallest number of element layers through backing and body of `mesh_graded_to_lining_ends`.
 
-With these layers the error due to the mesh of backing and body stays below the error due to the
-mesh of the lining, whose refinement is studied.
+With these layers the mesh of backing and body causes less error than the mesh of the lining, whose
+refinement is studied.
 """
 ROW_KEYS_OF_RELATIVE_ERRORS = ("torque_error", "peak_error", "pressure_error", "reaction_error")
 """Keys of a row that hold relative errors: of torque, peak pressure, pressure, hinge reaction."""
@@ -124,10 +124,10 @@ class ResultOfColdSolve(NamedTuple):
     response : Response
         The response of the brake.
     further : function
-        Returns the response to the further load case, with other friction. It reuses the prepared
-        model of the cold solve, if the method has a prepared model.
+        Returns the response to the further load case, with other friction. If the method has a
+        prepared model, the function reuses the prepared model of the cold solve.
     unknowns : function, optional
-        Returns the number of unknowns.
+        Returns the number of unknowns of the method's equations.
     """
 
     response: Response
@@ -246,7 +246,7 @@ def _cold_solve_on_mesh(
     kind : str
         Kind of the elements.
     even : bool
-        Whether the elements have equal length; otherwise they shrink towards the lining's ends.
+        Whether the elements have equal length. If not, they shrink towards the lining's ends.
     penalty : float
         Penalty factor of the contact; inf for exact contact.
     """
@@ -262,7 +262,7 @@ def _cold_solve_on_mesh(
 def _cold_solve_of_prepared_model(
     brake: Brake, scene: PreparedModel, response: Response, penalty: float
 ) -> ResultOfColdSolve:
-    """The ResultOfColdSolve of a brake that finite elements have already solved.
+    """The `ResultOfColdSolve` of a brake from its prepared model and its response.
 
     Its function `further` solves the further load case on the same prepared model.
 
@@ -292,8 +292,8 @@ def _count_unknowns_of_prepared_model(scene: PreparedModel) -> int:
 def _cold_solve_on_hp_level(brake: Brake, *, level: int) -> ResultOfColdSolve:
     """The cold solve of a brake by hp elements on one level of refinement, without error estimate.
 
-    The coarsest level is solved first. It finds the ends of the contact, to which the elements of
-    level `level` are graded.
+    `level` counts from 0, the coarsest level, which is solved first. Its response has the ends of
+    the contact, to which the elements of level `level` are graded.
     """
     levels = (
         REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[0],
@@ -308,8 +308,8 @@ def _cold_solve_on_hp_level(brake: Brake, *, level: int) -> ResultOfColdSolve:
 def _cold_solve_to_tolerance(brake: Brake, *, tolerance: float) -> ResultOfColdSolve:
     """The cold solve of a brake by hp elements that are refined to an estimated error.
 
-    tolerance : largest relative error of the pressure. The torque keeps its default tolerance if
-    that is smaller.
+    tolerance : largest relative error of the pressure. The tolerance of the torque is the smaller
+    of `tolerance` and its default.
     """
     allowed = TolerancesOfPressureAndTorque(
         tolerance, min(tolerance, DEFAULT_TOLERANCES_OF_PRESSURE_AND_TORQUE.torque)
@@ -334,7 +334,7 @@ def _cold_solve_by_pointwise_penalty(
         return _count_unknowns_of_prepared_model(make_prepared_model(brake, elements=elements))
 
     def solve_further_case_anew() -> Response:
-        """The response to the further load case, solved anew: the method reuses nothing."""
+        """The response to the further load case, solved anew without results of the first solve."""
         return solver(_brake_of_further_load_case(brake))
 
     return ResultOfColdSolve(solver(brake), solve_further_case_anew, count_unknowns_of_mesh)
@@ -399,7 +399,7 @@ def relative_errors_against_reference(
         )
     result = {"torque_error": abs(relative_error_of_number(response.torque, truth.torque))}
     for key, values in by_key.items():
-        # A shoe without force has the pressure error nan, and is left out.
+        # A value is nan for a shoe without force. Such shoes are left out.
         result[key] = max((value for value in values if not math.isnan(value)), default=0.0)
     return result
 
@@ -407,13 +407,14 @@ def relative_errors_against_reference(
 def relative_uncertainties_of_reference_responses(
     brake: Brake, trio: ResponsesBehindReferenceValues
 ) -> dict[str, float]:
-    """The relative uncertainty of a reference, by the keys of errors in a row.
+    """The relative uncertainties of a reference solution, by ROW_KEYS_OF_RELATIVE_ERRORS.
 
-    Smaller errors count as not known.
+    Errors that are smaller than the uncertainty count as not known.
 
-    A reference consists of a value and of other responses, by coarser meshes or other methods. The
-    uncertainty is the largest difference of one of them from the value. The differences of the
-    shoes' torques are summed without their signs, so that they cannot cancel.
+    A reference consists of its value, which is a response, and of other responses by coarser meshes
+    or other methods. The uncertainty is the largest difference between the value and another
+    response. The differences of the shoes' torques are summed without their signs, and so cannot
+    cancel.
     """
     largest: dict[str, float] = {}
     for other in trio.responses_that_give_uncertainty:
@@ -457,7 +458,7 @@ def measure_call_time_over_unit_workload(
     unit : function
         A fixed piece of work that shows the present speed of the machine.
     first : float
-        Time [s] of a first call. It decides how many calls a repeat has.
+        Time [s] of a first call, from which follows the number of calls in a repeat.
     """
     # A repeat has as many calls as it needs to take at least LEAST_SECONDS_OF_ONE_REPEAT.
     loops = max(1, math.ceil(LEAST_SECONDS_OF_ONE_REPEAT / max(first, 1e-6)))
@@ -556,7 +557,7 @@ def _status_text_of_refused_or_failed_solve(error: DrumlinError) -> str:
 
 
 def peak_memory_of_solve_in_new_process(brake: Brake, method: SolutionMethodOfBrake) -> float:
-    """The peak memory [bytes] of a whole solve by a method, without that of the loaded program.
+    """The peak memory [bytes] of a whole solve by a method, without the loaded program.
 
     The solve runs in a process of its own.
     """
@@ -706,10 +707,10 @@ def fastest_rows_within_error(
 ) -> list[Any]:
     """The rows of the methods whose error is below a target, fastest first.
 
-    Among the rows that are as fast as the fastest one, the most exact row is first. Speeds are
-    compared by times relative to a fixed piece of work. A mesh counts only if the errors of all
-    finer meshes with otherwise equal options are below the target as well, because an error that
-    changes its sign between two meshes may be small by chance.
+    The rows about as fast as the fastest row come first, in the order of their errors. Speeds are
+    compared by the times divided by the time of a fixed piece of work. A mesh counts only if the
+    errors of all finer meshes with otherwise equal options are below the target as well. Otherwise
+    an error that changes its sign between two meshes could be small by chance.
 
     Parameters
     ----------
@@ -727,11 +728,11 @@ def fastest_rows_within_error(
         return []
     enough_rows = []
     for members in converged_rows_by_mesh_series(rows).values():
-        # In each series (methods that differ in fineness only) only the rows count that are finer
-        # than the last one with an error above the target.
+        # A series has methods that differ in fineness only. In each series only those rows count
+        # that are finer than the finest row with an error above the target.
         above = [k for k, row in enumerate(members) if row[key] > target]
         enough_rows += members[above[-1] + 1 if above else 0 :]
-    # Of the rows that are about as fast as the fastest one, the most exact row comes first.
+    # Rows about as fast as the fastest row are sorted by their errors.
     enough_rows.sort(key=lambda row: row["ratio"])
     ties = [
         row
@@ -744,9 +745,9 @@ def fastest_rows_within_error(
 def converged_rows_by_mesh_series(
     rows: Iterable[Mapping[str, Any]],
 ) -> dict[tuple[str, str], list[Any]]:
-    """The rows with an answer in groups by family and series, coarse to fine in each group.
+    """The rows with an answer in groups, by family and series, from coarse to fine in a group.
 
-    A series has the methods of one kind that differ in their fineness only.
+    A series has methods of one family that differ in their fineness only.
     """
 
     def sort_key_from_coarse_to_fine(row: Mapping[str, Any]) -> tuple[float, float]:
@@ -764,7 +765,7 @@ def converged_rows_by_mesh_series(
 
 
 def mesh_series_name_of_row(row: Mapping[str, Any]) -> str:
-    """The name of the series to which a row belongs: methods that differ in fineness only."""
+    """The name of the series of a row. The methods of a series differ in fineness only."""
     if row["family"] == "law":
         return str(row["model"])
     if row["family"] == "foundation":

@@ -59,7 +59,7 @@ FUNCTIONS_OF_PRINTED_QUANTITIES_BY_NAME: dict[str, Callable[[Brake, Response], f
     "force [kN]": lambda b, r: b.shoes[0].actuation.force * 1e-3,
     "mu_lock": lambda b, r: _lowest_locking_friction_of_shoes(b),
 }
-"""Quantities that sources print, each with the function of (brake, response) that computes it."""
+"""Functions of (brake, response) that compute the quantities that sources print, by name."""
 
 
 def rows_of_printed_and_computed_numbers(
@@ -140,8 +140,8 @@ def row_of_printed_and_computed_number(
 def rows_of_simscape_double_shoe_brake() -> list[PrintedNumberRow]:
     """Rows on Simscape's Double-Shoe Brake block, with its default parameters and a force of 1 N.
 
-    The angle theta_s in the manual of Simscape can be read as the end or as the span of the lining.
-    The rows cover both readings.
+    The angle theta_s in the manual of Simscape may mean the end angle or the span of the lining.
+    The rows cover both meanings.
     """
     rows = []
     for reading, torque, mu_lock in (
@@ -152,8 +152,8 @@ def rows_of_simscape_double_shoe_brake() -> list[PrintedNumberRow]:
         source = f"Simscape defaults, theta_s as {reading}"
         leading, trailing = (float(T) for T in block.torques_of_leading_and_trailing_shoe(1.0, 1.0))
         p_a, p_b = block.peak_line_loads_of_leading_and_trailing_shoe(1.0, 1.0)
-        # The torques of single shoes and the ratio of pressures are compared only for the reading
-        # of theta_s as the end of the lining.
+        # The torques of single shoes and the ratio of pressures are compared only if theta_s means
+        # the end angle of the lining.
         if reading == "end":
             rows.append(
                 row_of_printed_and_computed_number(
@@ -184,8 +184,8 @@ def rows_of_simscape_double_shoe_brake() -> list[PrintedNumberRow]:
 def rows_of_equivalent_block_friction() -> list[PrintedNumberRow]:
     """Rows on the ratio mu'/mu of equivalent to real friction of a block, for several half-arcs.
 
-    A short block with the friction coefficient mu' would have the same torque under the same normal
-    force.
+    A short block with the friction coefficient mu' has the same torque as the long block with the
+    coefficient mu, under the same normal force.
     """
     printed = {15: "1.011408", 30: "1.045356", 45: "1.100214", 60: "1.170138", 90: "1.273240"}
     rows = []

@@ -1,6 +1,6 @@
 """The promises of drumlin to its users, the tests that check them, and its exit statuses.
 
-Another test checks that these tests exist.
+A further test checks that each test named here exists.
 """
 
 PROMISES_WITH_THEIR_TESTS = [

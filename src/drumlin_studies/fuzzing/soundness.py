@@ -1,4 +1,4 @@
-"""Checks that a response is finite, in equilibrium, and has the torque that its pressure gives."""
+"""Checks of a response: finite, not negative, in balance, and with the torque of its pressure."""
 
 import tempfile
 import warnings
@@ -15,24 +15,24 @@ from drumlin.response.response import Response
 from drumlin_studies.fuzzing.inputs import FilesAndCommandLineOfBrokenInput
 
 LARGEST_IMBALANCE_OF_RIGHT_RESPONSE = 1e-6
-"""Sum of forces or moments, relative to the applied ones, above which a response is wrong.
+"""Imbalance of forces or moments, relative to the applied ones, above which a response is wrong.
 
-The value is chosen by judgement: far above round-off, and far below an error that users notice.
+The value is a judgement. It is far above round-off, and far below an error that users notice.
 """
 LARGEST_TORQUE_DIFFERENCE_FROM_FRICTION_MOMENT = 0.03
-"""Relative difference between the torque and the moment of the friction on the linings, above which
-one of the two is wrong.
+"""Difference between a shoe's torque and the moment of its friction, relative to the torque, above
+which the response is wrong.
 
-The lining of a mesh file may be off the drum by 1 % of the radius. The length of the lining and the
-lever arm of the friction are then off by 1 % each.
+The lining of a mesh file may be off the drum by 1 % of the drum's radius. The length of the lining
+and the lever arm of the friction then have errors of 1 % each.
 """
 
 
 def explain_wrong_answer_to_input(given: FilesAndCommandLineOfBrokenInput) -> str:
     """Why the response to an input of `drumlin solve` must be wrong; "" if it may be right.
 
-    The brake is read and solved again with the options of the input. Raises the errors of the
-    solve, and warnings as errors.
+    The brake is read and solved again with the options of the input. Errors of this solve are
+    raised, and so are warnings, as errors.
     """
     options: dict[str, Any] = {}
     if "--elements" in given.words:
@@ -63,8 +63,8 @@ def explain_wrong_response(brake: Brake, response: Response) -> str:
         return "negative torque or pressure"
     if max(response.balance.force, response.balance.moment) > LARGEST_IMBALANCE_OF_RIGHT_RESPONSE:
         return f"out of balance by {response.balance}"
-    # A plane has no torque, and the foundation model computes its torque from springs: neither is
-    # compared with the friction.
+    # Two kinds of responses are not compared with the moment of the friction: a brake on a plane
+    # has no torque, and the foundation model computes the torque from springs.
     if brake.surface.is_plane_and_not_drum or response.model == "foundation":
         return ""
     for i, shoe in enumerate(response.shoes):

@@ -1,6 +1,6 @@
 """Runs drumlin on thousands of broken inputs, and keeps in a journal how each run ended.
 
-A generator is a function with a name that makes random broken inputs of one kind.
+A generator is a function that makes random broken inputs of one kind.
 """
 
 import itertools
@@ -90,12 +90,12 @@ INPUT_GENERATORS_BY_NAME: dict[
 
 
 class InputVerdict(NamedTuple):
-    """How the run of a broken input ended, and whether this is a fault of drumlin.
+    """How the run of a broken input ended, and whether this end is a fault of drumlin.
 
     Attributes
     ----------
     number : int
-        Number of the input. Together with the name of the generator it determines the input.
+        Number of the input. The generator's name and this number determine the input.
     status : int
         Exit status of the run.
     seconds : float
@@ -103,7 +103,7 @@ class InputVerdict(NamedTuple):
     fault : str
         Fault of drumlin; "" if the run ended well.
     line : str
-        Error message with which drumlin refused the input; "" if it did not.
+        First letters of the error message of the run; "" if the exit status is 0.
     """
 
     number: int
@@ -127,7 +127,7 @@ def make_numbered_input_of_generator(
 def run_and_judge_input(generator: str, number: int, apart: bool = False) -> InputVerdict:
     """Make input number `number` of a generator, run it, and judge how the run ended.
 
-    If `apart` is true, the input runs in a new process, else in this one.
+    If `apart` is true, the input runs in a new process; if not, it runs in this process.
     """
     # A command line with a NUL byte or a letter outside of UTF-8 cannot start a new process. It
     # runs in this process.
@@ -148,7 +148,7 @@ def run_and_judge_input(generator: str, number: int, apart: bool = False) -> Inp
 
 
 def _explain_wrong_or_failing_answer(given: FilesAndCommandLineOfBrokenInput) -> str:
-    """Why the response to an input must be wrong, or the error of a second solve; "" if neither."""
+    """Why the response to an input must be wrong, or the error of the solve; "" if neither."""
     try:
         return explain_wrong_answer_to_input(given)
     except Exception as error:
@@ -191,7 +191,7 @@ def run_and_judge_generators(
     apart : bool
         Whether each input runs in a new process.
     processes : int
-        Number of processes that share the work; 0: this process does it all.
+        Number of processes that share the work; with 0 this process does all the work.
     say : function
         Function that gets a line of text on the progress.
     """
@@ -226,7 +226,8 @@ def rows_of_verdict_counts_by_generator(
 ) -> list[dict[str, Any]]:
     """Summarise verdicts in a table with a row for each generator, and a last row for all.
 
-    A row counts the inputs by how they ended and the faults, and holds the longest time [s].
+    A row has the number of inputs with each good end, the number of faults, and the longest
+    processor time [s] of an input.
     """
     rows: list[dict[str, Any]] = []
     for name, of in verdicts.items():
@@ -246,7 +247,8 @@ def rows_of_verdict_counts_by_generator(
 def most_frequent_refusals_text(verdicts: dict[str, list[InputVerdict]], count: int = 40) -> str:
     """The `count` most frequent error messages, one on each line, with the number of inputs.
 
-    Messages that differ only in numbers and quoted texts count as one; the shortest is shown.
+    Messages that differ only in numbers and quoted texts count as one message. The shortest of them
+    is shown.
     """
     # Messages are grouped by their wording without numbers and quoted texts.
     forms: dict[str, list[str]] = {}

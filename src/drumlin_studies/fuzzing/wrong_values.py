@@ -196,10 +196,10 @@ def _pydantic_models_in_annotation(kind: Any) -> Iterator[type[BaseModel]]:
 def tables_and_allowed_keys_in_brake_data(
     kind: type[BaseModel], data: Any
 ) -> Iterator[tuple[Any, str, Any]]:
-    """Yield each key that the tables of nested data may have, by the pydantic model of the data.
+    """Yield each table of nested data with each key that the table may have, and the key's type.
 
-    `data` are the data of a brake file and `kind` is their pydantic model. Yields the table, the
-    name of the key, and the type annotation of the key.
+    `data` are the data of a brake file. Their pydantic model `kind` gives the allowed keys, with
+    the type annotation of each key.
     """
     for name, field in kind.model_fields.items():
         key = field.alias or name
@@ -214,7 +214,7 @@ def tables_and_allowed_keys_in_brake_data(
 def random_value_mostly_of_similar_type_or_value(
     rng: random.Random, annotation: Any, before: Any
 ) -> Any:
-    """A random value for a key, mostly near its type or near its present value.
+    """A random value for a key, mostly of the key's type or similar to its present value.
 
     Parameters
     ----------
@@ -248,8 +248,8 @@ def random_value_mostly_of_similar_type_or_value(
         choices += [rows, []]
     if "Path" in said:
         choices += list(EXISTING_MISSING_AND_FORBIDDEN_PATHS)
-    # A quantity with a unit is scaled by a random factor; such values are drawn more often than
-    # others.
+    # A present value with a unit is multiplied by a random factor. The product is four of the
+    # candidates, so that it is drawn more often than others.
     if isinstance(before, str) and (match := re.fullmatch(r"([-\d.]+) (.+)", before)):
         scaled = float(match[1]) * rng.choice(
             [-1, 0, 0.1, 0.5, 0.99, 1.01, 2, 10, 1e6, 1e-6, 1e-15]
