@@ -60,10 +60,17 @@ is small, because each node more doubles the number of contact sets.
 """
 SEED_OF_RANDOM_STARTING_CONTACT_SETS = 7
 """Seed of the random contact sets; it is used together with the seed of the brake."""
-ATTRIBUTES_THAT_COUNT_HOW_CONTACT_ITERATIONS_END = ("starts", "same", "others", "unstable", "lost")
-"""Attributes of the result of `compare_solutions_from_starting_contact_sets`. They count how
-contact iterations from several starting sets end, and are summed over
-FRACTIONS_OF_LOCKING_FRICTION_WITH_ONE_ANSWER.
+ATTRIBUTES_THAT_COUNT_HOW_CONTACT_ITERATIONS_END = {
+    "starts": "number_of_start_sets",
+    "same": "sets_with_known_solution",
+    "others": "sets_with_other_stable_solution",
+    "unstable": "sets_with_unstable_solution",
+    "lost": "sets_without_convergence",
+}
+"""Keys of a row, with the attributes that count how contact iterations from several sets end.
+
+The attributes are those of the result of `compare_solutions_from_starting_contact_sets`. A row has
+their sums over FRACTIONS_OF_LOCKING_FRICTION_WITH_ONE_ANSWER.
 """
 
 SelfLockingRow = dict[str, Any]
@@ -297,8 +304,8 @@ def _agreement_counts_and_disagreeing_friction_fractions(
             find_largest_friction_with_equilibrium(problems, mu).last_contact,
             starts,
         )
-        for key in ATTRIBUTES_THAT_COUNT_HOW_CONTACT_ITERATIONS_END:
-            counts[key] += getattr(found, key)
+        for key, attribute in ATTRIBUTES_THAT_COUNT_HOW_CONTACT_ITERATIONS_END.items():
+            counts[key] += getattr(found, attribute)
         counts["difference"] = max(counts["difference"], found.largest_pressure_difference)
         if found.sets_with_known_solution < found.number_of_start_sets:
             disagreeing.append(fraction)
