@@ -672,9 +672,9 @@ class _TorqueSlopesOfShoe:
         )
         # The product of this vector (2 nodes,) with a change of the nodal forces of one newton of
         # actuation is the change of the torque.
-        force_that_divides_logarithmic_slope = own.force * v - self.tip_multiplier * u
+        nodal_factors = own.force * v - self.tip_multiplier * u
         for j, move in enumerate(moves):
-            effects[j] += float(move.load_change @ force_that_divides_logarithmic_slope)
+            effects[j] += float(move.load_change @ nodal_factors)
             if not move.do_contact_nodes_stay_unmoved:
                 effects[j] += self._torque_slope_by_contact_node_motion(move)
         return effects
