@@ -76,10 +76,10 @@ def test_shoes_with_their_widths_are_a_choice_of_the_page(explorer):
     plain, _ = at_setting(explorer, {})
     wide, refused = at_setting(explorer, WIDE)
     assert not refused
-    assert wide.found is not None and plain.found is not None
-    assert wide.found.model == "solid"
+    assert wide.fem_response is not None and plain.fem_response is not None
+    assert wide.fem_response.model == "solid"
     # Plane stress is 0.3 % off on this brake, and the page some 0.03 %.
-    assert 1e-3 < wide.found.torque / plain.found.torque - 1 < 5e-3
+    assert 1e-3 < wide.fem_response.torque / plain.fem_response.torque - 1 < 5e-3
     stated = explorer.difference_from_accurate_answer(wide)
     assert stated is not None and stated.torque < 1e-3
     assert (
@@ -100,9 +100,9 @@ def test_without_contraction_the_choice_changes_nothing(explorer):
     own = SliderSolver(vary(explorer.brake, bare))
     scene = make_prepared_model(own.brake, WIDTH_EXPLORE_LEVEL)
     wide, _ = at_setting(own, WIDE)
-    assert wide.found is not None
+    assert wide.fem_response is not None
     torque = solve_prepared_model(scene, own.brake).torque
-    assert wide.found.torque == pytest.approx(torque, rel=1e-9)
+    assert wide.fem_response.torque == pytest.approx(torque, rel=1e-9)
 
 
 def test_the_page_wears_in_plane_stress_only_and_refuses_several_widths(explorer):
@@ -181,9 +181,9 @@ def test_a_knob_does_what_a_changed_file_does(explorer, name):
     answer = explorer.fem_and_law_answer_at_slider_setting(turned(explorer, **{name: value}))
     brake = vary(explorer.brake, changes)
     expected = drumlin.solve(brake)
-    assert answer.found.torque == pytest.approx(expected.torque, rel=5e-4)
-    assert answer.found.torque != pytest.approx(drumlin.solve(explorer.brake).torque, rel=1e-3)
-    assert answer.law.torque == pytest.approx(solve_brake_by_sine_law(brake).torque, rel=1e-8)
+    assert answer.fem_response.torque == pytest.approx(expected.torque, rel=5e-4)
+    assert answer.fem_response.torque != pytest.approx(drumlin.solve(explorer.brake).torque, rel=1e-3)
+    assert answer.law_response.torque == pytest.approx(solve_brake_by_sine_law(brake).torque, rel=1e-8)
 
 
 def test_linings_keep_their_misfit_where_the_drum_grows(explorer):
@@ -217,10 +217,10 @@ def test_worn_long_enough_the_brake_is_the_laws(explorer):
     assert knob(explorer, "wear").unit == "km" and knob(explorer, "wear").high >= 1e-3 * distance
     scene = explorer.prepared_model_of_brake(explorer.brake)
     goal = solve_prepared_model(scene, brake_with_worn_in_clearances(scene, explorer.brake))
-    assert worn.found.torque == pytest.approx(goal.torque, rel=2e-3)
-    assert worn.found.torque == pytest.approx(worn.law.torque, rel=2e-3)
+    assert worn.fem_response.torque == pytest.approx(goal.torque, rel=2e-3)
+    assert worn.fem_response.torque == pytest.approx(worn.law_response.torque, rel=2e-3)
     new = explorer.fem_and_law_answer_at_slider_setting(turned(explorer))
-    assert abs(new.found.torque / new.law.torque - 1) > 0.02
+    assert abs(new.fem_response.torque / new.law_response.torque - 1) > 0.02
     assert worn.distance == pytest.approx(distance)
 
 
@@ -246,7 +246,7 @@ def test_what_is_kept_changes_no_answer(explorer):
     ]
     for setting in [*path, *reversed(path)]:
         assert (
-            explorer.fem_and_law_answer_at_slider_setting(setting).found.torque
+            explorer.fem_and_law_answer_at_slider_setting(setting).fem_response.torque
             == SliderSolver(brake).fem_and_law_answer_at_slider_setting(setting).fem_response.torque
         )
 
@@ -295,7 +295,7 @@ def test_a_picture_shows_the_pressure_it_is_of(explorer):
     answer = explorer.fem_and_law_answer_at_slider_setting(turned(explorer, force=6.0))
     picture = picture_of_brake_at_slider_setting(answer, explorer.brake)
     assert picture.highest_pressure_of_scale == 5
-    for shoe, curve in zip(answer.found.shoes, picture.fem, strict=True):
+    for shoe, curve in zip(answer.fem_response.shoes, picture.fem, strict=True):
         area = integral_of_piecewise_polynomial(
             shoe.theta, np.maximum(shoe.pressure, 0), shoe.order
         )
@@ -308,14 +308,14 @@ def test_a_picture_shows_the_pressure_it_is_of(explorer):
         assert np.array(sent["p"]) * 1e-4 * picture.highest_pressure_of_scale == pytest.approx(
             curve.p, abs=6e-5 * picture.highest_pressure_of_scale
         )
-    for shoe, curve in zip(answer.law.shoes, picture.law, strict=True):
+    for shoe, curve in zip(answer.law_response.shoes, picture.law, strict=True):
         assert curve.p * 1e6 == pytest.approx(
             shoe.pressure_at(np.radians(curve.positions)), rel=1e-6, abs=1.0
         )
     torques = [row[2] for row in picture.rows if row[1] == "finite elements"]
-    assert sum(map(float, torques)) == pytest.approx(answer.found.torque, rel=1e-5)
+    assert sum(map(float, torques)) == pytest.approx(answer.fem_response.torque, rel=1e-5)
     assert list(map(np.radians, picture.arcs)) == [
-        pytest.approx(arc) for shoe in answer.found.shoes for arc in shoe.contact_arcs
+        pytest.approx(arc) for shoe in answer.fem_response.shoes for arc in shoe.contact_arcs
     ]
 
 
@@ -376,7 +376,7 @@ def test_how_far_the_fixed_division_is_off_is_said(explorer):
     answer = explorer.fem_and_law_answer_at_slider_setting(turned(explorer, friction=0.4))
     solved = drumlin.solve(answer.brake)
     stated = explorer.difference_from_accurate_answer(answer)
-    assert stated.torque == pytest.approx(abs(answer.found.torque / solved.torque - 1), rel=1e-6)
+    assert stated.torque == pytest.approx(abs(answer.fem_response.torque / solved.torque - 1), rel=1e-6)
     assert stated.own == pytest.approx(solved.error)
     assert 0 < stated.torque < 1e-6 and "less than 0.0001 % (torque)" in data["error"]
     assert 0 < stated.torque < 1e-3 and 1e-6 < stated.pressure < 0.02
@@ -482,7 +482,7 @@ def test_the_saved_file_is_the_brake_that_is_solved(explorer, tmp_path):
     # Numbers are rounded: none has digits that only rounding gave.
     assert "00000" not in saved.text and "99999" not in saved.text
     assert max(map(len, re.findall(r"[0-9.]+", saved.text.partition("title")[2]))) <= 13
-    assert drumlin.solve(brake, elements=80).torque == pytest.approx(answer.found.torque, rel=1e-3)
+    assert drumlin.solve(brake, elements=80).torque == pytest.approx(answer.fem_response.torque, rel=1e-3)
 
 
 def test_a_changed_shape_is_drawn_and_the_shape_of_the_file_is_not_sent_again(explorer):
