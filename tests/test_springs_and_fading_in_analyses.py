@@ -29,7 +29,7 @@ from drumlin.lining_wear.archard import WearLaw, wear_linings_over_sliding_dista
 from drumlin.lining_wear.linings import wear_setup_by_finite_elements
 from flat_pads import pad
 from friction_tables import EVEN, FALLING, KINKED, over_pressure
-from further_loads import PULL, two_shoes
+from further_loads import BODY, PULL, brake_with, two_shoes
 from shared_forces import cam_brake, servo
 
 SOFT = PULL | {"rate": 1e5}
@@ -461,6 +461,19 @@ def test_slopes_by_the_abutment_of_a_strut_beside_a_spring_are_those_of_differen
     direction = brake.shoes[0].abutment.direction
     near = torque_slope_by_differences(brake, "shoe[0].abutment.direction", direction, 1e-5)
     assert held["abutment.direction"][0] == pytest.approx(near, rel=1e-6)
+
+
+@pytest.mark.parametrize("rate", [0.0, 1e6])
+def test_slopes_by_the_pivot_of_an_arc_beside_a_spring_are_those_of_differences(rate):
+    """The ends of elements move with the pivot, and with them the nodal forces of the spring."""
+    spring = {"shoe": "shoe", "preload": 100.0, "rate": rate}
+    spring |= {"point": {"x": 0.095, "y": 0.01}, "end": {"x": 0.05, "y": 0.03}}
+    brake = brake_with("pivot", body=BODY, brake={"spring": [spring]})
+    (own,) = drumlin.sensitivity(brake, elements=ELEMENTS).shoes
+    for axis, found in zip("xy", own.held["pivot"], strict=True):
+        at = getattr(brake.shoes[0].pivot, axis)
+        near = torque_slope_by_differences(brake, f"shoe[0].pivot.{axis}", at, 1e-6)
+        assert found == pytest.approx(near, rel=1e-6)
 
 
 def test_slopes_by_constant_springs_stand_beside_unchanged_slopes():

@@ -607,8 +607,8 @@ class _TorqueSlopesOfShoe:
         """Whether the derivative of the torque by the point `key` of the shoe can be computed.
 
         It cannot if nodes of the body move with the point and, besides, the shoe is solid or
-        springs, weight or further forces act on the moved nodes. A pivot moves no nodes on which
-        such loads act.
+        springs, weight or further forces act on a shoe whose frame turns with the point. A pivot
+        does not turn the frame.
         """
         loads_move = self.shoe.has_loads_besides_actuation and key != "pivot"
         return not (
@@ -671,9 +671,23 @@ class _TorqueSlopesOfShoe:
         force_that_divides_logarithmic_slope = own.force * v - self.tip_multiplier * u
         for j, move in enumerate(moves):
             effects[j] += float(move.load_change @ force_that_divides_logarithmic_slope)
+            effects[j] += self._torque_slope_by_further_load_changes(move.further_load_changes)
             if not move.do_contact_nodes_stay_unmoved:
                 effects[j] += self._torque_slope_by_contact_node_motion(move)
         return effects
+
+    def _torque_slope_by_further_load_changes(self, changes: Mapping[str, Floats]) -> float:
+        """The slope of the torque by changes of the nodal forces of unit loads, by their names.
+
+        The nodal forces of a spring act as loads, and give the motion of the spring's point.
+        """
+        u, v = self.displacements_due_to_loads_and_adjoint_loads
+        acting, adjoint = self._load_column_factors_of_shoe(), self._adjoint_load_of_springs()
+        columns, slope = self.body.load_matrix_columns_by_load_name, 0.0
+        for name, change in changes.items():
+            own = columns.column_slice_of_each_load[name]
+            slope += float(v @ change @ acting[own] + u @ change @ adjoint[own])
+        return slope
 
     def _torque_slope_by_contact_node_motion(self, move: NodeMotionPerPointMotion) -> float:
         """The slope of the torque by a motion of contact nodes, by central differences.

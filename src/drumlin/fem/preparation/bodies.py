@@ -1,6 +1,7 @@
 """Condensed bodies of shoes, coupled with the drum or the plane along their contact lines."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from typing import Any, NamedTuple, Protocol
@@ -159,15 +160,17 @@ class ShoeBodyElements(NamedTuple):
 
 
 class NodePositionsAndActuationForces(NamedTuple):
-    """The nodes of a body and the nodal forces of its actuation, in the shoe's frame.
+    """The nodes of a body and the nodal forces of its loads, in the shoe's frame.
 
     `xy` (2, nodes) [m] are the coordinates of the nodes. `load` (2, nodes) [1] is the force on each
     node per newton of the actuation force. It is zero if the actuation acts on the rigid frame of
-    the shoe instead of the elastic body.
+    the shoe instead of the elastic body. `further_loads` are the unit loads of
+    `unit_loads_at_points_and_mass`.
     """
 
     xy: Floats
     load: Floats
+    further_loads: Mapping[str, Floats]
 
 
 def contact_coupling_matrices_of_shoe(line: ContactLine, shoe: Shoe) -> ContactCouplingMatrices:
