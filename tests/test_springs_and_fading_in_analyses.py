@@ -476,6 +476,18 @@ def test_slopes_by_the_pivot_of_an_arc_beside_a_spring_are_those_of_differences(
         assert found == pytest.approx(near, rel=1e-6)
 
 
+def test_a_slope_that_no_model_gives_beside_a_spring_is_not_promised():
+    brake = drumlin.example("post_brake")
+    spring = {"shoe": "right", "preload": 100.0, "rate": 1e3}
+    spring |= {"point": {"x": 2.4, "y": 0.5}, "end": {"x": 3.0, "y": 0.5}}
+    loaded = vary(brake, {"spring": [spring]})
+    slopes = drumlin.sensitivity(loaded, elements=ELEMENTS)
+    assert slopes.shoes[0].not_given == ("hinge",)
+    lines = [line for line in sensitivity_lines(slopes, loaded) if "not given" in line]
+    assert len(lines) == 1
+    assert "--model fem" not in lines[0]
+
+
 def test_slopes_by_constant_springs_stand_beside_unchanged_slopes():
     """A spring without rate between two shoes leaves each shoe a group of its own."""
     brake = two_shoes(True, spring=[PULL])

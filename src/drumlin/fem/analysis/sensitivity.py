@@ -920,9 +920,7 @@ def sensitivity_as_text_lines(found: TorqueSensitivities, brake: Brake) -> list[
             f"d{symbol}/dmu {own.friction:.6g} {unit}, "
             f"S {_friction_sensitivity_as_text(own.S)}{by_law}; of the whole {effect}:"
         )
-        lines += _torque_slopes_of_shoe_as_text_lines(
-            own, brake.shoes[k].actuation.force, T, elasticity
-        )
+        lines += _torque_slopes_of_shoe_as_text_lines(own, brake.shoes[k], T, elasticity)
     for i, (spring, own_slopes) in enumerate(zip(brake.springs, found.springs, strict=True)):
         by_preload, by_rate = own_slopes.preload * spring.preload, own_slopes.rate * spring.rate
         lines.append(
@@ -943,17 +941,18 @@ def _friction_sensitivity_as_text(S: float | None) -> str:
 
 
 def _torque_slopes_of_shoe_as_text_lines(
-    own: ShoeSensitivity, force: float, T: float, elasticity: str
+    own: ShoeSensitivity, shoe: Shoe, T: float, elasticity: str
 ) -> list[str]:
     """Lines of text with the relative slopes of the whole torque by data of one shoe.
 
     Parameters
     ----------
     own : the sensitivities of the shoe
-    force : actuation force of the shoe [N]
+    shoe : the shoe
     T : the whole torque [N m]
     elasticity : the words "d ln T/d ln"
     """
+    force = shoe.actuation.force
     by_force = (
         ""
         if own.force is None or force == 0
@@ -978,9 +977,17 @@ def _torque_slopes_of_shoe_as_text_lines(
             "    E by central differences, with an error of "
             f"{error_text_in_percent(own.modulus_error / T)}"
         )
-    if own.not_given:
-        keys = " and ".join(own.not_given)
-        lines.append(f"    {keys}: not given, for the body moves with it; --model fem gives it")
+    # Beside loads that move, plane stress gives the slope by a pivot alone.
+    loaded = [key for key in own.not_given if shoe.has_loads_besides_actuation and key != "pivot"]
+    for keys, reason in (
+        (loaded, "the body and the places of its springs, weight or forces move with it"),
+        (
+            [key for key in own.not_given if key not in loaded],
+            "the body moves with it; --model fem gives it",
+        ),
+    ):
+        if keys:
+            lines.append(f"    {' and '.join(keys)}: not given, for {reason}")
     return lines
 
 
