@@ -366,6 +366,14 @@ def test_wear_under_a_spring_needs_a_distance_and_a_spring_that_acts():
 # Springs with a rate in holding.
 
 
+def test_a_spring_without_preload_that_turns_round_is_not_said_to_have_one():
+    """At rest this spring would push, but it pulls while the drum slides."""
+    brake = two_shoes(True, spring=[STIFF | {"preload": 0.0}])
+    assert on_mesh(brake).spring_pulls[0] > 0
+    with pytest.raises(NoAnswer, match=r"it pulls in solve, without a preload, and would .* push"):
+        drumlin.hold(brake, elements=ELEMENTS, steps=3)
+
+
 @pytest.mark.parametrize("cam", [False, True])
 def test_a_spring_keeps_acting_in_a_holding_brake(cam):
     brake = two_shoes(True, spring=[STIFF])
