@@ -41,6 +41,7 @@ NOT_TUNED: dict[str, dict[str, str]] = {
     },
     "contact/pressure_friction.py": {
         "NEWTON_TOLERANCE_OF_CONTACT_PRESSURES": "accuracy that is stated",
+        "LARGEST_ROUND_OFF_OF_CONTACT_PRESSURES": ROUND_OFF,
         "MAX_NEWTON_STEPS_PER_FRICTION_CHANGE": PASSES,
         "SMALLEST_ADDED_PART_OF_PRESSURE_DEPENDENCE": PASSES,
     },
@@ -76,7 +77,7 @@ NOT_TUNED: dict[str, dict[str, str]] = {
     },
     "peers/hexahedra.py": {
         "DEFAULT_HEXAHEDRA_ALONG_LINING": "default of an option: a minute of work",
-        "RELATIVE_SIZE_OF_FREE_SIDE_ELEMENT": "mesh of another program, which has no stated errors",
+        "SIZE_OF_FREE_SIDE_ELEMENT_OVER_MIDDLE_ELEMENT": "mesh of another program, which has no stated errors",
         **dict.fromkeys(
             (
                 "SECTION_CORNERS_AND_Z_ENDS_OF_HEXAHEDRON",

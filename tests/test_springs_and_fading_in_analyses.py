@@ -29,7 +29,7 @@ from drumlin.lining_wear.archard import WearLaw, wear_linings_over_sliding_dista
 from drumlin.lining_wear.linings import wear_setup_by_finite_elements
 from flat_pads import pad
 from friction_tables import EVEN, FALLING, KINKED, over_pressure
-from further_loads import PULL, two_shoes
+from further_loads import BODY, PULL, brake_with, two_shoes
 from shared_forces import cam_brake, servo
 
 SOFT = PULL | {"rate": 1e5}
@@ -366,6 +366,14 @@ def test_wear_under_a_spring_needs_a_distance_and_a_spring_that_acts():
 # Springs with a rate in holding.
 
 
+def test_a_spring_without_preload_that_turns_round_is_not_said_to_have_one():
+    """At rest this spring would push, but it pulls while the drum slides."""
+    brake = two_shoes(True, spring=[STIFF | {"preload": 0.0}])
+    assert on_mesh(brake).spring_pulls[0] > 0
+    with pytest.raises(NoAnswer, match=r"it pulls in solve, without a preload, and would .* push"):
+        drumlin.hold(brake, elements=ELEMENTS, steps=3)
+
+
 @pytest.mark.parametrize("cam", [False, True])
 def test_a_spring_keeps_acting_in_a_holding_brake(cam):
     brake = two_shoes(True, spring=[STIFF])
@@ -463,6 +471,31 @@ def test_slopes_by_the_abutment_of_a_strut_beside_a_spring_are_those_of_differen
     assert held["abutment.direction"][0] == pytest.approx(near, rel=1e-6)
 
 
+@pytest.mark.parametrize("rate", [0.0, 1e6])
+def test_slopes_by_the_pivot_of_an_arc_beside_a_spring_are_those_of_differences(rate):
+    """The ends of elements move with the pivot, and with them the nodal forces of the spring."""
+    spring = {"shoe": "shoe", "preload": 100.0, "rate": rate}
+    spring |= {"point": {"x": 0.095, "y": 0.01}, "end": {"x": 0.05, "y": 0.03}}
+    brake = brake_with("pivot", body=BODY, brake={"spring": [spring]})
+    (own,) = drumlin.sensitivity(brake, elements=ELEMENTS).shoes
+    for axis, found in zip("xy", own.held["pivot"], strict=True):
+        at = getattr(brake.shoes[0].pivot, axis)
+        near = torque_slope_by_differences(brake, f"shoe[0].pivot.{axis}", at, 1e-6)
+        assert found == pytest.approx(near, rel=1e-6)
+
+
+def test_a_slope_that_no_model_gives_beside_a_spring_is_not_promised():
+    brake = drumlin.example("post_brake")
+    spring = {"shoe": "right", "preload": 100.0, "rate": 1e3}
+    spring |= {"point": {"x": 2.4, "y": 0.5}, "end": {"x": 3.0, "y": 0.5}}
+    loaded = vary(brake, {"spring": [spring]})
+    slopes = drumlin.sensitivity(loaded, elements=ELEMENTS)
+    assert slopes.shoes[0].not_given == ("hinge",)
+    lines = [line for line in sensitivity_lines(slopes, loaded) if "not given" in line]
+    assert len(lines) == 1
+    assert "--model fem" not in lines[0]
+
+
 def test_slopes_by_constant_springs_stand_beside_unchanged_slopes():
     """A spring without rate between two shoes leaves each shoe a group of its own."""
     brake = two_shoes(True, spring=[PULL])
@@ -474,3 +507,11 @@ def test_slopes_by_constant_springs_stand_beside_unchanged_slopes():
     bare = drumlin.sensitivity(two_shoes(True), elements=ELEMENTS)
     assert bare.springs == () and "springs" not in bare.as_dict()
     assert_array_equal(bare.shoes[0].theta, slopes.shoes[0].theta)
+
+
+@pytest.mark.slow
+def test_round_off_of_a_mesh_file_does_not_keep_friction_and_pressure_apart():
+    """On this fine mesh the pressures change by 1e-9 in each step, and never by less than 1e-10."""
+    brake = over_pressure(drumlin.example("double_shoe_meshes"))
+    end = drumlin.hold(brake, steps=2).states[-1]
+    assert end.torque == pytest.approx(drumlin.solve(brake).torque, rel=1e-7)

@@ -16,7 +16,7 @@ from drumlin_studies.brake_kinds import (
     row_of_errors_of_rigid_shoe_law,
     sentence_on_whether_law_can_be_trusted,
     solve_brake_by_all_models,
-    torque_error_rows_of_models_besides_law,
+    torque_error_rows_of_other_models,
 )
 from picking import having, keyed, picked
 
@@ -76,7 +76,7 @@ def test_a_case_takes_solid_shoes_where_they_apply() -> None:
         found = solve_brake_by_all_models(
             name, read_drum_or_plane_brake(paths[name]), 12, solid=True
         )
-        (row,) = having(torque_error_rows_of_models_besides_law(found), model="solid")
+        (row,) = having(torque_error_rows_of_other_models(found), model="solid")
         assert least <= abs(row["new"]) < 0.05
 
 

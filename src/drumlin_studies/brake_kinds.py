@@ -168,8 +168,10 @@ def row_of_errors_of_rigid_shoe_law(
     }
 
 
-def torque_error_rows_of_models_besides_law(found: BrakeSolvedByAllModels) -> list[dict[str, Any]]:
-    """Rows of a table with the relative errors of the torque of each model besides the law.
+def torque_error_rows_of_other_models(found: BrakeSolvedByAllModels) -> list[dict[str, Any]]:
+    """Rows of a table with the relative errors of the torque of the other models.
+
+    The other models are all models but the rigid-shoe law and the finite elements.
 
     The errors are relative to finite elements with new and with worn-in linings.
     """

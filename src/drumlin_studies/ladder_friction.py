@@ -567,10 +567,10 @@ WINKLER_LINING_END_ANGLES = (0.3, 2.2)  # rad
 """Angles [rad] of the ends of the lining of springs, counted from the line from the drum's centre
 to the hinge.
 """
-WINKLER_LINING_WEAR_LAW = WearLaw(1e-13)
+WEAR_LAW_OF_WINKLER_LINING = WearLaw(1e-13)
 """Wear law of the lining of springs, with the wear coefficient k."""
 SLIDING_DISTANCE_OF_WINKLER_DECAY = 1 / (
-    WINKLER_LINING_WEAR_LAW.coefficient * WINKLER_LINING_STIFFNESS
+    WEAR_LAW_OF_WINKLER_LINING.coefficient * WINKLER_LINING_STIFFNESS
 )
 """Sliding distance 1/(k K) [m] over which wear reduces the deviation from the sine law to 1/e."""
 
@@ -634,7 +634,7 @@ def _wear_states_and_sine_pressure_of_winkler_shoe() -> tuple[list[WearState], F
     interface, phi = _wear_problem_and_node_angles_of_winkler_shoe(WINKLER_LINING_FRICTION)
     states = wear_linings_over_sliding_distance(
         [interface],
-        WINKLER_LINING_WEAR_LAW,
+        WEAR_LAW_OF_WINKLER_LINING,
         distance=2 * SLIDING_DISTANCE_OF_WINKLER_DECAY,
         tolerance=1e-4,
     )
@@ -658,7 +658,7 @@ def _worn_volume_over_archard_volume() -> float:
     states, _ = _wear_states_and_sine_pressure_of_winkler_shoe()
     area = _wear_problem_and_node_angles_of_winkler_shoe(WINKLER_LINING_FRICTION)[0].area
     worn_volume = area @ (states[-1].depth - states[0].depth)
-    return float(worn_volume / (WINKLER_LINING_WEAR_LAW.coefficient * states[-1].pressed))
+    return float(worn_volume / (WEAR_LAW_OF_WINKLER_LINING.coefficient * states[-1].pressed))
 
 
 class BrakeWithThinLiningsAndItsResults(NamedTuple):

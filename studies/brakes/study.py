@@ -22,7 +22,7 @@ from drumlin_studies.brake_kinds import (
     self_locking_friction_by_finite_elements,
     sentence_on_whether_law_can_be_trusted,
     solve_brake_by_all_models,
-    torque_error_rows_of_models_besides_law,
+    torque_error_rows_of_other_models,
 )
 
 HERE = Path(__file__).parent
@@ -87,7 +87,7 @@ def study(*, short: bool = False, say: Callable[[str], None] = lambda _: None) -
             and brake.actuation.is_cam_or_wedge
         ):
             cams[path.stem] = brake_factor_of_cam_brake(brake)
-    others = [row for found in cases for row in torque_error_rows_of_models_besides_law(found)]
+    others = [row for found in cases for row in torque_error_rows_of_other_models(found)]
     return Result(cases, rows, others, verdicts, cams)
 
 

@@ -491,9 +491,9 @@ class _StickSlipStateChangeOnPath(NamedTuple):
 def _follow_stick_slip_states_to_true_load(
     system: _ScaledIncrementEquations, state: Ints, *, from_wide_gaps: bool
 ) -> _StickSlipStatesAndSolutionOfIncrement:
-    """Follow the path of solutions under the loads q + r e and h + r f from r = 1 to r = 0.
+    """Follow the path of solutions for gaps and slips q + r e and loads h + r f from r = 1 to 0.
 
-    The added loads e and f are chosen so that the first states of the nodes hold at r = 1, each by
+    The added terms e and f are chosen so that the first states of the nodes hold at r = 1, each by
     a margin. With `from_wide_gaps` the gap of each open node is widened by such a margin. Between
     two changes of state the solution is linear in r. One node changes at a time. The path may turn,
     so that r grows again. Returns the states at r = 0 with their solution. Raises NoAnswer if the

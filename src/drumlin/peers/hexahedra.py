@@ -26,7 +26,7 @@ from drumlin.fem.substructure.interface import nodal_forces_of_unit_end_loads_an
 
 DEFAULT_HEXAHEDRA_ALONG_LINING = 48
 """Default number of hexahedra along a lining; CalculiX's run time grows with its fourth power."""
-RELATIVE_SIZE_OF_FREE_SIDE_ELEMENT = 1 / 8
+SIZE_OF_FREE_SIDE_ELEMENT_OVER_MIDDLE_ELEMENT = 1 / 8
 """Size of an element at a free side, relative to an element in the middle of the width.
 
 Since there are only few elements across the width, their sizes differ less than the sizes along the
@@ -112,14 +112,18 @@ def element_end_positions_over_half_width(
     first = max(1, round(sides[0] / size))
     pieces = [
         points_graded_to_both_ends(
-            -sides[0], sides[0], 2 * first, zone, RELATIVE_SIZE_OF_FREE_SIDE_ELEMENT
+            -sides[0], sides[0], 2 * first, zone, SIZE_OF_FREE_SIDE_ELEMENT_OVER_MIDDLE_ELEMENT
         )[first:]
     ]
     pieces[0][0] = 0.0
     for a, b in pairwise(sides):
         pieces.append(
             points_graded_to_both_ends(
-                a, b, max(2, round((b - a) / size)), zone, RELATIVE_SIZE_OF_FREE_SIDE_ELEMENT
+                a,
+                b,
+                max(2, round((b - a) / size)),
+                zone,
+                SIZE_OF_FREE_SIDE_ELEMENT_OVER_MIDDLE_ELEMENT,
             )[1:]
         )
     return np.concatenate(pieces)

@@ -7,7 +7,7 @@ the ends of elements. A mesh file in the shoe's own coordinates moves and turns 
 The nodes of all other bodies keep their places.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import Any, NamedTuple
 
@@ -60,12 +60,15 @@ class NodeMotionPerPointMotion(NamedTuple):
     load_change : change (2 nodes,) [1/m] of the nodal forces of one newton of actuation, per metre
         by which the point moves
     beam_axis_turn_per_metre : turn [rad/m] of the axis of a straight beam; 0 for other bodies
+    further_load_changes : change (2 nodes, l) per metre of the nodal forces of further unit loads,
+        by their names; they hold for points whose motion does not turn the frame of the shoe
     """
 
     node_motion: Floats
     contact_node_motion: Floats
     load_change: Floats
     beam_axis_turn_per_metre: float
+    further_load_changes: Mapping[str, Floats]
 
     @property
     def do_contact_nodes_stay_unmoved(self) -> bool:
@@ -138,7 +141,7 @@ def _node_motion_by_central_difference(
     """
     h = POINT_STEP_IN_DRUM_RADII_FOR_NODE_MOTION * scene.brake.size
     here = _shoe_nodes_and_nodal_forces_in_brake_frame(scene, i, shoe)
-    places, loads = [], []
+    places, loads, further = [], [], []
     for step in (h, -h):
         there = _shoe_nodes_and_nodal_forces_in_brake_frame(
             scene, i, _shoe_with_moved_point(shoe, key, step * direction)
@@ -152,6 +155,12 @@ def _node_motion_by_central_difference(
         ):
             places.append((there.xy - here.xy) / step)
             loads.append((there.load - here.load) / step)
+            further.append(
+                {
+                    name: (load - here.further_loads[name]) / step
+                    for name, load in there.further_loads.items()
+                }
+            )
     if not places:
         raise NoAnswer(
             f"shoe {shoe.name!r}: no slope along its {key}, "
@@ -165,6 +174,7 @@ def _node_motion_by_central_difference(
         line,
         load.ravel(),
         _rotation_of_beam_axis_per_motion_of_point(shoe, key, direction),
+        {name: np.mean([each[name] for each in further], axis=0) for name in further[0]},
     )
 
 
@@ -181,6 +191,7 @@ def _node_motion_that_only_turns_beam_axis(
         np.zeros(body.line.xy.shape),
         still,
         _rotation_of_beam_axis_per_motion_of_point(shoe, key, direction),
+        {},
     )
 
 
@@ -207,6 +218,7 @@ def _shoe_nodes_and_nodal_forces_in_brake_frame(
     return NodePositionsAndActuationForces(
         shoe.convert_points_to_brake_frame(nodes.xy),
         shoe.frame.convert_vectors_from_shoe_to_brake_frame(nodes.load.T).T,
+        nodes.further_loads,
     )
 
 

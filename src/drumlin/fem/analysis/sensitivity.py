@@ -610,9 +610,9 @@ class _TorqueSlopesOfShoe:
     def _can_torque_slope_by_point_be_computed(self, key: str) -> bool:
         """Whether the derivative of the torque by the point `key` of the shoe can be computed.
 
-        A point whose motion moves nodes of the body has two restrictions: the shoe must not be
-        solid, and no springs, weight or forces besides the actuation may act on the moved nodes. A
-        pivot moves no nodes on which such loads act.
+        If nodes of the body move with the point, it cannot be computed in two cases: the shoe is
+        solid, or springs, weight or forces besides the actuation act on a shoe whose frame turns
+        with the point. A pivot does not turn the frame.
         """
         loads_move = self.shoe.has_loads_besides_actuation and key != "pivot"
         return not (
@@ -675,9 +675,23 @@ class _TorqueSlopesOfShoe:
         nodal_factors = own.force * v - self.tip_multiplier * u
         for j, move in enumerate(moves):
             effects[j] += float(move.load_change @ nodal_factors)
+            effects[j] += self._torque_slope_by_further_load_changes(move.further_load_changes)
             if not move.do_contact_nodes_stay_unmoved:
                 effects[j] += self._torque_slope_by_contact_node_motion(move)
         return effects
+
+    def _torque_slope_by_further_load_changes(self, changes: Mapping[str, Floats]) -> float:
+        """The slope of the torque by changes of the nodal forces of unit loads, by their names.
+
+        The nodal forces of a spring act as loads, and give the motion of the spring's point.
+        """
+        u, v = self.displacements_due_to_loads_and_adjoint_loads
+        acting, adjoint = self._load_column_factors_of_shoe(), self._adjoint_load_of_springs()
+        columns, slope = self.body.load_matrix_columns_by_load_name, 0.0
+        for name, change in changes.items():
+            own = columns.column_slice_of_each_load[name]
+            slope += float(v @ change @ acting[own] + u @ change @ adjoint[own])
+        return slope
 
     def _torque_slope_by_contact_node_motion(self, move: NodeMotionPerPointMotion) -> float:
         """The slope of the torque by a motion of contact nodes, by central differences.
@@ -904,9 +918,7 @@ def sensitivity_as_text_lines(found: TorqueSensitivities, brake: Brake) -> list[
             f"d{symbol}/dmu {own.friction:.6g} {unit}, "
             f"S {_friction_sensitivity_as_text(own.S)}{by_law}; of the whole {effect}:"
         )
-        lines += _torque_slopes_of_shoe_as_text_lines(
-            own, brake.shoes[k].actuation.force, T, elasticity
-        )
+        lines += _torque_slopes_of_shoe_as_text_lines(own, brake.shoes[k], T, elasticity)
     for i, (spring, own_slopes) in enumerate(zip(brake.springs, found.springs, strict=True)):
         by_preload, by_rate = own_slopes.preload * spring.preload, own_slopes.rate * spring.rate
         lines.append(
@@ -927,17 +939,18 @@ def _friction_sensitivity_as_text(S: float | None) -> str:
 
 
 def _torque_slopes_of_shoe_as_text_lines(
-    own: ShoeSensitivity, force: float, T: float, elasticity: str
+    own: ShoeSensitivity, shoe: Shoe, T: float, elasticity: str
 ) -> list[str]:
     """Lines of text with the relative slopes of the whole torque by data of one shoe.
 
     Parameters
     ----------
     own : the sensitivities of the shoe
-    force : actuation force of the shoe [N]
+    shoe : the shoe
     T : the whole torque [N m]
     elasticity : the words "d ln T/d ln"
     """
+    force = shoe.actuation.force
     by_force = (
         ""
         if own.force is None or force == 0
@@ -962,9 +975,17 @@ def _torque_slopes_of_shoe_as_text_lines(
             "    E by central differences, with an error of "
             f"{error_text_in_percent(own.modulus_error / T)}"
         )
-    if own.not_given:
-        keys = " and ".join(own.not_given)
-        lines.append(f"    {keys}: not given, for the body moves with it; --model fem gives it")
+    # Beside loads that move, plane stress gives the slope by a pivot alone.
+    loaded = [key for key in own.not_given if shoe.has_loads_besides_actuation and key != "pivot"]
+    for keys, reason in (
+        (loaded, "the body and the places of its springs, weight or forces move with it"),
+        (
+            [key for key in own.not_given if key not in loaded],
+            "the body moves with it; --model fem gives it",
+        ),
+    ):
+        if keys:
+            lines.append(f"    {' and '.join(keys)}: not given, for {reason}")
     return lines
 
 

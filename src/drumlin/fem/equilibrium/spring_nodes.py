@@ -49,13 +49,16 @@ class SpringNodes(NamedTuple):
         Raises NoAnswer if a spring is slack.
         """
         pulls = np.array([spring.preload for spring in brake.springs])
+        signs = dict(zip(self.numbers.tolist(), self.signs.tolist(), strict=True))
         pulls[self.numbers] = self.signs * forces
         for i, force in zip(self.numbers.tolist(), forces.tolist(), strict=True):
             if force <= 0:
-                verb = ("pushes", "pull") if brake.springs[i].preload < 0 else ("pulls", "push")
+                preload = brake.springs[i].preload
+                # The pull of a spring without preload has the sign of its pull in `solve`.
+                verb = ("pushes", "pull") if signs[i] < 0 else ("pulls", "push")
+                cause = "by its preload" if preload else "in solve, without a preload,"
                 raise NoAnswer(
-                    f"spring[{i}]: goes slack: it {verb[0]} by its preload and would have to "
-                    f"{verb[1]}"
+                    f"spring[{i}]: goes slack: it {verb[0]} {cause} and would have to {verb[1]}"
                 )
         return tuple(pulls.tolist())
 

@@ -597,7 +597,7 @@ def _condense_shoe_that_hinge_holds(
     columns[-1] = eliminate_nodes_on_column_side(
         columns[-1], loaded, len(faces.end_forces), right=True
     )
-    A = _assemble_columns_of_linings_and_slots(columns, div)
+    A = _contact_node_stiffness_from_element_columns(columns, div)
     back = rotation_angles_of_contact_nodes_to_shoe_frame(shoe, div)
 
     def contact_forces_converted_to_shoe_frame(V: Floats) -> Floats:
@@ -731,7 +731,7 @@ def _contact_stiffness_of_lining_with_back_in_grip(
     row[-1] = eliminate_nodes_on_column_side(
         row[-1], right, 0 if right is None else len(right), right=True
     )
-    return _assemble_columns_of_linings_and_slots(row, div)
+    return _contact_node_stiffness_from_element_columns(row, div)
 
 
 def _contact_stiffness_of_linings_on_rigid_body(
@@ -758,7 +758,7 @@ def _contact_stiffness_of_linings_on_rigid_body(
     return S
 
 
-def _assemble_columns_of_linings_and_slots(
+def _contact_node_stiffness_from_element_columns(
     columns: list[ColumnSubstructure], div: ShoeElementDivision
 ) -> Floats:
     """The stiffness of all contact nodes, assembled from the columns under linings and in slots.

@@ -320,10 +320,11 @@ def _check_named_edges_are_on_outline(mesh: Any, fault: str) -> None:
 
 def _check_contact_is_face_of_lining(mesh: Any, shoe: Shoe, radius: float, fault: str) -> None:
     """Refuse a mesh whose group "contact" is not the lining's face on the drum or the plane."""
-    # The nodes of the contact must lie near the drum or the plane.
+    # The edges of the contact must be edges of the lining's elements.
     facets = mesh.boundaries["contact"]
     if not np.isin(mesh.f2t[0, facets], mesh.subdomains["lining"]).all():
         raise BadInput(f"{fault}: the group contact must be edges of the lining only")
+    # The nodes of the contact must lie near the drum or the plane.
     basis = nodal_basis_of_mesh(mesh)
     line = basis.doflocs[:, nodes_along_element_edges(basis, facets)]
     off, word = shoe.distances_from_friction_surface(line, radius), shoe.surface.name

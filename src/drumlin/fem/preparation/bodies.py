@@ -1,6 +1,7 @@
 """Condensed bodies of shoes, coupled with the drum or the plane along their contact lines."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from typing import Any, NamedTuple, Protocol
@@ -34,7 +35,7 @@ from drumlin.fem.substructure.interface import (
 )
 from drumlin.fem.substructure.loads import (
     ACTUATION_LOAD_NAME,
-    CHANGED_SHAPE,
+    CHANGED_SHAPE_LOAD_NAME,
     FURTHER_FORCE_LOAD_NAME,
     HEAT_LOAD_NAME,
     ColumnsOfUnitLoads,
@@ -161,15 +162,17 @@ class ShoeBodyElements(NamedTuple):
 
 
 class NodePositionsAndActuationForces(NamedTuple):
-    """The nodes of a body and the nodal forces of its actuation, in the shoe's frame.
+    """The nodes of a body and the nodal forces of its loads, in the shoe's frame.
 
     `xy` (2, nodes) [m] are the coordinates of the nodes. `load` (2, nodes) [1] is the force on each
     node per newton of the actuation force. It is zero if the actuation acts on the rigid frame of
-    the shoe instead of the elastic body.
+    the shoe instead of the elastic body. `further_loads` are the unit loads of
+    `unit_loads_at_points_and_mass`.
     """
 
     xy: Floats
     load: Floats
+    further_loads: Mapping[str, Floats]
 
 
 def contact_coupling_matrices_of_shoe(line: ContactLine, shoe: Shoe) -> ContactCouplingMatrices:
@@ -273,8 +276,8 @@ def substructure_with_load_of_changed_shape(
     body : the substructure
     forces : (2 nodes,) nodal forces [N] on all nodes, in the frame of the shoe
     """
-    condensed = body.condensed.body_with_further_loads({CHANGED_SHAPE: forces[:, None]})
-    own = condensed.columns.column_slice_of_each_load[CHANGED_SHAPE]
+    condensed = body.condensed.body_with_further_loads({CHANGED_SHAPE_LOAD_NAME: forces[:, None]})
+    own = condensed.columns.column_slice_of_each_load[CHANGED_SHAPE_LOAD_NAME]
     before, work = condensed.load_on_contact[:, : own.start], condensed.load_work[:, own]
     # The displacements of the contact nodes under the load, while the frame does not move.
     half = condensed.half_flexibility_under_nodal_forces(condensed.load_on_contact[:, own])
@@ -370,7 +373,7 @@ def unit_load_factors_under_all_loads(
     if shoe.has_loads_besides_actuation:
         acting = acting + unit_load_factors_of_loads_besides_actuation(body, shoe)
     columns = body.load_matrix_columns_by_load_name
-    for name in (HEAT_LOAD_NAME, CHANGED_SHAPE):
+    for name in (HEAT_LOAD_NAME, CHANGED_SHAPE_LOAD_NAME):
         if name in columns.column_slice_of_each_load:
             acting = acting + columns.column_factors_of_all_loads({name: np.ones(1)})
     return acting

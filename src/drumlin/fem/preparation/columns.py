@@ -52,6 +52,7 @@ from drumlin.fem.preparation.cache import (
 from drumlin.fem.preparation.load_places import (
     NAMES_OF_BODY_LAYERS,
     points_where_shoe_body_is_loaded,
+    unit_loads_at_points_and_mass,
 )
 from drumlin.fem.preparation.meshes import nodes_of_changed_shoe_with_mesh_file
 from drumlin.fem.preparation.scene import (
@@ -153,7 +154,7 @@ def make_condensed_shoes_of_hp_elements(
 
     # Some analyses compare a shoe with a slightly changed shoe. Both are divided by the same rule.
     nodes_by_shape: dict[int, Callable[[Shoe], NodePositionsAndActuationForces]] = {
-        i: partial(nodes_of_changed_shoe_with_mesh_file, body)
+        i: partial(nodes_of_changed_shoe_with_mesh_file, brake.size, body)
         for i, body in (of_files or {}).items()
     }
     for i, rule in rules.items():
@@ -327,12 +328,14 @@ def _hp_nodes_of_changed_shoe_by_division_rule(
     if isinstance(shoe.body, BeamBody):
         division = replace(division, angles=rule.division.angles + turn)
     grid = element_grid_of_whole_shoe(other, radius, division)
+    further = unit_loads_at_points_and_mass(grid, other, radius)
     if "actuation" not in grid.sets:
-        return NodePositionsAndActuationForces(grid.doflocs, np.zeros(grid.doflocs.shape))
+        unloaded = np.zeros(grid.doflocs.shape)
+        return NodePositionsAndActuationForces(grid.doflocs, unloaded, further)
     unit_loads, centre = nodal_forces_of_unit_actuations_and_their_centre(division, grid)
     factors, _ = actuation_force_and_moments_per_newton(centre, other)
     load = unit_loads @ factors
-    return NodePositionsAndActuationForces(grid.doflocs, load.reshape(-1, 2).T)
+    return NodePositionsAndActuationForces(grid.doflocs, load.reshape(-1, 2).T, further)
 
 
 def _nodes_of_changed_shoe_divided_as_before(

@@ -41,6 +41,7 @@ from drumlin.fem.preparation.cache import (
     memory_bytes_of_condensed_body,
     shoe_without_loads_and_clearances,
 )
+from drumlin.fem.preparation.load_places import unit_loads_at_points_and_mass
 from drumlin.fem.preparation.scene import (
     CondensedBodiesOfBrake,
     SecondsOfEachPhase,
@@ -247,33 +248,35 @@ def _mesh_nodes_of_changed_shoe(
     the same in the frame of the shoe.
     """
     if shoe.mesh is not None:
-        return nodes_of_changed_shoe_with_mesh_file(bodies[i], shoe)
+        return nodes_of_changed_shoe_with_mesh_file(radius, bodies[i], shoe)
     mesh = mesher(shoe, radius)
-    return _nodes_and_actuation_forces_of_mesh(mesh, nodal_basis_of_mesh(mesh), shoe)
+    return _nodes_and_forces_of_mesh(mesh, nodal_basis_of_mesh(mesh), shoe, radius)
 
 
 def nodes_of_changed_shoe_with_mesh_file(
-    body: ShoeSubstructure, shoe: Shoe
+    radius: float, body: ShoeSubstructure, shoe: Shoe
 ) -> NodePositionsAndActuationForces:
     """The nodes of a mesh file's body if its shoe were changed to `shoe`.
 
     In the frame of the shoe the mesh stays the same.
     """
-    return _nodes_and_actuation_forces_of_mesh(body.mesh, body.basis, shoe)
+    return _nodes_and_forces_of_mesh(body.mesh, body.basis, shoe, radius)
 
 
-def _nodes_and_actuation_forces_of_mesh(
-    mesh: Any, basis: Any, shoe: Shoe
+def _nodes_and_forces_of_mesh(
+    mesh: Any, basis: Any, shoe: Shoe, radius: float
 ) -> NodePositionsAndActuationForces:
-    """The nodes of a mesh with its basis, and the nodal forces of the shoe's actuation."""
+    """The nodes of a mesh with its basis, and the nodal forces of the shoe's loads."""
+    further = unit_loads_at_points_and_mass(basis, shoe, radius)
     if "actuation" not in mesh.boundaries or shoe.has_support_on_back_of_body:
-        return NodePositionsAndActuationForces(basis.doflocs, np.zeros(basis.doflocs.shape))
+        unloaded = np.zeros(basis.doflocs.shape)
+        return NodePositionsAndActuationForces(basis.doflocs, unloaded, further)
     unit_loads, centre = nodal_forces_of_unit_end_loads_and_end_centre(
         basis, mesh.boundaries["actuation"]
     )
     factors, _ = actuation_force_and_moments_per_newton(centre, shoe)
     load = unit_loads @ factors
-    return NodePositionsAndActuationForces(basis.doflocs, load.reshape(-1, 2).T)
+    return NodePositionsAndActuationForces(basis.doflocs, load.reshape(-1, 2).T, further)
 
 
 @dataclass(frozen=True)

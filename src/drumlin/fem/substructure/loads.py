@@ -19,8 +19,11 @@ ACTUATION_LOAD_NAME = "actuation"
 """Name of the unit loads of a shoe's actuation force on its body: force x, force y and couple."""
 HEAT_LOAD_NAME = "heat"
 """Name of the load of a heated shoe: the nodal forces of its free strains, in one column."""
-CHANGED_SHAPE = "changed shape"
-"""Name of the load that stands for a small change of a body's shape, in one column."""
+CHANGED_SHAPE_LOAD_NAME = "changed shape"
+"""Name of the load of a slightly changed mesh.
+
+Its only column has nodal forces that act, to first order, like small moves of the mesh's nodes.
+"""
 FURTHER_FORCE_LOAD_NAME = "further forces"
 """Name of the unit loads at the points of springs and other forces: force x, y at each point."""
 MASS_LOAD_NAME = "forces on mass"

@@ -386,7 +386,7 @@ def _contact_forces_with_bearing_supports_by_trial(
     equations: ContactEquations,
     start: NodesAndSupportsInContactAtStart,
 ) -> list[ContactForcesAndRigidMotions]:
-    """The contact forces of each shoe, with the one-sided supports that bear found by trial.
+    """The contact forces of each shoe; trials find which one-sided supports bear.
 
     Sets of bearing supports are tried until no support of the set pulls and no other support
     overlaps its shoe. The set of an earlier solution is tried first. Shoes without one-sided
