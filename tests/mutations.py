@@ -98,13 +98,6 @@ TUNED: dict[str, dict[str, Guard]] = {
         ),
     )
     | {
-        "SHARE_OF_EARLIER_LEVEL_DIFFERENCE": Guard(
-            "down",
-            (
-                "tests/test_mesh_degrees.py::test_a_uniform_mesh_of_large_elements_meets_a_tolerance",
-            ),
-            slow=True,
-        ),
         "ERROR_PER_ROUNDING_OVER_LINING_THICKNESS": Guard(
             "down",
             (

@@ -263,6 +263,9 @@ NOT_TUNED: dict[str, dict[str, str]] = {
         "nothing that is seen",
     },
     "fem/error_control/degrees.py": {
+        "SHARE_OF_EARLIER_LEVEL_DIFFERENCE": "judgement; a larger one makes stated errors larger",
+        "CANCELLED_PART_OF_MESH_SHAPE_ERROR": "judgement; a larger one makes stated errors of "
+        "forces larger",
         "SAFETY_FACTOR_OF_MESH_FILE_FORCES": "judgement; a larger one makes stated errors of "
         "forces larger",
         "SAFETY_FACTOR_OF_CANCELLED_MESH_FILE_FORCES": "judgement; a larger one makes stated "
