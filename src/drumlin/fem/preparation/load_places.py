@@ -115,17 +115,17 @@ class _UnitLoadsOnCrossSection(NamedTuple):
 def unit_loads_at_points_and_mass(basis: Any, shoe: Shoe, radius: float) -> dict[str, Floats]:
     """The nodal forces (2 nodes, l) of unit loads at points of a shoe and on its mass, by name.
 
-    Parameters
-    ----------
-    basis : scalar basis of the shoe's mesh, or its grid of hp elements
-    shoe : the shoe
-    radius : radius of the drum [m]; on a plane the length of phi = 1
-
     Under the name FURTHER_FORCE_LOAD_NAME are the unit force x and the unit force y at the point of
     each force besides the actuation. Under the name MASS_LOAD_NAME are the forces on a mass of 1 kg
     by unit acceleration x, unit acceleration y and unit square of the angular speed, in the axes of
     the shoe's frame. The result is empty for a shoe without such loads, for a shoe without a body,
     and for a mesh file without elements of a body.
+
+    Parameters
+    ----------
+    basis : scalar basis of the shoe's mesh, or its grid of hp elements
+    shoe : the shoe
+    radius : radius of the drum [m]; on a plane the length of phi = 1
     """
     places = points_where_shoe_body_is_loaded(shoe)
     if not len(places):
