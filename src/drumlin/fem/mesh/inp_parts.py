@@ -48,6 +48,7 @@ class DeckPart:
 
     Parameters
     ----------
+    name : name of the part; empty for a deck without parts
     nodes : label of each node -> x, y, z in the file's unit
     coordinates_as_written : label of each node -> its first two coordinates as the deck has them,
         before any conversion; they show how the deck's coordinates were rounded

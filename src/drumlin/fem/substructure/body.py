@@ -183,8 +183,9 @@ class CondensedBody:
         nodes and to the frame
     load_work : (l, l) work of each unit load on the displacements due to each unit load, while
         contact nodes and frame are fixed
-    inner : the eliminated unknowns, from which displacements inside the body are recovered columns
-    : the names of the l unit loads, and which columns of the load arrays belong to each load
+    inner : the eliminated unknowns, from which displacements inside the body are recovered
+    columns : the names of the l unit loads, and which columns of the load arrays belong to each
+        load
     force_imbalance : estimate of the imbalance that round-off of the elimination causes, relative
         to the acting force; 0 if it is not known
     rigid_mode_error : (2n, 3) estimate of the contact displacement [m] that round-off adds to each

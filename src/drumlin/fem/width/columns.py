@@ -104,9 +104,11 @@ def indices_of_unknowns_along_symmetric_half_row(
 class LayersOfElementColumn(NamedTuple):
     """The layers of a column of elements, which determine the column's unknowns.
 
-    Attributes ---------- p : degree of the hp elements counts : (layers,) how many even and how
-    many odd functions of z each layer has, from the contact
-        on
+    Attributes
+    ----------
+    p : degree of the hp elements
+    counts : (layers,) how many even and how many odd functions of z each layer has, from the
+        contact on
     even, odd : for each even and each odd function of z of the shoe, the index of the first piece
         of the half width in which the function is not zero
     contact : whether the column's edge nearest to the contact is in contact; False in the body
@@ -674,6 +676,7 @@ def _write_contact_stiffness_of_mirrored_columns(
     ----------
     halves : the stiffness (c, m, m) on the symmetric unknowns, and the stiffness (c, m, m) on the
         antisymmetric unknowns, both in the order [left side | half of the contact]
+    stack : the layers of each column
     mirror : (line,) sign of each displacement on the right side relative to the left side, in
         symmetric displacements
     whole : (c, n, n) stiffness of the columns, in the order [left side | contact | right side]; it
