@@ -6,7 +6,7 @@ import pytest
 
 import drumlin
 from command_line import drumlin as command
-from conftest import STUDY
+from conftest import ROOT, STUDY
 from drumlin.cli.terminal import _text_folded_to_width
 
 WEB = {"shoe.body.width": "5 mm"}
@@ -67,3 +67,62 @@ def test_the_sweeps_of_init_say_where_the_own_brake_goes():
         assert line.endswith("# or your own brake file; a path counts from this file")
         # No comment names a file of the checkout.
         assert "studies/sweeps" not in re.sub(r'"[^"]*"', "", text)
+
+
+TROUBLESHOOTING = ROOT / "studies" / "manual" / "pages" / "troubleshooting.md"
+# Words of the double-shoe brake's file, and what a person may write in their place.
+WRONG_FILES = {
+    "quotation mark": ('"150 mm"', '"150 mm'),
+    "misspelt table": ("[drum]", "[drm]"),
+    "no unit": ('radius = "150 mm"', "radius = 150"),
+    "wrong unit": ('radius = "150 mm"', 'radius = "150 s"'),
+    "high friction": ("friction = 0.3", "friction = 1.3"),
+    "no friction": ("friction = 0.3\n", ""),
+    "short lining": ('end = "55 deg"', 'end = "-80 deg"'),
+    "short body": ('end = "60 deg"', 'end = "40 deg"'),
+    "negative width": ('width = "40 mm"', 'width = "-40 mm"'),
+    "wide gap": ("[shoe.lining]", '[shoe.lining]\nclearance = "50 mm"'),
+    "no hinge": ('hinge = { radius = "125 mm", angle = "-75 deg" }', ""),
+}
+WRONG_WORDS = {
+    "example": ("init", "doubleshoe"),
+    "file": ("solve", "no_such_file.toml"),
+    "model": ("solve", "BRAKE", "--model", "abaqus"),
+    "model of another brake": ("solve", "BRAKE", "--model", "foundation"),
+    "option of another model": ("solve", "BRAKE", "--model", "sine", "--elements", 10),
+    "no elements": ("solve", "BRAKE", "--elements", 0),
+    "fields": ("solve", "BRAKE", "--fields", "x.png"),
+    "torque without unit": ("size", "BRAKE", "--vary", "friction", "--torque", 400),
+    "no question": ("size", "BRAKE", "--vary", "friction"),
+    "out of reach": ("size", "BRAKE", "--vary", "friction", "--model", "sine", "--torque", "9 N m"),
+    "far": ("wear", "BRAKE", "--elements", 10, "--distance", "9000 km"),
+    "brake for sweep": ("sweep", "BRAKE"),
+    "steps": ("hold", "BRAKE", "--steps", 0),
+}
+
+
+def check_troubleshooting_has_words_of(line):
+    """The page on troubleshooting has a row for an error message."""
+    rows = re.findall(r"(?m)^\| `(.*?)` \|", TROUBLESHOOTING.read_text(encoding="utf-8"))
+    assert any(words in line for words in rows), line
+
+
+@pytest.mark.parametrize("which", WRONG_FILES)
+def test_troubleshooting_has_a_row_for_a_wrong_brake_file(which, tmp_path):
+    right = (STUDY / "brake.toml").read_text()
+    wrong = right.replace(*WRONG_FILES[which], 1)
+    assert wrong != right
+    (tmp_path / "my.toml").write_text(wrong)
+    done = command("solve", tmp_path / "my.toml")
+    assert done.returncode in {2, 3}
+    check_troubleshooting_has_words_of(done.stderr)
+
+
+@pytest.mark.parametrize("which", WRONG_WORDS)
+def test_troubleshooting_has_a_row_for_a_wrong_command(which, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    words = [STUDY / "brake.toml" if word == "BRAKE" else word for word in WRONG_WORDS[which]]
+    done = command(*words)
+    assert done.returncode in {2, 3}
+    check_troubleshooting_has_words_of(done.stderr)
+    assert list(tmp_path.iterdir()) == []
