@@ -120,9 +120,16 @@ NOT_TUNED: dict[str, dict[str, str]] = {
         "LARGEST_FIRST_PIECE": "half: most of a lining has all functions of each degree",
         "NEXT_DEGREE_FACTORS": "covers the brakes of an experiment that takes too long for a test",
         "LEAST_FALL": "bound of the work of one solve; the errors that remain are stated",
-        "LARGEST_WIDTH_DEGREE_IF_TOLERANCE_IS_OPTIONAL": "bound of the work of one solve; "
-        "the errors that remain are stated",
+        "WIDTH_ERROR_SHARE_OF_TOLERANCE": DEFINITION,
+        "NUMBER_OF_COMPARED_STEPS": "one step with another degree and one with other pieces",
+        "MOST_FUNCTIONS_WITHOUT_FALL": "bound of the work of one solve; the errors that remain "
+        "are stated",
         "ASSUMED_WIDTH_ERROR_EXPONENT": "power for the strongest singularity at a corner",
+    },
+    "fem/width/pieces.py": {
+        "DEGREES_ON_EQUAL_PIECES": "the lowest two degrees that show the error of plane stress",
+        "PLACE_OF_CUT_IN_FIRST_PIECE": "more or less work for the same error, which is stated",
+        "PLACE_OF_CUT_IN_OTHER_PIECES": "the middle",
     },
     "fem/width/prepare.py": {
         "LARGEST_POISSON_RATIO_OF_WIDTH_MODEL": SAID,

@@ -326,6 +326,24 @@ def contact_face_of_shoe_with_width(
     )
 
 
+def largest_number_of_unknowns_on_divisions(
+    brake: Brake, divisions: Mapping[int, ShoeElementDivision], make: MakeWidthFunctionsOfShoe
+) -> int:
+    """The largest number of unknowns of a shoe, before any model of it is made.
+
+    Parameters
+    ----------
+    brake : the brake
+    divisions : divisions of the sections into hp elements, by the index of the first shoe of each
+        shape
+    make : function from a shoe to its functions across the width
+    """
+    return max(
+        number_of_displacement_unknowns_of_shoe(brake.shoes[i], division, make(brake.shoes[i]))
+        for i, division in divisions.items()
+    )
+
+
 def number_of_displacement_unknowns_of_shoe(
     shoe: Shoe, division: ShoeElementDivision, functions: FunctionsAcrossWidth
 ) -> int:
