@@ -109,3 +109,9 @@ def test_steps_end_before_they_have_too_many_unknowns(wide_web):
     few = list(errors_of_finer_pieces_across_width(brake, plane, section, 1e-2, 0))
     # The error of the first step always needs the next two.
     assert [step.pieces.degree for step in few if not step.provisional] == [2]
+
+
+def test_a_cut_in_a_wide_web_shows_the_error_of_plane_stress(wide_web):
+    # By degree 3 on fine pieces the error of p is 0.75 %; without the cut 0.30 % were stated.
+    stated = solve(wide_web.brake, model_error=True).plane_stress_error
+    assert 6e-3 < stated.brake["pressure"] < 9e-3
