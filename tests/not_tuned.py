@@ -88,6 +88,10 @@ NOT_TUNED: dict[str, dict[str, str]] = {
             FORMAT,
         ),
     },
+    "fem/width/columns.py": {
+        "MOST_CONDENSATION_PLANS": MEMORY,
+        "LARGEST_COUPLING_ELIMINATED_AT_ONCE": SPEED,
+    },
     "fem/width/face.py": {
         "WRITTEN_PRESSURE_INTERVALS_PER_WIDTH_PIECE": "points of a face that is written or drawn"
     },
@@ -125,8 +129,13 @@ NOT_TUNED: dict[str, dict[str, str]] = {
         "ASSUMED_WIDTH_ERROR_EXPONENT": "power for the strongest singularity at a corner",
     },
     "fem/width/prepare.py": {
+        "MOST_BYTES_OF_KEPT_CHOLESKY_FACTOR": MEMORY,
         "LARGEST_POISSON_RATIO_OF_WIDTH_MODEL": SAID,
         "LARGEST_WIDTH_DEGREE": SAID,
+    },
+    "fem/width/shoe.py": {
+        "MOST_BYTES_OF_COLUMNS_MADE_TOGETHER": MEMORY,
+        "FACE_STIFFNESS_ROWS_CONVERTED_TOGETHER": SPEED,
     },
     "fem/equilibrium/group.py": {
         "LARGEST_FRICTION_STEP_BETWEEN_CHECKS": "a quarter of "
@@ -171,7 +180,11 @@ NOT_TUNED: dict[str, dict[str, str]] = {
         "BINARY_DIGITS_OF_ROUNDED_CONTACT_END": ROUND_OFF,
         "SHORTEST_CONTACT_WITH_KNOWN_PRESSURE": SAID,
     },
-    "fem/hp/element.py": {"SHAPE_FUNCTION_SLOPES_PER_BATCH": SPEED},
+    "fem/hp/element.py": {
+        "SHAPE_FUNCTION_SLOPES_PER_BATCH": SPEED,
+        "SMALLEST_SIZE_COMPUTED_BY_TRIANGLE": SPEED,
+        "ROWS_OF_TRANSPOSED_BLOCK": SPEED,
+    },
     "fem/error_control/levels.py": {
         "DEGREE_IN_RADIANS": DEFINITION,
         "REFINEMENT_LEVELS_FROM_COARSE_TO_FINE": DEFINITION,
