@@ -95,19 +95,7 @@ NOT_TUNED: dict[str, dict[str, str]] = {
     "fem/width/face.py": {
         "WRITTEN_PRESSURE_INTERVALS_PER_WIDTH_PIECE": "points of a face that is written or drawn"
     },
-    "fem/width/functions.py": {
-        "SAME_HALF_WIDTH_TOLERANCE": ROUND_OFF,
-        # Found by trial: other breaks need more functions for the same error, which is stated.
-        **dict.fromkeys(
-            (
-                "WIDTH_BREAKPOINT_DISTANCES_BESIDE_WEB",
-                "LEAST_LENGTH_FROM_WIDTH_BREAKPOINT_TO_SIDE",
-                "WIDTH_BREAKPOINT_DISTANCE_IN_SHORT_OVERHANG",
-                "LARGEST_OVERHANG_WITHOUT_WIDTH_BREAKPOINT",
-            ),
-            "found by trial, for the work of one solve; the errors that remain are stated",
-        ),
-    },
+    "fem/width/functions.py": {"SAME_HALF_WIDTH_TOLERANCE": ROUND_OFF},
     "fem/width/integrals.py": {"SYMMETRY_NUMBERS_OF_COLUMN_DISPLACEMENTS": DEFINITION},
     "fem/width/ladder.py": {
         "LARGEST_WIDTH_DEGREE_WITH_STATED_ERROR": DEFINITION,
