@@ -332,6 +332,46 @@ def _function_that_makes_columns_and_kind_of_each_column(
     return made, kinds_of_columns.which
 
 
+def _columns_made_at_once(
+    make: MakeCondensedColumnsFunction, row: Ints, first: int, stack: LayersOfElementColumn
+) -> list[ColumnSubstructure]:
+    """The condensed columns of a row, each kind of column condensed once.
+
+    `row` has the kind of each column. The other parameters are those of `make`.
+    """
+    if not len(row):
+        return []
+    kinds = np.flatnonzero(np.bincount(row))
+    made = dict(zip(kinds.tolist(), make(kinds, first, stack), strict=True))
+    return [made[kind] for kind in row.tolist()]
+
+
+def _columns_made_at_once_or_when_needed(
+    make: MakeCondensedColumnsFunction, row: Ints, stack: LayersOfElementColumn
+) -> Sequence[ColumnSubstructure | ColumnSubstructureMadeWhenNeeded]:
+    """The condensed columns of a row under the lining, of which large ones are not computed yet.
+
+    `row` has the kind of each column. The other parameters are those of `make`.
+    """
+    line = stack.number_of_unknowns_on_each_side
+    unknowns = 2 * line + stack.number_of_unknowns_of_contact
+    kinds = np.unique(row).tolist()
+    if 8 * unknowns**2 * len(kinds) <= MOST_BYTES_OF_COLUMNS_MADE_TOGETHER:
+        return _columns_made_at_once(make, row, 0, stack)
+
+    def make_column_of_kind(kind: int) -> ColumnSubstructure:
+        """The condensed column of a kind."""
+        return make(np.array([kind]), 0, stack)[0]
+
+    later = {
+        kind: ColumnSubstructureMadeWhenNeeded(
+            unknowns, line, line, partial(make_column_of_kind, kind)
+        )
+        for kind in kinds
+    }
+    return [later[kind] for kind in row.tolist()]
+
+
 def _condensed_element_columns_of_shoe(
     shoe: Shoe, radius: float, div: ShoeElementDivision, layers: ElementLayersWithWidthFunctions
 ) -> _CondensedColumnsUnderAndBesideLining:
@@ -342,47 +382,13 @@ def _condensed_element_columns_of_shoe(
     p = div.degree
     make, which = _function_that_makes_columns_and_kind_of_each_column(shoe, radius, div, layers)
 
-    def condensed_columns_beside_lining(row: Ints) -> list[ColumnSubstructure]:
-        """The condensed columns of the body; `row` has the kind of each column."""
-        first = div.index_of_first_body_layer
-        if not len(row):
-            return []
-        stack = layers.layers_of_element_column_from_given_layer(
-            p, first, contact=False, back=ConditionAtEdgeFarthestFromContact.FREE
+    def layers_of_column(
+        first: int, *, contact: bool, back: ConditionAtEdgeFarthestFromContact
+    ) -> LayersOfElementColumn:
+        """The layers from index `first` on of a column, see `LayersOfElementColumn`."""
+        return layers.layers_of_element_column_from_given_layer(
+            p, first, contact=contact, back=back
         )
-        # Each kind of column is condensed once.
-        kinds = np.flatnonzero(np.bincount(row))
-        made = dict(zip(kinds.tolist(), make(kinds, first, stack), strict=True))
-        return [made[kind] for kind in row.tolist()]
-
-    def condensed_columns_under_lining(
-        row: Ints, back: ConditionAtEdgeFarthestFromContact
-    ) -> list[ColumnSubstructure | ColumnSubstructureMadeWhenNeeded]:
-        """The condensed columns under the lining, of which large ones are not computed yet.
-
-        `row` has the kind of each column. `back` is explained in `LayersOfElementColumn`.
-        """
-        if not len(row):
-            return []
-        kinds = np.flatnonzero(np.bincount(row))
-        stack = layers.layers_of_element_column_from_given_layer(p, 0, contact=True, back=back)
-        line = stack.number_of_unknowns_on_each_side
-        unknowns = 2 * line + stack.number_of_unknowns_of_contact
-        if 8 * unknowns**2 * len(kinds) <= MOST_BYTES_OF_COLUMNS_MADE_TOGETHER:
-            at_once = dict(zip(kinds.tolist(), make(kinds, 0, stack), strict=True))
-            return [at_once[kind] for kind in row.tolist()]
-
-        def make_column_of_kind(kind: int) -> ColumnSubstructure:
-            """The condensed column of a kind."""
-            return make(np.array([kind]), 0, stack)[0]
-
-        later = {
-            kind: ColumnSubstructureMadeWhenNeeded(
-                unknowns, line, line, partial(make_column_of_kind, kind)
-            )
-            for kind in kinds.tolist()
-        }
-        return [later[kind] for kind in row.tolist()]
 
     under, before = len(div.angles) - 1, len(div.column_ends_before_lining) - 1
     # A grip on the back of a shoe holds the columns a to b - 1; without a grip a = b = 0.
@@ -393,15 +399,27 @@ def _condensed_element_columns_of_shoe(
         if div.index_of_first_body_layer == div.number_of_element_layers
         else ConditionAtEdgeFarthestFromContact.FREE
     )
-    free = condensed_columns_under_lining(np.concatenate([which[:a], which[b:under]]), back)
-    gripped = condensed_columns_under_lining(which[a:b], ConditionAtEdgeFarthestFromContact.GRIPPED)
-    rest = condensed_columns_beside_lining(which[under:])
+    free = _columns_made_at_once_or_when_needed(
+        make,
+        np.concatenate([which[:a], which[b:under]]),
+        layers_of_column(0, contact=True, back=back),
+    )
+    gripped = _columns_made_at_once_or_when_needed(
+        make,
+        which[a:b],
+        layers_of_column(0, contact=True, back=ConditionAtEdgeFarthestFromContact.GRIPPED),
+    )
+    first = div.index_of_first_body_layer
+    rest = _columns_made_at_once(
+        make,
+        which[under:],
+        first,
+        layers_of_column(first, contact=False, back=ConditionAtEdgeFarthestFromContact.FREE),
+    )
     row = [*free[:a], *gripped, *free[a:]]
     # A column beside the grip shares one of its sides with a gripped column. The grip holds the
     # node of this side that is farthest from the contact.
-    stack = layers.layers_of_element_column_from_given_layer(
-        p, 0, contact=True, back=ConditionAtEdgeFarthestFromContact.FREE
-    )
+    stack = layers_of_column(0, contact=True, back=ConditionAtEdgeFarthestFromContact.FREE)
     if a < b and a > 0:
         row[a - 1] = column_beside_grip_with_shared_node_held(row[a - 1].made, stack, right=True)
     if a < b < under:
