@@ -109,6 +109,7 @@ NOT_TUNED: dict[str, dict[str, str]] = {
         "MOST_UNKNOWNS_FOR_FURTHER_SECTION_LEVEL": "bound of the work of one solve; the "
         "errors that remain are stated",
         "LARGEST_SOLID": MEMORY,
+        "LARGEST_SOLID_OF_COMPARED_STEPS": MEMORY,
         "LARGEST_FIRST_PIECE": "half: most of a lining has all functions of each degree",
         "NEXT_DEGREE_FACTORS": "covers the brakes of an experiment that takes too long for a test",
         "LEAST_FALL": "bound of the work of one solve; the errors that remain are stated",

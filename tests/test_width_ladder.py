@@ -389,7 +389,9 @@ def test_degrees_end_where_their_error_no_longer_falls():
         SECTIONS, widths, TolerancesOfPressureAndTorque(1e-2, 1e-2)
     )
     assert used == [2, 3, 4, 5, 6, 7]
-    assert choice.width.degree == 3
+    # On the second level the error is 1.9 %. On the first level it is within a quarter of this with
+    # the degrees 6 and 7 only.
+    assert (choice.section, choice.width.degree) == (SECTIONS[0], 6)
 
 
 def test_provisional_errors_may_end_the_degrees_but_do_not_count_as_a_fall():

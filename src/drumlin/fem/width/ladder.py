@@ -162,12 +162,19 @@ error of p from 3.2 to 0.84 %. With degree 4 across the width the third level th
 unknowns, and the process takes 1.1 GB. With a larger limit solves take more memory; with a smaller
 limit the error of short contacts stays larger.
 """
-LARGEST_SOLID = 90_000
+LARGEST_SOLID = 150_000
 """Largest number of unknowns of a shoe if its parts differ in width and a tolerance may be missed.
 
-A solve with 80 000 unknowns takes 0.9 GB, and a solve with 105 000 unknowns takes 1.5 GB ("built"
-510003 and "free" 510000 of `drumlin_studies.solid_error`). If the tolerance must be met, there is
-no limit.
+A solve with 85 000 unknowns takes 0.5 GB, and a solve with 130 000 unknowns takes 0.8 GB ("built"
+510030 of `drumlin_studies.solid_error`). If the tolerance must be met, there is no limit.
+"""
+LARGEST_SOLID_OF_COMPARED_STEPS = 90_000
+"""Largest number of unknowns of a shoe in a step that serves for the error of an earlier step.
+
+Such steps are solved on the first level only. The answer itself has about half as many unknowns on
+this level, and about four times as many on the next level: more than LARGEST_SOLID. With a smaller
+limit the errors of long shoes, whose first step has 27 000 unknowns, could not be stated for any
+finer pieces. If the tolerance must be met, there is no limit.
 """
 LEAST_FALL = 0.8
 """Ratio of errors of p below which a higher degree across the width counts as an improvement.
@@ -503,7 +510,7 @@ def solve_brake_with_widths_and_keep_model(
             sections.plane,
             compared,
             tolerance.pressure,
-            most_unknowns,
+            LARGEST_SOLID_OF_COMPARED_STEPS if not must else math.inf,
             penalty=penalty,
             cache=cache,
         )
@@ -601,18 +608,16 @@ def cheapest_choice_within_tolerance(
     tolerance: TolerancesOfPressureAndTorque,
     most_unknowns: float = math.inf,
 ) -> SolidChoice:
-    """The smallest degree, and the coarsest elements for it, whose errors meet a tolerance.
+    """The first functions of z, and the coarsest elements for them, whose errors meet a tolerance.
 
-    If no degree meets the tolerance, the choice has the degree with the smallest error of p. Its
-    elements are the coarsest elements whose error is not larger than the error of this degree, or
-    the finest elements if the errors of all elements are larger.
+    If no functions meet the tolerance, the error of p is made small. Of all choices whose error is
+    at most 1/LEAST_FALL times the smallest one, the result has the fewest unknowns.
 
     Parameters
     ----------
     sections : levels of the section's hp elements with their errors, from coarse to fine
-    widths : errors due to the degree across the width, from low to high degrees. No more degrees
-        are taken after MOST_FUNCTIONS_WITHOUT_FALL degrees in a row whose error of p
-        does not fall.
+    widths : errors due to the functions of z, from coarse to fine. No more functions are taken
+        after MOST_FUNCTIONS_WITHOUT_FALL in a row whose error of p does not fall.
     tolerance : relative errors that are allowed
     most_unknowns : largest number of unknowns of a shoe on any level but the first
     """
@@ -620,14 +625,16 @@ def cheapest_choice_within_tolerance(
     can_sections_meet_tolerance = finest.is_within_error_tolerance(tolerance)
     best: WidthError | None = None
     functions_without_fall = 0
+    choices: list[SolidChoice] = []
     for width in widths:
-        for section in sections:
-            choice = SolidChoice(section, width)
-            is_small = section is sections[0] or choice.unknowns <= most_unknowns
-            if is_small and choice.error.is_within_error_tolerance(tolerance):
+        of_width = [SolidChoice(section, width) for section in sections]
+        small = [of_width[0], *(one for one in of_width[1:] if one.unknowns <= most_unknowns)]
+        for choice in small:
+            if choice.error.is_within_error_tolerance(tolerance):
                 return choice
         if width.provisional:
             continue
+        choices += small
         falls = best is None or (
             width.error.largest_pressure_error < LEAST_FALL * best.error.largest_pressure_error
         )
@@ -639,15 +646,13 @@ def cheapest_choice_within_tolerance(
         is_enough = not can_sections_meet_tolerance and best.error.is_within_error_tolerance(enough)
         if is_enough or functions_without_fall == MOST_FUNCTIONS_WITHOUT_FALL:
             break
-    assert best is not None
-    enough = best.error.smallest_tolerance_that_errors_meet
-    last = sections[0]
-    for section in sections:
-        if SolidChoice(section, best).unknowns <= most_unknowns:
-            last = section
-        if last.error.is_within_error_tolerance(enough):
-            break
-    return SolidChoice(last, best)
+    smallest = min(choice.error.largest_pressure_error for choice in choices)
+    good = [
+        choice
+        for choice in choices
+        if LEAST_FALL * choice.error.largest_pressure_error <= smallest
+    ]
+    return min(good, key=lambda choice: choice.unknowns)
 
 
 def _is_choice_solved(
