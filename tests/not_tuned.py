@@ -88,22 +88,14 @@ NOT_TUNED: dict[str, dict[str, str]] = {
             FORMAT,
         ),
     },
+    "fem/width/columns.py": {
+        "MOST_CONDENSATION_PLANS": MEMORY,
+        "LARGEST_COUPLING_ELIMINATED_AT_ONCE": SPEED,
+    },
     "fem/width/face.py": {
         "WRITTEN_PRESSURE_INTERVALS_PER_WIDTH_PIECE": "points of a face that is written or drawn"
     },
-    "fem/width/functions.py": {
-        "SAME_HALF_WIDTH_TOLERANCE": ROUND_OFF,
-        # Found by trial: other breaks need more functions for the same error, which is stated.
-        **dict.fromkeys(
-            (
-                "WIDTH_BREAKPOINT_DISTANCES_BESIDE_WEB",
-                "LEAST_LENGTH_FROM_WIDTH_BREAKPOINT_TO_SIDE",
-                "WIDTH_BREAKPOINT_DISTANCE_IN_SHORT_OVERHANG",
-                "LARGEST_OVERHANG_WITHOUT_WIDTH_BREAKPOINT",
-            ),
-            "found by trial, for the work of one solve; the errors that remain are stated",
-        ),
-    },
+    "fem/width/functions.py": {"SAME_HALF_WIDTH_TOLERANCE": ROUND_OFF},
     "fem/width/integrals.py": {"SYMMETRY_NUMBERS_OF_COLUMN_DISPLACEMENTS": DEFINITION},
     "fem/width/ladder.py": {
         "LARGEST_WIDTH_DEGREE_WITH_STATED_ERROR": DEFINITION,
@@ -117,16 +109,30 @@ NOT_TUNED: dict[str, dict[str, str]] = {
         "MOST_UNKNOWNS_FOR_FURTHER_SECTION_LEVEL": "bound of the work of one solve; the "
         "errors that remain are stated",
         "LARGEST_SOLID": MEMORY,
+        "LARGEST_SOLID_OF_COMPARED_STEPS": MEMORY,
         "LARGEST_FIRST_PIECE": "half: most of a lining has all functions of each degree",
         "NEXT_DEGREE_FACTORS": "covers the brakes of an experiment that takes too long for a test",
         "LEAST_FALL": "bound of the work of one solve; the errors that remain are stated",
-        "LARGEST_WIDTH_DEGREE_IF_TOLERANCE_IS_OPTIONAL": "bound of the work of one solve; "
-        "the errors that remain are stated",
+        "WIDTH_ERROR_SHARE_OF_TOLERANCE": DEFINITION,
+        "NUMBER_OF_COMPARED_STEPS": "one step with another degree and one with other pieces",
+        "MOST_FUNCTIONS_WITHOUT_FALL": "bound of the work of one solve; the errors that remain "
+        "are stated",
         "ASSUMED_WIDTH_ERROR_EXPONENT": "power for the strongest singularity at a corner",
     },
+    "fem/width/pieces.py": {
+        "DEGREES_ON_EQUAL_PIECES": "the lowest two degrees that show the error of plane stress",
+        "PLACE_OF_CUT_IN_FIRST_PIECE": "more or less work for the same error, which is stated",
+        "PLACE_OF_CUT_IN_OTHER_PIECES": "the middle",
+        "WIDEST_FIRST_PIECE_WITHOUT_CUT": "the length over which the pressure changes at an edge",
+    },
     "fem/width/prepare.py": {
+        "MOST_BYTES_OF_KEPT_CHOLESKY_FACTOR": MEMORY,
         "LARGEST_POISSON_RATIO_OF_WIDTH_MODEL": SAID,
         "LARGEST_WIDTH_DEGREE": SAID,
+    },
+    "fem/width/shoe.py": {
+        "MOST_BYTES_OF_COLUMNS_MADE_TOGETHER": MEMORY,
+        "FACE_STIFFNESS_ROWS_CONVERTED_TOGETHER": SPEED,
     },
     "fem/equilibrium/group.py": {
         "LARGEST_FRICTION_STEP_BETWEEN_CHECKS": "a quarter of "
@@ -172,7 +178,11 @@ NOT_TUNED: dict[str, dict[str, str]] = {
         "SHORTEST_CONTACT_WITH_KNOWN_PRESSURE": SAID,
     },
     "fem/hp/shoe.py": {"STRAIGHT_BEAM_COLUMNS_PER_BATCH": MEMORY},
-    "fem/hp/element.py": {"SHAPE_FUNCTION_SLOPES_PER_BATCH": SPEED},
+    "fem/hp/element.py": {
+        "SHAPE_FUNCTION_SLOPES_PER_BATCH": SPEED,
+        "SMALLEST_SIZE_COMPUTED_BY_TRIANGLE": SPEED,
+        "ROWS_OF_TRANSPOSED_BLOCK": SPEED,
+    },
     "fem/error_control/levels.py": {
         "DEGREE_IN_RADIANS": DEFINITION,
         "REFINEMENT_LEVELS_FROM_COARSE_TO_FINE": DEFINITION,

@@ -62,6 +62,11 @@ def test_the_errors_that_were_observed_are_stated(kept):
     for part, pressure, force in (
         ("width", SAFETY_FACTORS_OF_SOLID_ERRORS.pressure, SAFETY_FACTORS_OF_SOLID_ERRORS.force),
         (
+            "pieces",
+            SAFETY_FACTORS_OF_SOLID_ERRORS.pieces_pressure,
+            SAFETY_FACTORS_OF_SOLID_ERRORS.pieces_force,
+        ),
+        (
             "section",
             SAFETY_FACTORS_OF_SOLID_ERRORS.section_pressure,
             SAFETY_FACTORS_OF_SOLID_ERRORS.section_force,

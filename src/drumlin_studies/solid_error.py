@@ -19,13 +19,13 @@ FUNCTIONS_THAT_DRAW_BRAKES_BY_SOLID_KIND:
 The true errors are distances from a reference solution, the truth. A solve with fine elements in
 the section (the plane of the drum) and a high degree across the width would take minutes. Therefore
 the truth is a sum of two parts. The first part is the answer on the first level of the section's hp
-elements, with functions across the width that are graded to the sides of all parts. The second part
-is a difference of two answers with degree DEGREE_ACROSS_WIDTH_IN_SECOND_PART_OF_TRUTH across the
-width: the answer on the level after the level of the judged solve, minus the answer on the first
-level.
+elements, on fine pieces across the width (`functions_across_width_on_fine_pieces`). The second part
+is a difference of two answers on pieces that are cut once, with degree
+DEGREE_ACROSS_WIDTH_IN_SECOND_PART_OF_TRUTH across the width: the answer on the level after the
+level of the judged solve, minus the answer on the first level.
 
-Two differences add up to the uncertainty of the truth: the distance between the graded functions
-and the same functions of one degree less, and the distance between the truth and a truth whose
+Two differences add up to the uncertainty of the truth: the distance between the fine pieces
+and the same pieces with one degree less, and the distance between the truth and a truth whose
 second part has one degree less across the width. The second distance shows how much the error of
 the section's elements depends on the degree. The error of these elements on the finest level is not
 contained.
@@ -89,9 +89,7 @@ from drumlin.fem.hp.division import RefinementLevel
 from drumlin.fem.solve import solve
 from drumlin.fem.width.error import relative_distance_of_plane_stress_from_width_solution
 from drumlin.fem.width.functions import (
-    SAME_HALF_WIDTH_TOLERANCE,
     FunctionsAcrossWidth,
-    half_widths_of_parts,
     has_parts_of_different_widths,
     piece_ends_across_half_width_of_shoe,
 )
@@ -99,6 +97,7 @@ from drumlin.fem.width.ladder import (
     solve_brake_with_widths_to_tolerance,
     solve_cross_section_mesh_with_width_degree,
 )
+from drumlin.fem.width.pieces import PLACE_OF_CUT_IN_FIRST_PIECE
 from drumlin.fem.width.prepare import reason_why_width_model_does_not_apply
 from drumlin.response.response import Response, ShoeResponse
 from drumlin.response.resultants import gauss_lobatto_points
@@ -126,13 +125,11 @@ responses.
 The ends of all elements of these responses divide the lining into pieces. Ends that differ only by
 round-off make such short pieces.
 """
-LENGTH_OF_POLYNOMIAL_PIECES_BESIDE_PART_SIDES = 0.2
-"""Length across the width of the short pieces beside the side of a part. On each piece the
-reference solution's functions across the width are polynomials.
+CUTS_OF_FIRST_PIECE_ACROSS_TRUTH_WIDTH = 3
+"""Number of cuts of the first piece across the width in the first part of the truth.
 
-The length is relative to the lining's thickness, or to the distance of the next break (end of a
-piece) if this distance is less. Pieces much shorter than the elements of the section only add
-unknowns.
+All other pieces are divided into three. On three random brakes ("free" 510030, 510032, 510038) the
+steps of finer pieces of a solve come within 0.08 to 0.17 % of the pressures of these pieces.
 """
 STEEL_DATA_OF_TABLES_AND_WEBS = {"E": 210e9, "nu": 0.3}
 """Material of tables and webs of the "built" shoes: Young's modulus [Pa] and Poisson's ratio."""
@@ -254,7 +251,8 @@ class SolidReferenceWithUncertaintySolutions(NamedTuple):
     Attributes
     ----------
     truth : the truth
-    lower : the truth, computed with graded functions of one degree less across the width
+    lower : the truth, computed with one degree less across the width in the
+        first part
     truth_with_lower_degree_step : the truth, computed with one degree less across the width in the
         difference of two levels
     """
@@ -308,37 +306,37 @@ FUNCTIONS_THAT_DRAW_BRAKES_BY_SOLID_KIND: dict[str, Callable[[int], Brake]] = {
 """The function that draws a brake from a seed, for each KIND on the command line."""
 
 
-def functions_across_width_graded_to_sides(
-    shoe: Shoe, degree: int = DEGREE_OF_POLYNOMIAL_PIECES_ACROSS_TRUTH_WIDTH
+def functions_across_width_on_fine_pieces(
+    shoe: Shoe,
+    degree: int = DEGREE_OF_POLYNOMIAL_PIECES_ACROSS_TRUTH_WIDTH,
+    cuts: int = CUTS_OF_FIRST_PIECE_ACROSS_TRUTH_WIDTH,
 ) -> FunctionsAcrossWidth:
-    """Functions across the width of a shoe, with short pieces beside the sides of all its parts.
+    """Functions across the width of a shoe, on finer pieces than those of a solve's first step.
 
-    `degree` is the degree of the functions in each piece.
+    The first piece is cut `cuts` times, each time at PLACE_OF_CUT_IN_FIRST_PIECE between the last
+    cut and the side of the web. All other pieces are divided into as many equal pieces, but at
+    least into two.
+
+    Parameters
+    ----------
+    shoe : the shoe
+    degree : degree of the functions in each piece
+    cuts : number of cuts of the first piece
     """
-    halves, breaks = half_widths_of_parts(shoe).values(), piece_ends_across_half_width_of_shoe(shoe)
-
-    def is_side_of_shoe_part_at_distance_from_mid_plane(place: float) -> bool:
-        """Whether a part of the shoe ends at the distance `place` [m] from the mid-plane."""
-        return any(abs(place - half) <= SAME_HALF_WIDTH_TOLERANCE * half for half in halves)
-
-    found = set(breaks)
-    for inner, outer in pairwise(breaks):
-        size = LENGTH_OF_POLYNOMIAL_PIECES_BESIDE_PART_SIDES * min(
-            outer - inner, shoe.lining.thickness
-        )
-        if is_side_of_shoe_part_at_distance_from_mid_plane(inner):
-            found.add(inner + size)
-        if is_side_of_shoe_part_at_distance_from_mid_plane(outer):
-            found.add(outer - size)
-    return FunctionsAcrossWidth(tuple(sorted(found)), degree)
+    ends = piece_ends_across_half_width_of_shoe(shoe)
+    rest = (1 - PLACE_OF_CUT_IN_FIRST_PIECE) ** np.arange(1, cuts + 1)
+    found = [0.0, *(ends[1] * (1 - rest)), *ends[1:]]
+    for inner, outer in pairwise(ends[1:]):
+        found += [*np.linspace(inner, outer, max(cuts, 2) + 1)[1:-1]]
+    return FunctionsAcrossWidth(tuple(sorted(map(float, found))), degree)
 
 
-def response_with_width_functions_graded_to_sides(
+def response_with_fine_pieces_across_width(
     brake: Brake,
     level: RefinementLevel,
     degree: int = DEGREE_OF_POLYNOMIAL_PIECES_ACROSS_TRUTH_WIDTH,
 ) -> Response:
-    """The response of a brake with functions across the width graded to the sides of its parts.
+    """The response of a brake with functions across the width on fine pieces.
 
     Parameters
     ----------
@@ -346,8 +344,8 @@ def response_with_width_functions_graded_to_sides(
     level : degree and grading of the hp elements of the shoes' sections
     degree : degree of the functions across the width, in each of their pieces
     """
-    graded = partial(functions_across_width_graded_to_sides, degree=degree)
-    return solve_cross_section_mesh_with_width_degree(brake, level, graded, solve(brake)).response
+    fine = partial(functions_across_width_on_fine_pieces, degree=degree)
+    return solve_cross_section_mesh_with_width_degree(brake, level, fine, solve(brake)).response
 
 
 def response_plus_difference_of_two_others(
@@ -419,13 +417,14 @@ def reference_solution_for_solid_solve(
         DEGREE_ACROSS_WIDTH_IN_SECOND_PART_OF_TRUTH,
         DEGREE_ACROSS_WIDTH_IN_SECOND_PART_OF_TRUTH - 1,
     ):
+        once = partial(functions_across_width_on_fine_pieces, degree=degree, cuts=1)
         start = solve_cross_section_mesh_with_width_degree(
-            brake, REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[0], degree, found
+            brake, REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[0], once, found
         ).response
-        end = solve_cross_section_mesh_with_width_degree(brake, finer, degree, start).response
+        end = solve_cross_section_mesh_with_width_degree(brake, finer, once, start).response
         steps.append((start, end))
-    graded, lower = (
-        response_with_width_functions_graded_to_sides(
+    fine, lower = (
+        response_with_fine_pieces_across_width(
             brake, REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[0], degree
         )
         for degree in (
@@ -434,9 +433,9 @@ def reference_solution_for_solid_solve(
         )
     )
     return SolidReferenceWithUncertaintySolutions(
-        response_plus_difference_of_two_others(graded, *steps[0]),
+        response_plus_difference_of_two_others(fine, *steps[0]),
         response_plus_difference_of_two_others(lower, *steps[0]),
-        response_plus_difference_of_two_others(graded, *steps[1]),
+        response_plus_difference_of_two_others(fine, *steps[1]),
     )
 
 

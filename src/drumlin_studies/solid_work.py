@@ -32,7 +32,7 @@ from drumlin.peers.solid_deck import solve_solid_by_calculix
 from drumlin.response.response import Response
 from drumlin_studies.solid_error import (
     DEGREE_OF_POLYNOMIAL_PIECES_ACROSS_TRUTH_WIDTH,
-    response_with_width_functions_graded_to_sides,
+    response_with_fine_pieces_across_width,
 )
 from drumlin_studies.work_precision import LEAST_SECONDS_OF_ONE_REPEAT
 
@@ -139,11 +139,11 @@ def solve_fine_reference_of_solid_shoes(
     )
     return FineSolidSolutionWithUncertainty(
         level,
-        response_with_width_functions_graded_to_sides(brake, fine),
-        response_with_width_functions_graded_to_sides(
+        response_with_fine_pieces_across_width(brake, fine),
+        response_with_fine_pieces_across_width(
             brake, fine, DEGREE_OF_POLYNOMIAL_PIECES_ACROSS_TRUTH_WIDTH - 1
         ),
-        response_with_width_functions_graded_to_sides(
+        response_with_fine_pieces_across_width(
             brake, coarse, DEGREE_OF_POLYNOMIAL_PIECES_ACROSS_TRUTH_WIDTH - 1
         ),
     )

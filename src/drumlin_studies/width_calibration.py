@@ -15,25 +15,36 @@ import csv
 import math
 from collections.abc import Sequence
 from functools import partial
+from itertools import pairwise
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
 from drumlin.base.errors import BadInput, NoAnswer
-from drumlin.brake.brake import Brake
+from drumlin.brake.brake import Brake, Shoe
 from drumlin.fem.error_control.adapt import TolerancesOfPressureAndTorque
 from drumlin.fem.error_control.levels import REFINEMENT_LEVELS_FROM_COARSE_TO_FINE
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.cache import CacheOfCondensedBodies
 from drumlin.fem.solve import solve
 from drumlin.fem.width.error import relative_distance_of_plane_stress_from_width_solution
+from drumlin.fem.width.functions import (
+    SAME_HALF_WIDTH_TOLERANCE,
+    FunctionsAcrossWidth,
+    half_widths_of_parts,
+    has_parts_of_different_widths,
+    piece_ends_across_half_width_of_shoe,
+)
 from drumlin.fem.width.ladder import (
+    ASSUMED_FALL_OF_ERROR_IN_TWO_STEPS,
     NUMBER_OF_COMPARED_HIGHER_WIDTH_DEGREES,
     NUMBER_OF_LEVELS_FOR_SECTION_ERROR_ESTIMATE,
     PressureAndForceErrorFactors,
     SafetyFactorsOfSolidErrors,
     error_divided_by_distance_to_next_degrees,
+    error_factors_of_steps,
+    errors_of_finer_pieces_across_width,
     errors_of_solved_cross_section_meshes,
     hp_elements_to_compare_width_degrees,
     refine_cross_section_mesh_until_tolerance_is_met,
@@ -41,6 +52,7 @@ from drumlin.fem.width.ladder import (
 )
 from drumlin.fem.width.prepare import (
     MakeWidthFunctionsOfShoe,
+    largest_number_of_unknowns_on_divisions,
     prepare_model_with_widths_on_given_elements,
     reason_why_width_model_does_not_apply,
 )
@@ -50,10 +62,19 @@ from drumlin_studies.calibration import (
     safety_factors_as_json_text,
 )
 from drumlin_studies.solid_error import (
+    DEGREE_OF_POLYNOMIAL_PIECES_ACROSS_TRUTH_WIDTH,
     FUNCTIONS_THAT_DRAW_BRAKES_BY_SOLID_KIND,
-    functions_across_width_graded_to_sides,
+    functions_across_width_on_fine_pieces,
 )
 
+LENGTH_OF_POLYNOMIAL_PIECES_BESIDE_PART_SIDES = 0.2
+"""Length across the width of the short pieces beside the side of a part. On each piece the
+reference solution's functions across the width are polynomials.
+
+The length is relative to the lining's thickness, or to the distance of the next break (end of a
+piece) if this distance is less. Pieces much shorter than the elements of the section only add
+unknowns.
+"""
 SEEDS_FOR_FIT_TO_ERRORS_OF_WIDTH_DEGREE: dict[str, Sequence[int]] = {
     "free": range(1000, 1021),
     "built": range(3100, 3107),
@@ -62,6 +83,25 @@ SEEDS_FOR_FIT_TO_ERRORS_OF_WIDTH_DEGREE: dict[str, Sequence[int]] = {
 fitted.
 
 The keys are kinds in `solid_error.FUNCTIONS_THAT_DRAW_BRAKES_BY_SOLID_KIND`.
+"""
+SEEDS_FOR_FIT_TO_ERRORS_OF_STEPS = SEEDS_FOR_FIT_TO_ERRORS_OF_WIDTH_DEGREE
+"""Seeds of the brakes to which the safety factors for errors of the steps of finer pieces are
+fitted.
+"""
+TOLERANCE_OF_SOLVES_IN_FIT_TO_STEPS = 0.01
+"""Relative error of p up to which pieces are split in the fit to the errors of steps.
+
+It is the tolerance of a solve with `--model solid` if no other is asked for.
+"""
+MOST_UNKNOWNS_IN_FIT_TO_STEPS = 40_000
+"""Largest number of unknowns of a shoe in a step of the fit.
+
+With larger values the fit takes more time and memory; with smaller values it has fewer steps.
+"""
+MOST_UNKNOWNS_OF_TRUTH_IN_FIT_TO_STEPS = 100_000
+"""Largest number of unknowns of a shoe in the truth of the fit to the errors of steps.
+
+A truth with 100 000 unknowns takes 30 s and 2 GB.
 """
 SEEDS_FOR_FIT_TO_ERRORS_OF_SECTION_MESH: dict[str, Sequence[int]] = {
     "built": (3100, 3102, 3104, 3105, 3106, 3108, 3109, 3110, 3111, 3117),
@@ -73,9 +113,7 @@ The keys are kinds in `solid_error.FUNCTIONS_THAT_DRAW_BRAKES_BY_SOLID_KIND`. Th
 because the solve of a brake on the second level of the section takes up to 110 s.
 """
 DEGREES_ACROSS_WIDTH_IN_FIT = (2, 3, 4, 5)
-"""Degrees across the width to whose errors the safety factors are fitted. The largest is
-`ladder.LARGEST_WIDTH_DEGREE_IF_TOLERANCE_IS_OPTIONAL`.
-"""
+"""Degrees across the width to whose errors the safety factors are fitted."""
 DEGREE_ACROSS_WIDTH_FOR_TRUE_SECTION_ERROR = 2
 """Degree across the width with which the true error of the section's mesh is measured.
 
@@ -118,6 +156,14 @@ MEANINGS_OF_SOLID_SAFETY_FACTORS = {
     "degree across the width. The distances of a force cancel by accident where those of p do not, "
     "and so this factor is larger. If the factor is too small, stated errors of forces are too "
     "small. If it is too large, they are needlessly large.",
+    "pieces_pressure": "Multiplies the estimated error of p (L2 norm) that is due to the pieces "
+    "across the width and the degree on them, if parts of a shoe have several widths. The estimate "
+    "is the distance of an answer from the answers of the next two steps of finer pieces, divided "
+    "by 1 - ASSUMED_FALL_OF_ERROR_IN_TWO_STEPS. If the factor is too small, stated errors of p are "
+    "too small. If it is too large, solves take finer pieces than they need.",
+    "pieces_force": "Multiplies the estimated error of a torque or a reaction that is due to the "
+    "pieces across the width. If the factor is too small, stated errors of forces are too small. "
+    "If it is too large, they are needlessly large.",
     "section_pressure": "Multiplies the estimated error of p (L2 norm) that is due to the hp "
     "elements in the section, the x-y plane of the brake, if parts of a shoe have several widths. "
     "The estimate is made with the low degree "
@@ -138,9 +184,9 @@ class EstimatedAndTrueErrorOfSolidShoe(NamedTuple):
     ----------
     kind, seed : kind in `solid_error.FUNCTIONS_THAT_DRAW_BRAKES_BY_SOLID_KIND` and seed of the
         random brake
-    part : "width" for the error of the degree across the width, "section" for the error of the mesh
-        in the section
-    degree : degree across the width
+    part : "width" for the error of the degree across the width, "pieces" for the error of a step of
+        finer pieces across the width, "section" for the error of the mesh in the section
+    degree : degree across the width; for "pieces" the number of the step, counted from 0
     quantity : "pressure", "torque" or "reaction"
     estimate : the estimated relative error without its safety factor
     true : the true relative error
@@ -175,16 +221,16 @@ def width_error_rows_of_random_brake(
 
     Parameters
     ----------
-    part : "width" for errors of the degree across the width, "section" for errors of the mesh in
-        the section
+    part : "width" for errors of the degree across the width, "pieces" for errors of the steps of
+        finer pieces across the width, "section" for errors of the mesh in the section
     kind : how the brake is drawn, a name in `solid_error.FUNCTIONS_THAT_DRAW_BRAKES_BY_SOLID_KIND`
     seed : seed of the brake
     """
-    observe = (
-        error_rows_of_degrees_across_width
-        if part == "width"
-        else error_rows_of_coarsest_cross_section_mesh
-    )
+    observe = {
+        "width": error_rows_of_degrees_across_width,
+        "pieces": error_rows_of_steps_of_finer_pieces,
+        "section": error_rows_of_coarsest_cross_section_mesh,
+    }[part]
     try:
         brake = FUNCTIONS_THAT_DRAW_BRAKES_BY_SOLID_KIND[kind](seed)
         if reason_why_width_model_does_not_apply(brake) is not None:
@@ -193,6 +239,31 @@ def width_error_rows_of_random_brake(
     except (BadInput, NoAnswer, np.linalg.LinAlgError):
         return []
     return [row._replace(kind=kind, seed=seed) for row in rows]
+
+
+def functions_across_width_graded_to_sides(
+    shoe: Shoe, degree: int = DEGREE_OF_POLYNOMIAL_PIECES_ACROSS_TRUTH_WIDTH
+) -> FunctionsAcrossWidth:
+    """Functions across the width of a shoe, with short pieces beside the sides of all its parts.
+
+    `degree` is the degree of the functions in each piece.
+    """
+    halves, breaks = half_widths_of_parts(shoe).values(), piece_ends_across_half_width_of_shoe(shoe)
+
+    def is_side_of_shoe_part_at_distance_from_mid_plane(place: float) -> bool:
+        """Whether a part of the shoe ends at the distance `place` [m] from the mid-plane."""
+        return any(abs(place - half) <= SAME_HALF_WIDTH_TOLERANCE * half for half in halves)
+
+    found = set(breaks)
+    for inner, outer in pairwise(breaks):
+        size = LENGTH_OF_POLYNOMIAL_PIECES_BESIDE_PART_SIDES * min(
+            outer - inner, shoe.lining.thickness
+        )
+        if is_side_of_shoe_part_at_distance_from_mid_plane(inner):
+            found.add(inner + size)
+        if is_side_of_shoe_part_at_distance_from_mid_plane(outer):
+            found.add(outer - size)
+    return FunctionsAcrossWidth(tuple(sorted(found)), degree)
 
 
 def error_rows_of_degrees_across_width(
@@ -236,6 +307,57 @@ def error_rows_of_degrees_across_width(
             rows.append(
                 EstimatedAndTrueErrorOfSolidShoe(
                     "", 0, "width", degree, name, estimate, true[name], unsure[name]
+                )
+            )
+    return rows
+
+
+def error_rows_of_steps_of_finer_pieces(
+    brake: Brake, plane: Response
+) -> list[EstimatedAndTrueErrorOfSolidShoe]:
+    """Rows with estimated and true errors of the steps of finer pieces across the width.
+
+    All steps have the same mesh in the section. The true error of a step is the distance of its
+    answer from the truth, which has fine pieces across the width. The distance of the last step
+    from the truth serves as the uncertainty of the true errors. The steps end before the unknowns
+    exceed MOST_UNKNOWNS_IN_FIT_TO_STEPS. The list is empty if all shoes have one width, or if the
+    truth has more unknowns than MOST_UNKNOWNS_OF_TRUTH_IN_FIT_TO_STEPS. `plane` is the response by
+    plane stress.
+    """
+    if not any(map(has_parts_of_different_widths, brake.shoes)):
+        return []
+    cache = CacheOfCondensedBodies()
+    section = hp_elements_to_compare_width_degrees(brake, plane, cache=cache)
+    unknowns = largest_number_of_unknowns_on_divisions(
+        brake, section.divisions, functions_across_width_on_fine_pieces
+    )
+    if unknowns > MOST_UNKNOWNS_OF_TRUTH_IN_FIT_TO_STEPS:
+        return []
+    steps = errors_of_finer_pieces_across_width(
+        brake,
+        plane,
+        section,
+        TOLERANCE_OF_SOLVES_IN_FIT_TO_STEPS,
+        MOST_UNKNOWNS_IN_FIT_TO_STEPS,
+        cache=cache,
+    )
+    known = [step for step in steps if not step.provisional]
+    scene = prepare_model_with_widths_on_given_elements(
+        brake, section.divisions, functions_across_width_on_fine_pieces, cache=cache
+    )
+    truth = solve_prepared_model(scene, brake, start=plane)
+    distance_of = partial(relative_distance_of_plane_stress_from_width_solution, brake)
+    unsure = distance_of(known[-1].solved.response, truth).brake
+    factors, rows = error_factors_of_steps(), []
+    ratio = 1 / (1 - ASSUMED_FALL_OF_ERROR_IN_TWO_STEPS)
+    for number, step in enumerate(known[:-1]):
+        true = distance_of(step.solved.response, truth).brake
+        for name in LEAST_TRUE_ERROR_IN_FIT_BY_QUANTITY:
+            factor = factors.pressure if name == "pressure" else factors.force
+            estimate = step.error.largest_error_by_name(name) * ratio / factor
+            rows.append(
+                EstimatedAndTrueErrorOfSolidShoe(
+                    "", 0, "pieces", number, name, estimate, true[name], unsure[name]
                 )
             )
     return rows
@@ -319,7 +441,7 @@ def fit_safety_factors_of_width_errors(
 ) -> SafetyFactorsOfSolidErrors:
     """Fit the safety factors of the stated errors of solid shoes to rows of observed errors."""
     factors = []
-    for part in ("width", "section"):
+    for part in ("width", "pieces", "section"):
         for of_pressure in (True, False):
             own = [
                 row

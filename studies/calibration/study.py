@@ -44,6 +44,7 @@ from drumlin_studies.width_calibration import (
     FRACTION_COVERED_BY_STATED_WIDTH_ERROR,
     MEANINGS_OF_SOLID_SAFETY_FACTORS,
     SEEDS_FOR_FIT_TO_ERRORS_OF_SECTION_MESH,
+    SEEDS_FOR_FIT_TO_ERRORS_OF_STEPS,
     SEEDS_FOR_FIT_TO_ERRORS_OF_WIDTH_DEGREE,
     EstimatedAndTrueErrorOfSolidShoe,
     fit_safety_factors_of_width_errors,
@@ -123,6 +124,7 @@ def _observe_solid_shoes(
     cases = []
     for part, kinds in (
         ("width", SEEDS_FOR_FIT_TO_ERRORS_OF_WIDTH_DEGREE),
+        ("pieces", SEEDS_FOR_FIT_TO_ERRORS_OF_STEPS),
         ("section", SEEDS_FOR_FIT_TO_ERRORS_OF_SECTION_MESH),
     ):
         for kind, seeds in kinds.items():

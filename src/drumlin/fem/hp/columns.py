@@ -14,9 +14,11 @@ share, may stand before all other unknowns. They are the factors of unit loads, 
 blocks of the condensed stiffness are negative.
 """
 
-from collections.abc import Sequence
+from collections import Counter
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from functools import cache
-from itertools import count, pairwise
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -206,6 +208,11 @@ class ColumnSubstructure(NamedTuple):
     left: int
     right: int
 
+    @property
+    def made(self) -> "ColumnSubstructure":
+        """The substructure itself; the property exists because unmade substructures have it."""
+        return self
+
 
 def join_and_condense_neighbouring_substructures(
     A: ColumnSubstructure, B: ColumnSubstructure, shared: int, extra: int = 0
@@ -242,44 +249,153 @@ def join_and_condense_neighbouring_substructures(
     return ColumnSubstructure(replace_matrix_by_schur_complement(K, C, inner), A.left, B.right)
 
 
+@dataclass(frozen=True, eq=False)
+class ColumnSubstructureMadeWhenNeeded:
+    """A substructure whose stiffness is computed only when it is joined with its neighbours.
+
+    Attributes
+    ----------
+    unknowns : number of unknowns of the substructure
+    left, right : numbers of unknowns of its two lines
+    make : function that computes the substructure
+    """
+
+    unknowns: int
+    left: int
+    right: int
+    make: Callable[[], ColumnSubstructure]
+
+    @property
+    def made(self) -> ColumnSubstructure:
+        """The substructure; each access computes it."""
+        return self.make()
+
+
+class _JoinOfNeighbours(NamedTuple):
+    """Two neighbouring stretches of a row of columns that are joined, and the joined stretch.
+
+    Stretches are given by numbers: the distinct columns of the row come first, and each join has
+    the next number.
+    """
+
+    left: int
+    right: int
+    joined: int
+
+
 def assemble_and_condense_row_of_element_columns(
-    pieces: Sequence[ColumnSubstructure], shared: int, extra: int = 0
+    pieces: Sequence[ColumnSubstructure | ColumnSubstructureMadeWhenNeeded],
+    shared: int,
+    extra: int = 0,
 ) -> ColumnSubstructure:
     """The stiffness of a row of element columns, condensed to its two ends and its contact nodes.
 
     Neighbours share `shared` contact unknowns, and all columns have `extra` common unknowns, the
-    factors of unit loads. Neighbours are joined in pairs, and the pair with the fewest unknowns
-    comes first. This order takes only a few percent more multiplications than the best order. If
-    the same pair of objects occurs again, its stiffness is not computed again.
+    factors of unit loads. The pairs that are joined are those of `_order_of_joins_of_row`. If the
+    same pair of objects occurs again, its stiffness is not computed again. The stiffness of a pair
+    is dropped after its last use. A substructure that is made when needed is made for each join,
+    and dropped after the join. This takes little time, because joins have far more multiplications.
     """
-    made, numbers = dict(enumerate(pieces)), count(len(pieces))
     first = dict[int, int]()
     row = [first.setdefault(id(piece), k) for k, piece in enumerate(pieces)]
-    made_of: dict[tuple[int, int], int] = {}
+    sizes = [_SizeOfSubstructure.size_of_column_substructure(piece) for piece in pieces]
+    joins = _joins_in_depth_first_order(_order_of_joins_of_row(row, sizes, shared, extra))
+    uses = Counter(number for join in joins for number in (join.left, join.right))
+    made = dict[int, ColumnSubstructure]()
+
+    def stretch_with_number(number: int) -> ColumnSubstructure:
+        """A column, or a joined stretch, which is dropped after its last use."""
+        if number < len(pieces):
+            return pieces[number].made
+        uses[number] -= 1
+        return made[number] if uses[number] > 0 else made.pop(number)
+
+    for join in joins:
+        made[join.joined] = join_and_condense_neighbouring_substructures(
+            stretch_with_number(join.left), stretch_with_number(join.right), shared, extra
+        )
+    return stretch_with_number(joins[-1].joined if joins else row[0])
+
+
+def _joins_in_depth_first_order(joins: list[_JoinOfNeighbours]) -> list[_JoinOfNeighbours]:
+    """The same joins in an order in which few joined stretches wait for their neighbours.
+
+    All joins of a stretch come before the joins of the next stretch.
+    """
+    by_number = {join.joined: join for join in joins}
+    found: dict[int, _JoinOfNeighbours] = {}
+    waiting = [joins[-1].joined] if joins else []
+    while waiting:
+        join = by_number[waiting[-1]]
+        before = [
+            number
+            for number in (join.right, join.left)
+            if number in by_number and number not in found
+        ]
+        if before:
+            waiting.extend(before)
+        else:
+            found.setdefault(waiting.pop(), join)
+    return list(found.values())
+
+
+class _SizeOfSubstructure(NamedTuple):
+    """The number of unknowns of a substructure, and the numbers on its left and right line."""
+
+    unknowns: int
+    left: int
+    right: int
+
+    @classmethod
+    def size_of_column_substructure(
+        cls, piece: ColumnSubstructure | ColumnSubstructureMadeWhenNeeded
+    ) -> "_SizeOfSubstructure":
+        """The size of a substructure, which need not be computed yet."""
+        unknowns = len(piece.K) if isinstance(piece, ColumnSubstructure) else piece.unknowns
+        return cls(unknowns, piece.left, piece.right)
+
+
+def _order_of_joins_of_row(
+    row: Sequence[int], sizes: Sequence[_SizeOfSubstructure], shared: int, extra: int
+) -> list[_JoinOfNeighbours]:
+    """The order in which the columns of a row are joined, each pair of columns once.
+
+    Neighbours are joined in pairs, and the pair with the fewest unknowns comes first. This order
+    takes only a few percent more multiplications than the best order.
+
+    Parameters
+    ----------
+    row : (columns,) number of each column; equal columns have the same number
+    sizes : (columns,) size of each column
+    shared, extra : as in `assemble_and_condense_row_of_element_columns`
+    """
+    # The list `row` has the numbers of the stretches that are not joined yet. In each step two
+    # neighbours are replaced by one stretch.
+    row, size_of = list(row), dict(enumerate(sizes))
+    joins: dict[tuple[int, int], _JoinOfNeighbours] = {}
 
     def counts_of_unknowns_of_neighbours_if_joined(row: list[int]) -> list[int]:
         """The number of unknowns that each pair of neighbours in the row would have if joined."""
-        return [len(made[i].K) + len(made[j].K) - 2 * made[i].right for i, j in pairwise(row)]
+        return [
+            size_of[i].unknowns + size_of[j].unknowns - 2 * size_of[i].right
+            for i, j in pairwise(row)
+        ]
 
-    # The list `row` has the numbers of the stretches that are not joined yet, and `made` has their
-    # stiffness. In each step two neighbours are replaced by one stretch. Stretches that are no
-    # longer in the row are released, because those of many columns would fill the memory.
-    sizes = counts_of_unknowns_of_neighbours_if_joined(row)
-    while sizes:
-        k = sizes.index(min(sizes))
+    counts = counts_of_unknowns_of_neighbours_if_joined(row)
+    while counts:
+        k = counts.index(min(counts))
         pair = row[k], row[k + 1]
-        if made_of.get(pair) not in made:
-            made_of[pair] = next(numbers)
-            made[made_of[pair]] = join_and_condense_neighbouring_substructures(
-                made[pair[0]], made[pair[1]], shared, extra
+        if pair not in joins:
+            number = len(sizes) + len(joins)
+            joins[pair] = _JoinOfNeighbours(*pair, number)
+            size_of[number] = _SizeOfSubstructure(
+                counts[k] - shared - extra, size_of[pair[0]].left, size_of[pair[1]].right
             )
-        row[k : k + 2] = [made_of[pair]]
-        for joined in set(pair).difference(row):
-            del made[joined]
+        row[k : k + 2] = [joins[pair].joined]
         # The numbers of unknowns change only for the pairs with the new substructure.
         near = max(k - 1, 0)
-        sizes[near : k + 2] = counts_of_unknowns_of_neighbours_if_joined(row[near : k + 2])
-    return made[row[0]]
+        counts[near : k + 2] = counts_of_unknowns_of_neighbours_if_joined(row[near : k + 2])
+    return list(joins.values())
 
 
 def eliminate_nodes_on_column_side(

@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from drumlin.base.arrays import Floats, Ints
+from drumlin.base.lapack import dgemm
 from drumlin.brake.beam_axis import make_beam_axis
 from drumlin.brake.brake import Shoe
 from drumlin.brake.components import BeamBody
@@ -701,22 +702,24 @@ def condensed_shoe_corrected_for_round_off(
         slice(DEGREES_OF_FREEDOM_OF_BODY_FRAME, -extra),
         slice(-extra, None),
     )
-    S = stiffness_in_frame(A[contact, contact])
     load = -forces_in_frame(A[loads, contact]).T
-    on_frame = -A[frame, loads]
+    held = forces_in_frame(A[frame, contact]).T
+    on_frame, work = -A[frame, loads], -A[loads, loads]
+    S = stiffness_in_frame(A[contact, contact])
+    # The matrices of a shoe with a width are large, so that each one is dropped after its use.
+    del A
 
     # Small forces on the contact nodes are added to the loads. Loads and reactions are then in
     # equilibrium.
     imbalance = end.forces_and_moments_of_unit_loads_about_pin(pin) - on_frame - R.T @ load
     load += R @ np.linalg.solve(R.T @ R, imbalance)
-    corrected = contact_stiffness_without_strain_in_rigid_motion(
-        S, R, forces_in_frame(A[frame, contact]).T
-    )
+    corrected = contact_stiffness_without_strain_in_rigid_motion(S, R, held)
+    del S
     actuation = end.columns.column_slice_of_each_load[ACTUATION_LOAD_NAME]
     return CondensedShoe(
         S=stiffness_of_hinge_face_and_contact_nodes(corrected.S, R),
         loads=np.concatenate([on_frame, load]),
-        work=-A[loads, loads],
+        work=work,
         centre=end.centre,
         rigid_mode_forces=corrected.round_off_forces,
         force_imbalance=float(np.abs(imbalance[:2, actuation][:, :2]).max()),
@@ -934,16 +937,20 @@ def contact_stiffness_without_strain_in_rigid_motion(
         nodes are fixed
     """
     # The first correction changes the 2 x 2 block of each node.
-    S, own = S.copy(), np.arange(len(S)).reshape(-1, 2)
+    corrected, own = S.copy(), np.arange(len(S)).reshape(-1, 2)
     before = S @ R + held
     node = before[:, :2].reshape(-1, 2, 2)
-    S[own[:, :, None], own[:, None]] -= 0.5 * (node + node.swapaxes(1, 2))
-    # The second correction is a symmetric change of the whole matrix.
-    after = S @ R + held
+    corrected[own[:, :, None], own[:, None]] -= 0.5 * (node + node.swapaxes(1, 2))
+    # The second correction is a symmetric change of the whole matrix. With the matrices
+    # `back` = R (R^T R)^-1, `after` and Z = after - back (R^T after + after^T R) / 4 it is
+    # back Z^T + Z back^T.
+    after = corrected @ R + held
     back = R @ np.linalg.inv(R.T @ R)
-    change, moment = back @ after.T, R.T @ after
-    symmetric_moment = 0.5 * (moment + moment.T)
-    corrected = S - change - change.T + back @ symmetric_moment @ back.T
+    moment = R.T @ after
+    part = after - 0.25 * back @ (moment + moment.T)
+    # BLAS changes the matrix in place.
+    factors = np.hstack([back, part]), np.hstack([part, back])
+    dgemm(-1.0, *factors, 1.0, corrected.T, trans_b=1, overwrite_c=1)
     return _ContactStiffnessCorrectedForRoundOff(corrected, before)
 
 

@@ -213,7 +213,8 @@ def make_shoe_substructure(
     Y = _half_flexibility_under_contact_loads(condensed, coupling, friction=friction)
     first_friction = n + condensed.columns.number_of_load_columns
     pressed, loaded, dragged = slice(n), slice(n, first_friction), slice(first_friction, None)
-    closure = -Y[:, :n].T @ Y
+    closure = Y[:, :n].T @ Y
+    np.negative(closure, out=closure)
     reaction = condensed.L_fc @ Y
 
     reaction_to_load = reaction[:, loaded] - condensed.load_on_frame
@@ -257,10 +258,14 @@ def _half_flexibility_under_contact_loads(
     coupling : the shoe's coupling with the drum or the plane
     friction : whether the brake has friction; without friction Y lacks the last n columns
     """
-    forces = [-coupling.N.T, condensed.load_on_contact]
+    n, loads = len(coupling.M), condensed.columns.number_of_load_columns
+    # The forces lie column by column in memory, so that Y takes their place.
+    forces = np.empty((2 * n, n + loads + (n if friction else 0)), order="F")
+    np.negative(coupling.N.T, out=forces[:, :n])
+    forces[:, n : n + loads] = condensed.load_on_contact
     if friction:
-        forces.append(coupling.T.T)
-    return condensed.half_flexibility_under_nodal_forces(np.concatenate(forces, axis=1))
+        forces[:, n + loads :] = coupling.T.T
+    return condensed.half_flexibility_under_nodal_forces(forces, in_place=True)
 
 
 def substructure_with_load_of_changed_shape(

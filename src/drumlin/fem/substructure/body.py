@@ -230,13 +230,16 @@ class CondensedBody:
         """
         return self.assemble_equations_of_whole_body().loads
 
-    def half_flexibility_under_nodal_forces(self, forces: Floats) -> Floats:
+    def half_flexibility_under_nodal_forces(
+        self, forces: Floats, *, in_place: bool = False
+    ) -> Floats:
         """The half flexibility Y = L_cc^-1 G of nodal forces G (2n, m) on the contact nodes.
 
         L_cc is the Cholesky factor of the condensed stiffness. Y^T Y (m, m) is a flexibility: the
-        work of the forces of each load case on the displacements of each load case.
+        work of the forces of each load case on the displacements of each load case. If `in_place`
+        is True and the forces lie column by column in memory, Y is written into them.
         """
-        return solve_lower_triangular_system(self.L_cc, forces)
+        return solve_lower_triangular_system(self.L_cc, forces, in_place=in_place)
 
     def nodal_displacements_in_one_case(
         self, nodal: Floats, frame: Floats, loads: Floats

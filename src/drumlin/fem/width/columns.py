@@ -11,9 +11,9 @@ all even functions of a node stand together. The contact exerts no force along z
 z of the contact nodes are therefore not unknowns of the contact but of the lines.
 """
 
-from collections.abc import Sequence
+from collections.abc import Hashable, Iterator, Sequence
 from enum import IntEnum
-from functools import cache, partial
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -28,6 +28,20 @@ from drumlin.fem.width.integrals import (
     ElementIntegralsOverShoeSection,
     matrix_from_node_to_unknown_forces_along_z,
 )
+
+MOST_CONDENSATION_PLANS = 32
+"""Number of plans for the condensation of columns that are kept for later columns.
+
+A brake needs two plans for its columns under the lining and two for the columns beside it, for each
+degree of its elements and each degree across the width. A plan takes up to 30 MB.
+"""
+LARGEST_COUPLING_ELIMINATED_AT_ONCE = 20_000
+"""Number of kept times number of eliminated unknowns up to which a column is not divided in halves.
+
+Stretches of few layers have few unknowns, so that the elimination of unknowns between them takes
+fewer multiplications than the elimination from the whole column. Small columns take longer in
+halves, because the matrices are then many and small.
+"""
 
 
 class ConditionAtEdgeFarthestFromContact(IntEnum):
@@ -122,6 +136,20 @@ class LayersOfElementColumn(NamedTuple):
     odd: tuple[int, ...]
     contact: bool
     back: ConditionAtEdgeFarthestFromContact
+
+    @property
+    def number_of_unknowns_on_each_side(self) -> int:
+        """Number of unknowns on the left side of a column, which is the number on its right side.
+
+        Unknowns of the contact are not counted.
+        """
+        left = indices_of_unknowns_along_node_row(self.p).left
+        return len(self.unknowns_on_left_or_right_side_of_column(left))
+
+    @property
+    def number_of_unknowns_of_contact(self) -> int:
+        """Number of unknowns of a column's contact nodes; 0 without contact."""
+        return 2 * (self.p + 1) * self.counts[0][0] if self.contact else 0
 
     def counts_of_even_and_odd_functions_at_node_row(self, row: int) -> tuple[int, int]:
         """How many even and how many odd functions of z have unknowns at a row of nodes."""
@@ -247,20 +275,46 @@ class LayerCondensationPlan(NamedTuple):
     rest: tuple[RunSlicesInElementAndColumnStiffness, ...]
 
 
+class StretchCondensationPlan(NamedTuple):
+    """How a stretch of consecutive layers of a column is put together and condensed.
+
+    A stretch of several layers consists of two or more shorter stretches. It eliminates unknowns on
+    the edges between these, and unknowns on the two edges of the column.
+
+    Attributes
+    ----------
+    layer : index of the only layer of the stretch; None for several layers
+    parts : the shorter stretches, from the contact on; none for a single layer
+    kept, rest : for each part (or for the only layer), runs of the unknowns that the stretch keeps
+        and of the unknowns that it eliminates; each run has a slice in the part and a slice in the
+        stretch
+    number_of_kept_unknowns, number_of_eliminated_unknowns : numbers of unknowns of the stretch
+    """
+
+    layer: int | None
+    parts: tuple["StretchCondensationPlan", ...]
+    kept: tuple[tuple[RunSlicesInElementAndColumnStiffness, ...], ...]
+    rest: tuple[tuple[RunSlicesInElementAndColumnStiffness, ...], ...]
+    number_of_kept_unknowns: int
+    number_of_eliminated_unknowns: int
+
+
 class ColumnCondensationPlan(NamedTuple):
     """How a column is condensed: the plan of each layer, and three counts of unknowns.
 
     `kept` and `rest` are the counts of the unknowns that the column keeps and eliminates, and
-    `line` is the count of the unknowns on its left side.
+    `line` is the count of the unknowns on its left side. `whole` is the plan that condenses the
+    column stretch by stretch.
     """
 
     layers: tuple[LayerCondensationPlan, ...]
     kept: int
     rest: int
     line: int
+    whole: StretchCondensationPlan
 
 
-@cache
+@lru_cache(maxsize=MOST_CONDENSATION_PLANS)
 def condensation_plan_of_column(
     stack: LayersOfElementColumn, along: NumbersOfUnknownsAlongNodeRow
 ) -> ColumnCondensationPlan:
@@ -270,27 +324,99 @@ def condensation_plan_of_column(
     """
     names = unknowns_of_element_column_by_role_in_condensation(stack, along)
     kept, rest = ({unknown: k for k, unknown in enumerate(row)} for row in (names.kept, names.rest))
+    # Layers whose elements have the same unknowns share the arrays of positions, which are large.
+    positions: dict[Hashable, Ints] = {}
     layers = []
     for k, counts in enumerate(stack.counts):
+
+        def positions_of_block(
+            rows: list[ColumnDisplacementUnknown],
+            columns: list[ColumnDisplacementUnknown],
+            first: int = k * stack.p,
+            counts: tuple[int, int] = counts,
+        ) -> Ints:
+            """The positions of a block of the layer's element stiffness."""
+            of_rows, of_columns = (
+                tuple(unknown._replace(row=unknown.row - first) for unknown in unknowns)
+                for unknowns in (rows, columns)
+            )
+            key = of_rows, of_columns, counts
+            if key not in positions:
+                positions[key] = _flat_positions_of_element_stiffness_block(
+                    of_rows, of_columns, along, counts, stack.p
+                )
+            return positions[key]
+
         mine, within = names.boundary[k], names.within[k]
-        place = partial(
-            _flat_positions_of_element_stiffness_block,
-            along=along,
-            counts=counts,
-            p=stack.p,
-            first=k * stack.p,
-        )
         layers.append(
             LayerCondensationPlan(
-                outer=place(mine, mine),
-                inner_by_boundary=place(within, mine),
-                inner=place(within, within),
+                outer=positions_of_block(mine, mine),
+                inner_by_boundary=positions_of_block(within, mine),
+                inner=positions_of_block(within, within),
                 kept=_runs_of_consecutive_unknowns(mine, kept),
                 rest=_runs_of_consecutive_unknowns(mine, rest),
             )
         )
     line = len(stack.unknowns_on_left_or_right_side_of_column(along.left))
-    return ColumnCondensationPlan(tuple(layers), len(kept), len(rest), line)
+    is_large = len(kept) * len(rest) > LARGEST_COUPLING_ELIMINATED_AT_ONCE
+    whole = _plan_of_stretch(names, range(len(stack.counts)), stack.p, halve=is_large).plan
+    return ColumnCondensationPlan(tuple(layers), len(kept), len(rest), line, whole)
+
+
+class _StretchPlanWithUnknowns(NamedTuple):
+    """The plan of a stretch of layers, and the unknowns that the stretch keeps, in their order."""
+
+    plan: StretchCondensationPlan
+    kept: list[ColumnDisplacementUnknown]
+
+
+def _plan_of_stretch(
+    names: "ColumnUnknownsByRoleInCondensation", layers: range, p: int, *, halve: bool
+) -> _StretchPlanWithUnknowns:
+    """The plan of a stretch of consecutive layers.
+
+    Parameters
+    ----------
+    names : unknowns of the column
+    layers : indices of the layers of the stretch
+    p : degree of the hp elements
+    halve : whether the stretch consists of two halves, each of which consists of two halves again;
+        if False it consists of its layers
+    """
+    count, only = len(names.boundary), len(layers) == 1
+    parts: list[_StretchPlanWithUnknowns] = []
+    if not only:
+        middle = layers.start + len(layers) // 2
+        halves = [range(layers.start, middle), range(middle, layers.stop)]
+        pieces = halves if halve else [range(k, k + 1) for k in layers]
+        parts = [_plan_of_stretch(names, piece, p, halve=halve) for piece in pieces]
+    unknowns_of_parts = [names.boundary[layers.start]] if only else [part.kept for part in parts]
+    # A longer stretch eliminates the unknowns on an edge between this stretch and its neighbour.
+    # Without halves the whole column eliminates the unknowns on all edges.
+    open_rows = {row * p for row in (layers.start, layers.stop) if 0 < row < count}
+    if only and count > 1 and not halve:
+        open_rows = {layers.start * p, layers.stop * p}
+    order = {unknown: k for k, unknown in enumerate((*names.kept, *names.rest))}
+    found = sorted({unknown for own in unknowns_of_parts for unknown in own}, key=order.__getitem__)
+    kept: list[ColumnDisplacementUnknown] = []
+    gone: list[ColumnDisplacementUnknown] = []
+    for unknown in found:
+        stays = order[unknown] < len(names.kept) or unknown.row in open_rows
+        (kept if stays else gone).append(unknown)
+    numbers = [{unknown: k for k, unknown in enumerate(own)} for own in (kept, gone)]
+    runs = [
+        tuple(_runs_of_consecutive_unknowns(own, number) for own in unknowns_of_parts)
+        for number in numbers
+    ]
+    plan = StretchCondensationPlan(
+        layers.start if only else None,
+        tuple(part.plan for part in parts),
+        runs[0],
+        runs[1],
+        len(kept),
+        len(gone),
+    )
+    return _StretchPlanWithUnknowns(plan, kept)
 
 
 class ColumnUnknownsByRoleInCondensation(NamedTuple):
@@ -378,12 +504,11 @@ def _runs_of_consecutive_unknowns(
 
 
 def _flat_positions_of_element_stiffness_block(
-    rows: list[ColumnDisplacementUnknown],
-    columns: list[ColumnDisplacementUnknown],
+    rows: Sequence[ColumnDisplacementUnknown],
+    columns: Sequence[ColumnDisplacementUnknown],
     along: NumbersOfUnknownsAlongNodeRow,
     counts: tuple[int, int],
     p: int,
-    first: int,
 ) -> Ints:
     """The positions of a block of an element's stiffness in the flat list of its entries.
 
@@ -392,11 +517,10 @@ def _flat_positions_of_element_stiffness_block(
 
     Parameters
     ----------
-    rows, columns : unknowns of the block
+    rows, columns : unknowns of the block; rows of nodes are counted from the layer's first row
     along : indices of the unknowns along a row of nodes
     counts : how many even and how many odd functions of z the layer has
     p : degree of the hp elements
-    first : index of the layer's first row of nodes
     """
     parts = along.left, along.inside, along.right
     sizes = np.array([sum(len(part[z]) for part in parts) for z in (0, 1)])
@@ -413,10 +537,10 @@ def _flat_positions_of_element_stiffness_block(
     lengths = sizes * n * functions
     start = np.array([0, lengths[0] ** 2, lengths[0] ** 2 + lengths[0] * lengths[1]])[of + by]
     along_both = r[..., 1] * sizes[by] + c[..., 1]
-    rows_both = (r[..., 2] - first) * n + c[..., 2] - first
+    rows_both = r[..., 2] * n + c[..., 2]
     functions_both = r[..., 3] * functions[by] + c[..., 3]
     number = (along_both * n**2 + rows_both) * functions[of] * functions[by] + functions_both
-    return np.ascontiguousarray(start + number)
+    return np.ascontiguousarray(start + number, dtype=np.int32)
 
 
 def _flat_stiffness_entries_of_each_element(
@@ -504,17 +628,28 @@ def column_stiffnesses_without_inner_element_unknowns(
     C = np.zeros((count, plan.rest, plan.kept))
     inner = np.zeros((count, plan.rest, plan.rest))
     for part, width, layer in zip(parts, widths, plan.layers, strict=True):
-        # The inner unknowns of each element are eliminated first.
-        values = _flat_stiffness_entries_of_each_element(part, width)
-        own = values.take(layer.outer, axis=1)
-        if layer.inner.size:
-            replace_matrices_by_schur_complements(
-                own, values.take(layer.inner_by_boundary, axis=1), values.take(layer.inner, axis=1)
-            )
+        own = _element_stiffnesses_on_boundary_unknowns(part, width, layer)
         _add_element_blocks_to_columns(own, layer.kept, layer.kept, K)
         _add_element_blocks_to_columns(own, layer.rest, layer.kept, C)
         _add_element_blocks_to_columns(own, layer.rest, layer.rest, inner)
     return AssembledStiffnessOfColumns(K, C, inner)
+
+
+def _element_stiffnesses_on_boundary_unknowns(
+    part: ElementIntegralsOverShoeSection, width: IntegralsOverWidth, layer: LayerCondensationPlan
+) -> Floats:
+    """The stiffness (c, b, b) of c elements of a layer on the b unknowns on their boundaries.
+
+    The unknowns inside the elements are eliminated. `part` and `width` are the integrals over the
+    section and over the width of the layer's elements.
+    """
+    values = _flat_stiffness_entries_of_each_element(part, width)
+    own = values.take(layer.outer, axis=1)
+    if layer.inner.size:
+        replace_matrices_by_schur_complements(
+            own, values.take(layer.inner_by_boundary, axis=1), values.take(layer.inner, axis=1)
+        )
+    return own
 
 
 def displacements_inside_elements(
@@ -543,13 +678,36 @@ def _stiffness_of_columns_on_kept_unknowns(
     parts: Sequence[ElementIntegralsOverShoeSection],
     widths: Sequence[IntegralsOverWidth],
     plan: ColumnCondensationPlan,
+    stretch: StretchCondensationPlan | None = None,
 ) -> Floats:
-    """The stiffness (c, kept, kept) of columns on the unknowns that their plan keeps.
+    """The stiffness (c, kept, kept) of c columns on the unknowns that their plan keeps.
 
-    The parameters are those of `column_stiffnesses_without_inner_element_unknowns`.
+    `stretch` is a stretch of the columns' layers; without it the stiffness of whole columns is
+    returned. The other parameters are those of `column_stiffnesses_without_inner_element_unknowns`.
     """
-    K, C, inner = column_stiffnesses_without_inner_element_unknowns(parts, widths, plan)
-    return replace_matrices_by_schur_complements(K, C, inner) if plan.rest else K
+    own = stretch or plan.whole
+
+    def stiffness_of_parts() -> Iterator[Floats]:
+        """Yield the stiffness of each part of the stretch."""
+        if own.layer is not None:
+            k = own.layer
+            yield _element_stiffnesses_on_boundary_unknowns(parts[k], widths[k], plan.layers[k])
+        for shorter in own.parts:
+            yield _stiffness_of_columns_on_kept_unknowns(parts, widths, plan, shorter)
+
+    if own.layer is not None and not own.number_of_eliminated_unknowns:
+        return next(stiffness_of_parts())
+    count, kept, rest = (
+        len(parts[0].plane),
+        own.number_of_kept_unknowns,
+        own.number_of_eliminated_unknowns,
+    )
+    K, C, inner = (np.zeros((count, *size)) for size in ((kept, kept), (rest, kept), (rest, rest)))
+    for part, kept_runs, rest_runs in zip(stiffness_of_parts(), own.kept, own.rest, strict=True):
+        _add_element_blocks_to_columns(part, kept_runs, kept_runs, K)
+        _add_element_blocks_to_columns(part, rest_runs, kept_runs, C)
+        _add_element_blocks_to_columns(part, rest_runs, rest_runs, inner)
+    return replace_matrices_by_schur_complements(K, C, inner) if rest else K
 
 
 def _add_element_blocks_to_columns(
@@ -636,7 +794,7 @@ def condense_mirror_symmetric_columns(
     left_indices = indices_of_unknowns_along_symmetric_half_row(stack.p, 0).left
     on_left = stack.unknowns_on_left_or_right_side_of_column(left_indices)
     mirror = np.array([_sign_of_displacement_on_mirrored_side(unknown) for unknown in on_left])
-    n = 2 * (stack.p + 1) * stack.counts[0][0] if stack.contact else 0
+    n = stack.number_of_unknowns_of_contact
     left, right = slice(line), slice(line + n, None)
     # A displacement of the left side alone is the sum of a symmetric and an antisymmetric
     # displacement of half its size. So the sum of the symmetric and the antisymmetric stiffness is

@@ -4,9 +4,10 @@ For the estimate a brake is solved twice on the same coarse hp elements of the s
 2 across the width, and in plane stress. The error is the distance of the two answers. The elements
 are small at the ends of the contact that a solve in plane stress has found before. The
 discretisation error of the coarse elements is in both answers and cancels. If the coarse elements
-do not resolve the contact, the elements of the first level of a solve replace them. Degree 1 across
-the width would not show the error, since u_x and u_y are then constant over the width of a shoe
-whose parts have one width.
+do not resolve the contact, the elements of the first level of a solve replace them. A wide web is
+cut across its width, see `pieces.WIDEST_FIRST_PIECE_WITHOUT_CUT`. Degree 1 across the width would
+not show the error, since u_x and u_y are then constant over the width of a shoe whose parts have
+one width.
 """
 
 import math
@@ -35,6 +36,7 @@ from drumlin.fem.preparation.cache import (
     indices_of_first_shoes_of_equal_shape,
 )
 from drumlin.fem.preparation.prepare import make_prepared_model
+from drumlin.fem.width.pieces import pieces_with_a_cut_in_wide_webs
 from drumlin.fem.width.prepare import (
     prepare_model_with_widths_on_given_elements,
     reason_why_width_model_does_not_apply,
@@ -188,7 +190,7 @@ def coarse_solutions_with_and_without_shoe_width(
             brake, response, penalty=penalty, cache=cache
         )
         scene = prepare_model_with_widths_on_given_elements(
-            brake, section.divisions, WIDTH_DEGREE_COMPARED_WITH_PLANE_STRESS, cache=cache
+            brake, section.divisions, pieces_with_a_cut_in_wide_webs(brake), cache=cache
         )
         wide = solve_prepared_model(scene, brake, penalty=penalty, start=response)
     except (NoAnswer, np.linalg.LinAlgError) as error:

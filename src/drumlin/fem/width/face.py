@@ -35,6 +35,48 @@ across the width, so that the written values determine the polynomial.
 """
 
 
+class CouplingMatricesOfFaceWithWidth(ContactCouplingMatrices):
+    """The coupling matrices of a face with a width, of which only the factors are kept.
+
+    The dense matrices N and T are computed at each access. They would take more memory than all
+    other matrices of the shoe together, and a solve needs them only a few times.
+
+    Attributes
+    ----------
+    line : coupling matrices of the section's contact line, for the width 1
+    mass_across_width : mass matrix (m, m) [m] of the nodes across the width
+    """
+
+    line: ContactCouplingMatrices
+    mass_across_width: Floats
+
+    def __init__(self, line: ContactCouplingMatrices, mass_across_width: Floats) -> None:
+        own = {
+            "line": line,
+            "mass_across_width": mass_across_width,
+            "M": np.asarray(np.kron(line.M, mass_across_width), dtype=float),
+            "lever": np.asarray(np.kron(line.lever, mass_across_width.sum(axis=1)), dtype=float),
+        }
+        for name, value in own.items():
+            object.__setattr__(self, name, value)
+
+    @property
+    def N(self) -> Floats:
+        """The normal coupling (n m, 2 n m) [m^2] of the face's nodes."""
+        return self._coupling_matrix_of_face_from_matrix_of_line(self.line.N)
+
+    @property
+    def T(self) -> Floats:
+        """The tangential coupling (n m, 2 n m) [m^2] of the face's nodes."""
+        return self._coupling_matrix_of_face_from_matrix_of_line(self.line.T)
+
+    def _coupling_matrix_of_face_from_matrix_of_line(self, vectors: Floats) -> Floats:
+        """The coupling matrix (n m, 2 n m) of the face, from the matrix (n, 2n) of the line."""
+        n, m = len(vectors), self.mass_across_width
+        by_node = vectors.reshape(n, 1, n, 1, 2) * m[:, None, :, None]
+        return np.asarray(by_node.reshape(n * len(m), -1))
+
+
 @dataclass(frozen=True)
 class ContactFaceWithWidth(ContactLine):
     """The friction surface of a lining with a width, also called its contact face.
@@ -99,23 +141,7 @@ class ContactFaceWithWidth(ContactLine):
             coupling_matrices_of_contact_line(self.line, 1.0, directions),
             self.mass_matrix_across_width,
         )
-        n, count = len(self.line.nodes), len(self.node_distances_from_mid_plane)
-
-        def coupling_matrix_of_face_from_matrix_of_line(vectors: Floats) -> Floats:
-            """The coupling matrix (n m, 2 n m) of the face, from the matrix (n, 2n) of the line."""
-            by_node = vectors.reshape(n, 1, n, 1, 2) * m[:, None, :, None]
-            return np.asarray(by_node.reshape(n * count, -1))
-
-        M = np.asarray(np.kron(line.M, m), dtype=float)
-        lever = np.asarray(
-            np.kron(line.lever, self.tributary_widths_of_nodes_across_width), dtype=float
-        )
-        return ContactCouplingMatrices(
-            M,
-            coupling_matrix_of_face_from_matrix_of_line(line.N),
-            coupling_matrix_of_face_from_matrix_of_line(line.T),
-            lever,
-        )
+        return CouplingMatricesOfFaceWithWidth(line, m)
 
     def angles_and_pressures_averaged_over_width(self, p: Floats) -> tuple[Floats, Floats]:
         """Angles (n,) [rad] of the line's nodes, and their pressure (n,) [Pa], averaged over z."""

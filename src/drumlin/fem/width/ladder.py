@@ -14,22 +14,27 @@ difference.
   safety factors `section_pressure` and `section_force`. The error of a coarser level is the
   distance of its answer from the answer on the last level, plus the stated error of this last
   answer.
-- For the width's error degrees are compared on the same hp elements: on coarse elements, which take
-  little time, or on the first level of a solve if a shoe has parts of several widths. On these
-  elements the distances of the answer with the degree q from the answers with the degrees q + 1 and
-  q + 2 are computed. The next degree alone would not show the error, since the errors of even and
-  of odd degrees fall at different rates. The larger distance is extrapolated to an infinite degree.
+- For the width's error answers with different functions across the width are compared on the same
+  hp elements. If all parts of each shoe have one width, the functions are polynomials of higher and
+  higher degree over the whole width, and the elements are coarse, which takes little time. If parts
+  have several widths, they are polynomials on finer and finer pieces of the width (`pieces`), and
+  the elements are those of the first level of a solve. With the degree q the answer is compared
+  with the answers of the degrees q + 1 and q + 2. The next degree alone would not show the error,
+  since the errors of even and of odd degrees fall at different rates. The answer on some pieces is
+  compared with the answers of the next two steps, which have a higher degree on the same pieces and
+  finer pieces. The larger distance is extrapolated to the exact answer.
 
-The degrees are tried from low to high, and for each degree all solved levels from coarse to fine,
-until the sum of both errors meets the tolerance. A coarse level with an error above
-SECTION_ERROR_SHARE_OF_TOLERANCE of the tolerance can thus be combined with a degree whose error is
-small, and the answer that was compared is often the answer that is returned. Higher degrees are not
-tried once the error of the pressure p no longer falls, or if the elements alone miss the tolerance.
+The degrees are tried from low to high, and the pieces from coarse to fine. For each of them all
+solved levels are tried from coarse to fine, until the sum of both errors meets the tolerance. A
+coarse level with an error above SECTION_ERROR_SHARE_OF_TOLERANCE of the tolerance can thus be
+combined with functions whose error is small, and the answer that was compared is often the answer
+that is returned. No further functions are tried once the error of the pressure p no longer falls,
+or if the elements alone miss the tolerance.
 
 If most of a lining overhangs its web, a provisional error of the lowest degree is computed first,
 from the distance to the next degree alone. The distance is extrapolated to an infinite degree and
 multiplied by the safety factors NEXT_DEGREE_FACTORS. If the provisional error meets the tolerance,
-the answer with the second higher degree is not computed.
+no answer on finer pieces is computed.
 
 The width's error e falls as a power of the degree where a side of the shoe is free or a part
 overhangs another part. From e(q) = C q^-k follows e(q) = d / (1 - (q/(q + 2))^k) with the distance
@@ -61,9 +66,7 @@ Some brakes do not reach an error of 1 %. Their lining lifts off beside the web 
 crosses the elements of the contact face. Between any two degrees, and between any two levels, p
 then differs by 0.3 to 0.5 % ("built" 510004 and "free" 510017), spread over the whole contact. The
 difference does not become smaller if each column covers at most a twelfth of the contact. It
-becomes smaller with more pieces across the overhang: with degree 3 on quarters of the overhang the
-error of p is 0.24 %, in place of 0.61 % with the break of
-`functions.WIDTH_BREAKPOINT_DISTANCES_BESIDE_WEB`. The shoe then has 1.6 times the unknowns.
+becomes smaller with finer pieces across the width and narrower columns together.
 """
 
 import math
@@ -103,9 +106,15 @@ from drumlin.fem.width.functions import (
     has_parts_of_different_widths,
     piece_ends_across_half_width_of_shoe,
 )
+from drumlin.fem.width.pieces import (
+    PiecesAcrossWidthsOfShoes,
+    coarsest_pieces_across_widths,
+    pieces_of_next_step,
+)
 from drumlin.fem.width.prepare import (
     LARGEST_WIDTH_DEGREE,
     MakeWidthFunctionsOfShoe,
+    largest_number_of_unknowns_on_divisions,
     prepare_model_with_shoe_widths,
     prepare_model_with_widths_on_given_elements,
 )
@@ -153,18 +162,19 @@ error of p from 3.2 to 0.84 %. With degree 4 across the width the third level th
 unknowns, and the process takes 1.1 GB. With a larger limit solves take more memory; with a smaller
 limit the error of short contacts stays larger.
 """
-LARGEST_WIDTH_DEGREE_IF_TOLERANCE_IS_OPTIONAL = 5
-"""Largest degree across the width if parts differ in width and a tolerance may be missed.
-
-If the tolerance must be met, LARGEST_WIDTH_DEGREE_WITH_STATED_ERROR is the limit. With degree 7 the
-brake "built" 3201 of `drumlin_studies.solid_error` takes 2 GB on the first level.
-"""
-LARGEST_SOLID = 90_000
+LARGEST_SOLID = 150_000
 """Largest number of unknowns of a shoe if its parts differ in width and a tolerance may be missed.
 
-A solve with 80 000 unknowns takes 0.9 GB, and a solve with 105 000 unknowns takes 1.5 GB ("built"
-510003 and "free" 510000 of `drumlin_studies.solid_error`). If the tolerance must be met, there is
-no limit.
+A solve with 85 000 unknowns takes 0.5 GB, and a solve with 130 000 unknowns takes 0.8 GB ("built"
+510030 of `drumlin_studies.solid_error`). If the tolerance must be met, there is no limit.
+"""
+LARGEST_SOLID_OF_COMPARED_STEPS = 90_000
+"""Largest number of unknowns of a shoe in a step that serves for the error of an earlier step.
+
+Such steps are solved on the first level only. The answer itself has about half as many unknowns on
+this level, and about four times as many on the next level: more than LARGEST_SOLID. With a smaller
+limit the errors of long shoes, whose first step has 27 000 unknowns, could not be stated for any
+finer pieces. If the tolerance must be met, there is no limit.
 """
 LEAST_FALL = 0.8
 """Ratio of errors of p below which a higher degree across the width counts as an improvement.
@@ -175,10 +185,36 @@ smaller values solves end before the tolerance is reached. By the power ASSUMED_
 the ratio is 0.67 from degree 2 to degree 3. Where a lining lifts off beside a web, the ends of the
 contact move from node to node of the face, and change p by 0.3 to 0.5 % whatever the degree.
 """
+MOST_FUNCTIONS_WITHOUT_FALL = 4
+"""Largest number of degrees or steps of finer pieces in a row whose error of p does not fall.
+
+A fall is an error of less than LEAST_FALL times the smallest one before. Four steps belong to two
+sets of pieces. With fewer steps some brakes end before the pieces that lower the error: on "free"
+510030 of `drumlin_studies.solid_error` the errors of the first five steps are 1.5, 0.8, 0.9, 0.7
+and 0.2 %.
+"""
 SECTION_ERROR_SHARE_OF_TOLERANCE = 0.5
 """Fraction of the tolerance for the error of the section's hp elements.
 
 The error due to the degree across the width may take the rest of the tolerance.
+"""
+WIDTH_ERROR_SHARE_OF_TOLERANCE = 1 - SECTION_ERROR_SHARE_OF_TOLERANCE
+"""Fraction of the tolerance for the error of the functions across the width.
+
+Pieces are split if their error exceeds an equal share of it.
+"""
+NUMBER_OF_COMPARED_STEPS = 2
+"""Number of later steps of finer pieces with which a step is compared to estimate its error.
+
+One of the two next steps has another degree on the same pieces, and one of them has other pieces.
+"""
+ASSUMED_FALL_OF_ERROR_IN_TWO_STEPS = 0.5
+"""Assumed error of a step of finer pieces, relative to the error two steps before.
+
+A piece is split into two. On pieces half as long the error of polynomials is at most half as large
+where their gradient is bounded. On four random brakes ("free" 510030, 510032, 510038 and 510048 of
+`drumlin_studies.solid_error`) the ratio is 0.1 to 0.9, with a median of 0.4. With another value the
+fitted factors `pieces_pressure` and `pieces_force` change such that stated errors stay the same.
 """
 NUMBER_OF_COMPARED_HIGHER_WIDTH_DEGREES = 2
 """Number of higher degrees across the width with which a degree is compared to estimate its error.
@@ -204,6 +240,8 @@ class SafetyFactorsOfSolidErrors(NamedTuple):
     ----------
     pressure, force : factors on the extrapolated distance between degrees, which give the stated
         error due to the degree across the width
+    pieces_pressure, pieces_force : factors on the extrapolated distance between steps of finer
+        pieces, which give the stated error due to the pieces of the width
     section_pressure, section_force : factors on the error of the section's hp elements that is
         estimated with WIDTH_DEGREE_FOR_HP_ELEMENT_ERROR_ESTIMATE across the width, if parts have
         several widths
@@ -211,6 +249,8 @@ class SafetyFactorsOfSolidErrors(NamedTuple):
 
     pressure: float
     force: float
+    pieces_pressure: float
+    pieces_force: float
     section_pressure: float
     section_force: float
 
@@ -354,13 +394,29 @@ class WidthError(NamedTuple):
     """A degree across the width, the error due to this degree, and the model solved with it.
 
     The model has the hp elements on which degrees are compared. If the error is `provisional`, it
-    follows from the answer with the next degree alone, with larger safety factors.
+    follows from the answer with the next functions of z alone, with larger safety factors.
+    `pieces` are the pieces of the width on which the polynomials have the degree; None for the
+    first pieces of a shoe.
     """
 
     degree: int
     error: RelativeErrorsOfSolidModel
     solved: SolvedLevel
     provisional: bool = False
+    pieces: PiecesAcrossWidthsOfShoes | None = None
+
+    @property
+    def functions(self) -> int | PiecesAcrossWidthsOfShoes:
+        """The functions of z: a degree on the first pieces, or pieces with their degree."""
+        return self.pieces or self.degree
+
+    @property
+    def functions_as_text(self) -> str:
+        """The functions of z in words."""
+        text = f"degree {self.degree} across the width"
+        if self.pieces is not None:
+            text += f" in {self.pieces.largest_number_of_pieces} pieces"
+        return text
 
     @property
     def unknowns(self) -> int:
@@ -446,24 +502,30 @@ def solve_brake_with_widths_and_keep_model(
     compared = hp_elements_to_compare_width_degrees(
         brake, sections.plane, penalty=penalty, cache=cache
     )
-    several = has_shoe_with_parts_of_different_widths(brake)
-    largest_degree = (
-        LARGEST_WIDTH_DEGREE_IF_TOLERANCE_IS_OPTIONAL
-        if several and not must
-        else LARGEST_WIDTH_DEGREE_WITH_STATED_ERROR
-    )
-    degrees = (
-        range(WIDTH_DEGREE_COMPARED_WITH_PLANE_STRESS, largest_degree + 1)
-        if across is None
-        else (across,)
-    )
-    errors = errors_of_degrees_across_width(
-        brake, sections.plane, compared, degrees, penalty=penalty, cache=cache
-    )
-    is_limited = several and not must and across is None
-    choice = cheapest_choice_within_tolerance(
-        sections.errors, errors, tolerance, LARGEST_SOLID if is_limited else math.inf
-    )
+    adaptive = across is None and has_shoe_with_parts_of_different_widths(brake)
+    most_unknowns = LARGEST_SOLID if adaptive and not must else math.inf
+    if adaptive:
+        errors = errors_of_finer_pieces_across_width(
+            brake,
+            sections.plane,
+            compared,
+            tolerance.pressure,
+            LARGEST_SOLID_OF_COMPARED_STEPS if not must else math.inf,
+            penalty=penalty,
+            cache=cache,
+        )
+    else:
+        degrees = (
+            range(
+                WIDTH_DEGREE_COMPARED_WITH_PLANE_STRESS, LARGEST_WIDTH_DEGREE_WITH_STATED_ERROR + 1
+            )
+            if across is None
+            else (across,)
+        )
+        errors = errors_of_degrees_across_width(
+            brake, sections.plane, compared, degrees, penalty=penalty, cache=cache
+        )
+    choice = cheapest_choice_within_tolerance(sections.errors, errors, tolerance, most_unknowns)
     warning = ""
     if not choice.error.is_within_error_tolerance(tolerance):
         warning = _message_on_unreached_error_tolerance(tolerance, choice)
@@ -474,7 +536,7 @@ def solve_brake_with_widths_and_keep_model(
         solved = solve_cross_section_mesh_with_width_degree(
             brake,
             choice.section.level,
-            choice.width.degree,
+            choice.width.functions,
             solved.response,
             penalty=penalty,
             cache=cache,
@@ -546,53 +608,51 @@ def cheapest_choice_within_tolerance(
     tolerance: TolerancesOfPressureAndTorque,
     most_unknowns: float = math.inf,
 ) -> SolidChoice:
-    """The smallest degree, and the coarsest elements for it, whose errors meet a tolerance.
+    """The first functions of z, and the coarsest elements for them, whose errors meet a tolerance.
 
-    If no degree meets the tolerance, the choice has the degree with the smallest error of p. Its
-    elements are the coarsest elements whose error is not larger than the error of this degree, or
-    the finest elements if the errors of all elements are larger.
+    If no functions meet the tolerance, the error of p is made small. Of all choices whose error is
+    at most 1/LEAST_FALL times the smallest one, the result has the fewest unknowns.
 
     Parameters
     ----------
     sections : levels of the section's hp elements with their errors, from coarse to fine
-    widths : errors due to the degree across the width, from low to high degrees. No more degrees
-        are taken after NUMBER_OF_COMPARED_HIGHER_WIDTH_DEGREES degrees in a row whose error of p
-        does not fall.
+    widths : errors due to the functions of z, from coarse to fine. No more functions are taken
+        after MOST_FUNCTIONS_WITHOUT_FALL in a row whose error of p does not fall.
     tolerance : relative errors that are allowed
     most_unknowns : largest number of unknowns of a shoe on any level but the first
     """
     finest = sections[-1].error
     can_sections_meet_tolerance = finest.is_within_error_tolerance(tolerance)
     best: WidthError | None = None
-    degrees_without_fall = 0
+    functions_without_fall = 0
+    choices: list[SolidChoice] = []
     for width in widths:
-        for section in sections:
-            choice = SolidChoice(section, width)
-            is_small = section is sections[0] or choice.unknowns <= most_unknowns
-            if is_small and choice.error.is_within_error_tolerance(tolerance):
+        of_width = [SolidChoice(section, width) for section in sections]
+        small = [of_width[0], *(one for one in of_width[1:] if one.unknowns <= most_unknowns)]
+        for choice in small:
+            if choice.error.is_within_error_tolerance(tolerance):
                 return choice
         if width.provisional:
             continue
+        choices += small
         falls = best is None or (
             width.error.largest_pressure_error < LEAST_FALL * best.error.largest_pressure_error
         )
-        degrees_without_fall = 0 if falls else degrees_without_fall + 1
+        functions_without_fall = 0 if falls else functions_without_fall + 1
         best = width if falls or best is None else best
         # If the elements alone miss the tolerance, a degree is good enough if its error is not
         # larger than the error of the finest elements.
         enough = finest.smallest_tolerance_that_errors_meet
         is_enough = not can_sections_meet_tolerance and best.error.is_within_error_tolerance(enough)
-        if is_enough or degrees_without_fall == NUMBER_OF_COMPARED_HIGHER_WIDTH_DEGREES:
+        if is_enough or functions_without_fall == MOST_FUNCTIONS_WITHOUT_FALL:
             break
-    assert best is not None
-    enough = best.error.smallest_tolerance_that_errors_meet
-    last = sections[0]
-    for section in sections:
-        if SolidChoice(section, best).unknowns <= most_unknowns:
-            last = section
-        if last.error.is_within_error_tolerance(enough):
-            break
-    return SolidChoice(last, best)
+    smallest = min(choice.error.largest_pressure_error for choice in choices)
+    good = [
+        choice
+        for choice in choices
+        if LEAST_FALL * choice.error.largest_pressure_error <= smallest
+    ]
+    return min(good, key=lambda choice: choice.unknowns)
 
 
 def _is_choice_solved(
@@ -671,7 +731,7 @@ def _solved_level_with_errors_and_notes(
     warnings = [f"warning: {warning}"] if warning else []
     unknowns = largest_number_of_unknowns(solved)
     how = (
-        f"degree {choice.width.degree} across the width "
+        f"{choice.width.functions_as_text} "
         f"on a section of degree {choice.section.level.degree}, with {unknowns} unknowns a shoe"
     )
     shoes = zip(response.shoes, found.shoes, strict=True)
@@ -792,10 +852,11 @@ def _message_on_unreached_error_tolerance(
     """
     error, parts = choice.error, (choice.section.error, choice.width.error)
     section, width = (part.largest_pressure_error for part in parts)
-    larger = "elements of the section" if section > width else "degree across the width"
+    of_width = "degree" if choice.width.pieces is None else "pieces"
+    larger = "elements of the section" if section > width else f"{of_width} across the width"
     return (
         f"tolerance {tolerance.pressure:g} not reached "
-        f"with degree {choice.width.degree} across the width: "
+        f"with {choice.width.functions_as_text}: "
         f"estimated error of p {error_text_in_percent(error.largest_pressure_error)}, "
         f"of the torque {error_text_in_percent(error.torque)}, most of it due to the {larger}"
     )
@@ -917,6 +978,96 @@ def errors_of_degrees_across_width(
         yield WidthError(degree, error, solved)
 
 
+def errors_of_finer_pieces_across_width(
+    brake: Brake,
+    plane: Response,
+    section: HpElementsForComparingWidthDegrees,
+    tolerance: float,
+    most_unknowns: float = math.inf,
+    *,
+    penalty: float = DEFAULT_PENALTY_FACTOR,
+    cache: CacheOfCondensedBodies | None = None,
+) -> Iterator[WidthError]:
+    """Yield the errors of finer and finer pieces across the width, one step after the other.
+
+    The steps are those of `pieces`. The error of a step follows from its distances from the next
+    NUMBER_OF_COMPARED_STEPS steps. Where most of each lining overhangs its web, a provisional error
+    of the first step comes first, which follows from the second step alone. The errors end where
+    the next step has no answer, or more unknowns than are allowed.
+
+    Parameters
+    ----------
+    brake : the brake; the parts of a shoe have several widths
+    plane : answer of plane stress
+    section : hp elements of the shoes on which the steps are compared, see
+        `hp_elements_to_compare_width_degrees`
+    tolerance : relative error of p that is allowed
+    most_unknowns : largest number of unknowns of a shoe
+    penalty : factor alpha of the contact stiffness alpha E/t (lining modulus E, thickness t)
+    cache : substructures of earlier solves
+
+    Raises
+    ------
+    NoAnswer
+        if the error of the first step cannot be estimated
+    """
+    allowed = WIDTH_ERROR_SHARE_OF_TOLERANCE * tolerance / error_factors_of_steps().pressure
+
+    def solve_next_step(steps: list[tuple[PiecesAcrossWidthsOfShoes, SolvedLevel]]) -> None:
+        """Solve the step after the last one of `steps`, and append it.
+
+        Raises
+        ------
+        NoAnswer
+            if the step has no answer, or too many unknowns
+        """
+        pieces = pieces_of_next_step(
+            brake, steps[-1][0], [solved.response for _, solved in steps[-2:]], allowed
+        )
+        if largest_number_of_unknowns_on_divisions(brake, section.divisions, pieces) > most:
+            raise NoAnswer("the next pieces across the width have too many unknowns")
+        scene = prepare_model_with_widths_on_given_elements(
+            brake, section.divisions, pieces, cache=cache
+        )
+        response = solve_prepared_model(scene, brake, penalty=penalty, start=plane)
+        steps.append((pieces, SolvedLevel(scene, response)))
+
+    first = coarsest_pieces_across_widths(brake)
+    steps = [(first, section.solved[first.degree])]
+    overhangs, most = all(map(_has_narrow_first_piece, brake.shoes)), math.inf
+    while True:
+        try:
+            while len(steps) <= NUMBER_OF_COMPARED_STEPS:
+                solve_next_step(steps)
+                if overhangs and len(steps) == 2 and steps[0][0] is first:
+                    yield _width_error_of_first_step(brake, steps, provisional=True)
+        except NoAnswer:
+            if steps[0][0] is first:
+                raise
+            return
+        yield _width_error_of_first_step(brake, steps)
+        # The steps that give the error of the first one are always allowed.
+        steps, most = steps[1:], most_unknowns
+
+
+def _width_error_of_first_step(
+    brake: Brake,
+    steps: Sequence[tuple[PiecesAcrossWidthsOfShoes, SolvedLevel]],
+    *,
+    provisional: bool = False,
+) -> WidthError:
+    """The error of the first one of several steps, from its distances from the other steps."""
+    (pieces, solved), *further = steps
+    moved = largest_relative_differences(
+        brake, solved.response, [other.response for _, other in further]
+    )
+    factors = (
+        error_factors_of_distance(pieces.degree, 1) if provisional else error_factors_of_steps()
+    )
+    error = moved.errors_times_factors(factors)
+    return WidthError(pieces.degree, error, solved, provisional=provisional, pieces=pieces)
+
+
 def _has_narrow_first_piece(shoe: Shoe) -> bool:
     """Whether at most LARGEST_FIRST_PIECE of a lining lies in the first piece across the width."""
     first = piece_ends_across_half_width_of_shoe(shoe)[1]
@@ -936,6 +1087,17 @@ def error_factors_of_distance(degree: int, ahead: int) -> PressureAndForceErrorF
             SAFETY_FACTORS_OF_SOLID_ERRORS.pressure, SAFETY_FACTORS_OF_SOLID_ERRORS.force
         )
     return PressureAndForceErrorFactors(ratio * factors.pressure, ratio * factors.force)
+
+
+def error_factors_of_steps() -> PressureAndForceErrorFactors:
+    """The stated errors of a step of finer pieces, divided by its distance from later steps.
+
+    The distance is the largest of the relative differences between the answer of the step and the
+    answers of the NUMBER_OF_COMPARED_STEPS next steps.
+    """
+    ratio = 1 / (1 - ASSUMED_FALL_OF_ERROR_IN_TWO_STEPS)
+    fitted = SAFETY_FACTORS_OF_SOLID_ERRORS
+    return PressureAndForceErrorFactors(ratio * fitted.pieces_pressure, ratio * fitted.pieces_force)
 
 
 def largest_relative_differences(

@@ -1,12 +1,13 @@
 """The prepared model of a brake whose shoes have a finite width (hierarchic model of the width)."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import replace
+from dataclasses import fields, replace
 from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 
+from drumlin.base.arrays import Floats
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.fields import Material
@@ -42,6 +43,7 @@ from drumlin.fem.preparation.scene import (
     messages_on_shoes_of_equal_shape,
 )
 from drumlin.fem.preparation.scene import reason_against_finite_element_model as plane_why_not
+from drumlin.fem.substructure.body import CondensedBody
 from drumlin.fem.width.columns import ConditionAtEdgeFarthestFromContact
 from drumlin.fem.width.face import ContactFaceWithWidth
 from drumlin.fem.width.functions import (
@@ -61,6 +63,11 @@ LARGEST_WIDTH_DEGREE = 9
 """Largest degree of the polynomials across the width.
 
 The Gauss rule over the width is exact for products of two polynomials up to degree 11.
+"""
+MOST_BYTES_OF_KEPT_CHOLESKY_FACTOR = 10_000_000
+"""Largest memory [bytes] of a shoe's Cholesky factor that is kept after the shoe is coupled.
+
+A larger factor is computed again when it is needed.
 """
 NO_INTERIOR_RESULTS_MESSAGE = "interior fields: recovered only for a file or a picture"
 """Message which says that a prepared model of solid shoes has no stresses inside the bodies."""
@@ -264,8 +271,50 @@ def _require_few_nodes_of_contact_face(
 
 
 def _memory_bytes_of_condensed_solid_shoe(body: ShoeSubstructure) -> int:
-    """The approximate memory [bytes] of a body: six matrices (n, n) for n contact nodes."""
-    return 8 * 6 * len(body.line.nodes) ** 2
+    """The approximate memory [bytes] of a body: three matrices (n, n) for n contact nodes.
+
+    A small body has its Cholesky factor as well, which is as large as four matrices (n, n).
+    """
+    n = len(body.line.nodes)
+    forgets = isinstance(body.condensed, CondensedBodyThatForgetsCholeskyFactor)
+    return 8 * (3 if forgets else 3 + 4) * n**2
+
+
+class CondensedBodyThatForgetsCholeskyFactor(CondensedBody):
+    """A condensed shoe with a width that computes its Cholesky factor anew at each access.
+
+    The factor takes more memory than all other matrices of the shoe. Few computations need it once
+    the shoe is coupled with the drum: the forces that hold a brake at rest.
+    """
+
+    inner: EliminatedUnknownsOfShoeWithWidth
+
+    def __init__(self, body: CondensedBody) -> None:
+        for own in fields(body):
+            if own.name != "L_cc":
+                object.__setattr__(self, own.name, getattr(body, own.name))
+
+    @property
+    def L_cc(self) -> Floats:
+        """The Cholesky factor (2n, 2n); each access condenses the shoe once more."""
+        return _condensed_body_of_shoe_with_width(self.inner).body.L_cc
+
+
+class _CondensedBodyWithCentreOfLoads(NamedTuple):
+    """A condensed body, and the point (2,) [m] at which the unit loads of its actuation act."""
+
+    body: CondensedBody
+    centre: Floats
+
+
+def _condensed_body_of_shoe_with_width(
+    inner: EliminatedUnknownsOfShoeWithWidth,
+) -> _CondensedBodyWithCentreOfLoads:
+    """Condense a shoe with a width; `inner` has the shoe and its division into elements."""
+    found = condense_shoe_with_width(inner.shoe, inner.radius, inner.division, inner.functions)
+    return _CondensedBodyWithCentreOfLoads(
+        condensed_body_with_cholesky_factor(found, inner), found.centre
+    )
 
 
 def condense_and_couple_shoe_with_width(
@@ -293,19 +342,20 @@ def condense_and_couple_shoe_with_width(
         for a singular stiffness
     """
     with add_elapsed_time_of_block_to_phase(seconds, "condensation"):
-        found = condense_shoe_with_width(shoe, radius, division, functions)
-        condensed = condensed_body_with_cholesky_factor(
-            found, EliminatedUnknownsOfShoeWithWidth(shoe, radius, division, functions)
-        )
+        inner = EliminatedUnknownsOfShoeWithWidth(shoe, radius, division, functions)
+        condensed, centre = _condensed_body_of_shoe_with_width(inner)
     with add_elapsed_time_of_block_to_phase(seconds, "coupling"):
         face = contact_face_of_shoe_with_width(shoe, radius, division, functions)
         basis = NumberOfUnknownsOfBodyWithWidth(
             number_of_displacement_unknowns_of_shoe(shoe, division, functions)
         )
         divided = ShoeBodyElements(basis, basis, face)
-        return make_shoe_substructure(
-            ShoeSubstructureWithWidth, shoe, divided, condensed, found.centre, friction=friction
+        body = make_shoe_substructure(
+            ShoeSubstructureWithWidth, shoe, divided, condensed, centre, friction=friction
         )
+        if condensed.L_cc.nbytes <= MOST_BYTES_OF_KEPT_CHOLESKY_FACTOR:
+            return body
+        return replace(body, condensed=CondensedBodyThatForgetsCholeskyFactor(condensed))
 
 
 def contact_face_of_shoe_with_width(
@@ -323,6 +373,24 @@ def contact_face_of_shoe_with_width(
         line=line,
         functions=functions,
         half=half,
+    )
+
+
+def largest_number_of_unknowns_on_divisions(
+    brake: Brake, divisions: Mapping[int, ShoeElementDivision], make: MakeWidthFunctionsOfShoe
+) -> int:
+    """The largest number of unknowns of a shoe, before any model of it is made.
+
+    Parameters
+    ----------
+    brake : the brake
+    divisions : divisions of the sections into hp elements, by the index of the first shoe of each
+        shape
+    make : function from a shoe to its functions across the width
+    """
+    return max(
+        number_of_displacement_unknowns_of_shoe(brake.shoes[i], division, make(brake.shoes[i]))
+        for i, division in divisions.items()
     )
 
 

@@ -5,7 +5,8 @@ divided into columns, which are stacks of hp elements from the contact through t
 shoe (hp.columns).
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -15,6 +16,7 @@ from drumlin.brake.brake import Shoe
 from drumlin.brake.fields import Material
 from drumlin.fem.hp.columns import (
     ColumnSubstructure,
+    ColumnSubstructureMadeWhenNeeded,
     assemble_and_condense_row_of_element_columns,
     eliminate_nodes_on_column_side,
     rotate_node_axes_of_matrix,
@@ -66,6 +68,17 @@ from drumlin.fem.width.integrals import (
     cross_section_integrals_between_circles,
     cross_section_integrals_of_any_shape,
 )
+
+MOST_BYTES_OF_COLUMNS_MADE_TOGETHER = 32_000_000
+"""Largest memory [bytes] of condensed columns under a lining that are computed all at once.
+
+If the columns need more, each one is computed when it is joined with its neighbours. All at once
+takes less time for small columns, and it takes two to three times this memory while it lasts.
+"""
+
+
+FACE_STIFFNESS_ROWS_CONVERTED_TOGETHER = 256
+"""Number of rows of a face's stiffness that are converted to other unknowns at the same time."""
 
 
 class ElementLayersWithWidthFunctions(NamedTuple):
@@ -225,10 +238,17 @@ class _CondensedColumnsUnderAndBesideLining(NamedTuple):
     counted from the first column under the lining. Both are 0 without a grip.
     """
 
-    under: list[ColumnSubstructure]
+    under: list[ColumnSubstructure | ColumnSubstructureMadeWhenNeeded]
     before: list[ColumnSubstructure]
     after: list[ColumnSubstructure]
     grip: tuple[int, int]
+
+    @property
+    def first_and_last_column_under_lining(self) -> tuple[ColumnSubstructure, ColumnSubstructure]:
+        """The first and the last column under the lining; equal columns are computed once."""
+        first, last = self.under[0], self.under[-1]
+        made = first.made
+        return made, (made if last is first else last.made)
 
 
 MakeCondensedColumnsFunction = Callable[
@@ -312,6 +332,46 @@ def _function_that_makes_columns_and_kind_of_each_column(
     return made, kinds_of_columns.which
 
 
+def _columns_made_at_once(
+    make: MakeCondensedColumnsFunction, row: Ints, first: int, stack: LayersOfElementColumn
+) -> list[ColumnSubstructure]:
+    """The condensed columns of a row, each kind of column condensed once.
+
+    `row` has the kind of each column. The other parameters are those of `make`.
+    """
+    if not len(row):
+        return []
+    kinds = np.flatnonzero(np.bincount(row))
+    made = dict(zip(kinds.tolist(), make(kinds, first, stack), strict=True))
+    return [made[kind] for kind in row.tolist()]
+
+
+def _columns_made_at_once_or_when_needed(
+    make: MakeCondensedColumnsFunction, row: Ints, stack: LayersOfElementColumn
+) -> Sequence[ColumnSubstructure | ColumnSubstructureMadeWhenNeeded]:
+    """The condensed columns of a row under the lining, of which large ones are not computed yet.
+
+    `row` has the kind of each column. The other parameters are those of `make`.
+    """
+    line = stack.number_of_unknowns_on_each_side
+    unknowns = 2 * line + stack.number_of_unknowns_of_contact
+    kinds = np.unique(row).tolist()
+    if 8 * unknowns**2 * len(kinds) <= MOST_BYTES_OF_COLUMNS_MADE_TOGETHER:
+        return _columns_made_at_once(make, row, 0, stack)
+
+    def make_column_of_kind(kind: int) -> ColumnSubstructure:
+        """The condensed column of a kind."""
+        return make(np.array([kind]), 0, stack)[0]
+
+    later = {
+        kind: ColumnSubstructureMadeWhenNeeded(
+            unknowns, line, line, partial(make_column_of_kind, kind)
+        )
+        for kind in kinds
+    }
+    return [later[kind] for kind in row.tolist()]
+
+
 def _condensed_element_columns_of_shoe(
     shoe: Shoe, radius: float, div: ShoeElementDivision, layers: ElementLayersWithWidthFunctions
 ) -> _CondensedColumnsUnderAndBesideLining:
@@ -322,25 +382,13 @@ def _condensed_element_columns_of_shoe(
     p = div.degree
     make, which = _function_that_makes_columns_and_kind_of_each_column(shoe, radius, div, layers)
 
-    def condensed_columns_from_given_layer_on(
-        row: Ints, first: int, *, contact: bool, back: ConditionAtEdgeFarthestFromContact
-    ) -> list[ColumnSubstructure]:
-        """The condensed columns of the given kinds, with the layers from index `first` on.
-
-        `row` has the kind of each column, and layers are counted from the contact. `contact` and
-        `back` are explained in `LayersOfElementColumn`.
-        """
-        if not len(row):
-            return []
-        # Each kind of column is condensed once.
-        kinds = np.flatnonzero(np.bincount(row))
-        columns = make(
-            kinds,
-            first,
-            layers.layers_of_element_column_from_given_layer(p, first, contact=contact, back=back),
+    def layers_of_column(
+        first: int, *, contact: bool, back: ConditionAtEdgeFarthestFromContact
+    ) -> LayersOfElementColumn:
+        """The layers from index `first` on of a column, see `LayersOfElementColumn`."""
+        return layers.layers_of_element_column_from_given_layer(
+            p, first, contact=contact, back=back
         )
-        made = dict(zip(kinds.tolist(), columns, strict=True))
-        return [made[kind] for kind in row.tolist()]
 
     under, before = len(div.angles) - 1, len(div.column_ends_before_lining) - 1
     # A grip on the back of a shoe holds the columns a to b - 1; without a grip a = b = 0.
@@ -351,28 +399,31 @@ def _condensed_element_columns_of_shoe(
         if div.index_of_first_body_layer == div.number_of_element_layers
         else ConditionAtEdgeFarthestFromContact.FREE
     )
-    free = condensed_columns_from_given_layer_on(
-        np.concatenate([which[:a], which[b:under]]), 0, contact=True, back=back
+    free = _columns_made_at_once_or_when_needed(
+        make,
+        np.concatenate([which[:a], which[b:under]]),
+        layers_of_column(0, contact=True, back=back),
     )
-    gripped = condensed_columns_from_given_layer_on(
-        which[a:b], 0, contact=True, back=ConditionAtEdgeFarthestFromContact.GRIPPED
+    gripped = _columns_made_at_once_or_when_needed(
+        make,
+        which[a:b],
+        layers_of_column(0, contact=True, back=ConditionAtEdgeFarthestFromContact.GRIPPED),
     )
-    rest = condensed_columns_from_given_layer_on(
+    first = div.index_of_first_body_layer
+    rest = _columns_made_at_once(
+        make,
         which[under:],
-        div.index_of_first_body_layer,
-        contact=False,
-        back=ConditionAtEdgeFarthestFromContact.FREE,
+        first,
+        layers_of_column(first, contact=False, back=ConditionAtEdgeFarthestFromContact.FREE),
     )
     row = [*free[:a], *gripped, *free[a:]]
     # A column beside the grip shares one of its sides with a gripped column. The grip holds the
     # node of this side that is farthest from the contact.
-    stack = layers.layers_of_element_column_from_given_layer(
-        p, 0, contact=True, back=ConditionAtEdgeFarthestFromContact.FREE
-    )
+    stack = layers_of_column(0, contact=True, back=ConditionAtEdgeFarthestFromContact.FREE)
     if a < b and a > 0:
-        row[a - 1] = column_beside_grip_with_shared_node_held(row[a - 1], stack, right=True)
+        row[a - 1] = column_beside_grip_with_shared_node_held(row[a - 1].made, stack, right=True)
     if a < b < under:
-        row[b] = column_beside_grip_with_shared_node_held(row[b], stack, right=False)
+        row[b] = column_beside_grip_with_shared_node_held(row[b].made, stack, right=False)
     return _CondensedColumnsUnderAndBesideLining(row, rest[:before], rest[before:], (a, b))
 
 
@@ -422,8 +473,10 @@ def condense_shoe_with_width(
             ends[1] = eliminate_nodes_on_column_side(joined, right=True).K
     columns = row.under.copy()
     first, last = (0 if end is None else len(end) for end in ends)
-    columns[0] = eliminate_nodes_on_column_side(columns[0], ends[0], first)
-    columns[-1] = eliminate_nodes_on_column_side(columns[-1], ends[1], last, right=True)
+    at_start, at_end = row.first_and_last_column_under_lining
+    columns[0] = eliminate_nodes_on_column_side(at_start, ends[0], first)
+    columns[-1] = eliminate_nodes_on_column_side(at_end, ends[1], last, right=True)
+    del at_start, at_end
     S = assemble_and_condense_row_of_element_columns(columns, 2 * count).K
     face = _ConversionFromColumnsToContactFace.conversion_to_displacements_of_face_nodes(
         shoe, div, layers
@@ -474,10 +527,21 @@ class _ConversionFromColumnsToContactFace(NamedTuple):
 
         `S` (2 n functions, 2 n functions) is the stiffness on the contact unknowns of the columns.
         """
-        S = np.ascontiguousarray(S)
         if len(self.inverse) == 1:
-            return rotate_node_axes_of_matrix(S, self.angles)
-        return self.forces_on_face_nodes(np.ascontiguousarray(self.forces_on_face_nodes(S).T))
+            return rotate_node_axes_of_matrix(np.ascontiguousarray(S), self.angles)
+        # The conversion of a few rows at a time needs little memory besides the two results.
+        half, whole = np.empty(S.shape), np.empty(S.shape)
+        for rows in _slices_of_face_stiffness_rows(len(S)):
+            half[rows] = self.forces_on_face_nodes(S[rows])
+        for rows in _slices_of_face_stiffness_rows(len(S)):
+            whole[rows] = self.forces_on_face_nodes(half[:, rows].T)
+        return whole
+
+
+def _slices_of_face_stiffness_rows(count: int) -> Iterator[slice]:
+    """Yield the slices of `count` rows that are converted together."""
+    for start in range(0, count, FACE_STIFFNESS_ROWS_CONVERTED_TOGETHER):
+        yield slice(start, start + FACE_STIFFNESS_ROWS_CONVERTED_TOGETHER)
 
 
 def _condense_hinged_shoe_with_width(
@@ -518,6 +582,7 @@ def _condense_hinged_shoe_with_width(
 
     # The assembled columns have the unknowns [frame | face | loads].
     columns = row.under.copy()
+    at_start, at_end = row.first_and_last_column_under_lining
     # In a rigid-body motion the displacements are constant over z: only the function 1 has factors.
     tied, modes = (
         np.flatnonzero(line.z == 0),
@@ -526,21 +591,27 @@ def _condense_hinged_shoe_with_width(
     if row.before:
         held = _column_with_left_side_tied_to_hinge_face(row.before[0], tied, modes)
         body = assemble_and_condense_row_of_element_columns([held, *row.before[1:]], 0)
-        columns[0] = eliminate_nodes_on_column_side(columns[0], body.K, len(line.z))
+        columns[0] = eliminate_nodes_on_column_side(at_start, body.K, len(line.z))
     else:
-        own = columns[0].left - len(line.z)
+        own = at_start.left - len(line.z)
         columns[0] = _column_with_left_side_tied_to_hinge_face(
-            columns[0], own + tied, modes
+            at_start, own + tied, modes
         )._replace(left=0)
     loaded = condensed_stiffness_of_body_beyond_lining_end(row.after, end_forces)
-    columns[-1] = eliminate_nodes_on_column_side(columns[-1], loaded, len(end_forces), right=True)
+    columns[-1] = eliminate_nodes_on_column_side(at_end, loaded, len(end_forces), right=True)
+    del at_start, at_end
     count = layers.functions.counts_of_even_and_odd_functions_on_part(layers.halves[0])[0]
-    A = assemble_and_condense_row_of_element_columns(columns, 2 * count).K
     face = _ConversionFromColumnsToContactFace.conversion_to_displacements_of_face_nodes(
         shoe, div, layers
     )
+    # No name refers to the assembled stiffness here, so that its memory is free after its use.
     return condensed_shoe_corrected_for_round_off(
-        A, end, R, pin, face.forces_on_face_nodes, face.stiffness_of_face_nodes
+        assemble_and_condense_row_of_element_columns(columns, 2 * count).K,
+        end,
+        R,
+        pin,
+        face.forces_on_face_nodes,
+        face.stiffness_of_face_nodes,
     )
 
 

@@ -1,0 +1,111 @@
+"""Large shoes with a width: ways to condense them that need less memory change no answer."""
+
+import weakref
+
+import numpy as np
+import pytest
+
+import drumlin.fem.hp.element as hp_element
+import drumlin.fem.width.columns as width_columns
+import drumlin.fem.width.prepare as width_prepare
+import drumlin.fem.width.shoe as width_shoe
+from drumlin.fem.error_control.levels import REFINEMENT_LEVELS_FROM_COARSE_TO_FINE
+from drumlin.fem.model import solve_prepared_model
+from drumlin.fem.width.prepare import prepare_model_with_shoe_widths
+from wide_shoes import HELD
+
+KINDS = ("T-section", "rigid with a backing", "narrow body in a grip", "post", "pad")
+
+
+@pytest.fixture
+def large(monkeypatch):
+    """Limits above which shoes are condensed like large ones; here every shoe is."""
+
+    def apply():
+        limits = [
+            (hp_element, "SMALLEST_SIZE_COMPUTED_BY_TRIANGLE"),
+            (width_columns, "LARGEST_COUPLING_ELIMINATED_AT_ONCE"),
+            (width_shoe, "MOST_BYTES_OF_COLUMNS_MADE_TOGETHER"),
+            (width_prepare, "MOST_BYTES_OF_KEPT_CHOLESKY_FACTOR"),
+        ]
+        for module, name in limits:
+            monkeypatch.setattr(module, name, 0)
+        width_columns.condensation_plan_of_column.cache_clear()
+
+    yield apply
+    width_columns.condensation_plan_of_column.cache_clear()
+
+
+def prepared(brake, degree=2):
+    return prepare_model_with_shoe_widths(brake, REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[0], degree)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_shoe_condensed_like_a_large_one_has_the_same_answer(kind, large):
+    brake = HELD[kind]()
+    before = prepared(brake)
+    expected = solve_prepared_model(before, brake)
+    large()
+    scene = prepared(brake)
+    found = solve_prepared_model(scene, brake)
+    for own, true in zip(found.shoes, expected.shoes, strict=True):
+        assert own.torque == pytest.approx(true.torque, rel=1e-10)
+        np.testing.assert_allclose(
+            own.surface.pressure, true.surface.pressure, atol=1e-9 * true.surface.pressure.max()
+        )
+    # The factor is not kept, and is computed again when it is needed.
+    for body, other in zip(scene.bodies, before.bodies, strict=True):
+        assert "L_cc" not in vars(body.condensed)
+        stiffness, true_stiffness = (
+            each.condensed.L_cc @ each.condensed.L_cc.T for each in (body, other)
+        )
+        scale = np.abs(true_stiffness).max()
+        np.testing.assert_allclose(stiffness, true_stiffness, atol=1e-9 * scale, rtol=0)
+
+
+def test_a_schur_complement_by_its_triangle_is_symmetric_and_the_same(large):
+    random = np.random.default_rng(5)
+    A = random.standard_normal((150, 150))
+    A = A @ A.T
+    blocks = A[:130, :130], A[130:, :130], A[130:, 130:]
+    expected = hp_element.replace_matrix_by_schur_complement(*(each.copy() for each in blocks))
+    large()
+    found = hp_element.replace_matrix_by_schur_complement(*(each.copy() for each in blocks))
+    np.testing.assert_allclose(found, expected, atol=1e-12 * np.abs(A).max())
+    np.testing.assert_array_equal(found, found.T)
+
+
+def test_of_the_columns_of_a_large_shoe_only_a_few_exist_at_a_time(large, monkeypatch):
+    condense = width_shoe.condense_mirror_symmetric_columns
+    made, existing = [], []
+
+    def condense_and_count(parts, widths, stack):
+        columns = condense(parts, widths, stack)
+        if stack.contact:
+            made.extend(weakref.ref(column.K) for column in columns)
+            existing.append(sum(own() is not None for own in made))
+        return columns
+
+    monkeypatch.setattr(width_shoe, "condense_mirror_symmetric_columns", condense_and_count)
+    brake = HELD["T-section"]()
+    prepared(brake)
+    assert max(existing) == len(made) > 4
+    existing.clear()
+    large()
+    prepared(brake)
+    assert max(existing) <= 3
+
+
+def test_the_stated_memory_of_a_body_is_that_of_its_matrices(large):
+    def bytes_of_matrices(owner):
+        arrays = [value for value in vars(owner).values() if isinstance(value, np.ndarray)]
+        return sum(array.nbytes for array in arrays if array.ndim == 2)
+
+    brake = HELD["T-section"]()
+    for is_large in (False, True):
+        if is_large:
+            large()
+        body = prepared(brake, 3).bodies[0]
+        true = sum(map(bytes_of_matrices, (body, body.condensed, body.coupling)))
+        stated = width_prepare._memory_bytes_of_condensed_solid_shoe(body)
+        assert stated == pytest.approx(true, rel=0.1)
