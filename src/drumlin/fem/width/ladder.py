@@ -648,9 +648,7 @@ def cheapest_choice_within_tolerance(
             break
     smallest = min(choice.error.largest_pressure_error for choice in choices)
     good = [
-        choice
-        for choice in choices
-        if LEAST_FALL * choice.error.largest_pressure_error <= smallest
+        choice for choice in choices if LEAST_FALL * choice.error.largest_pressure_error <= smallest
     ]
     return min(good, key=lambda choice: choice.unknowns)
 
