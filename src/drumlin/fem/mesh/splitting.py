@@ -185,7 +185,8 @@ def _bisect_marked_and_touched_triangles(
 
         The order of the two vertices does not matter.
         """
-        return np.asarray(ends.min(axis=-1) * count + ends.max(axis=-1))
+        a, b = ends[..., 0], ends[..., 1]
+        return np.asarray(np.minimum(a, b) * count + np.maximum(a, b))
 
     sides = unique_number_of_each_side(np.stack([parts.t, np.roll(parts.t, -1, axis=1)], axis=-1))
     # A triangle at a bisected side is first bisected across the side of its first two vertices.
@@ -240,12 +241,17 @@ def nodal_basis_on_split_triangles(
         name: np.flatnonzero(np.isin(parts.parent, members))
         for name, members in shape.mesh.subdomains.items()
     }
-    mesh = skfem.MeshTri1(np.ascontiguousarray(parts.xy), np.ascontiguousarray(t.T))
-    boundaries = {
-        name: element_edges_between_vertices_and_missing_count(mesh, line)[0]
-        for name, line in parts.lines.items()
-    }
-    mesh = replace(mesh, _subdomains=groups, _boundaries=boundaries)
+    # The mesh numbers its sides once, which takes long. So it gets the dictionary of its boundaries
+    # before the sides are looked up.
+    boundaries: dict[str, Ints] = {}
+    mesh = skfem.MeshTri1(
+        np.ascontiguousarray(parts.xy),
+        np.ascontiguousarray(t.T),
+        _subdomains=groups,
+        _boundaries=boundaries,
+    )
+    for name, line in parts.lines.items():
+        boundaries[name] = element_edges_between_vertices_and_missing_count(mesh, line)[0]
     basis = nodal_basis_with_given_node_positions(mesh, elem, places)
     return replace(basis, split=SplitElements(shape, parts.parent, at))
 
