@@ -18,16 +18,19 @@ from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.substructure.body import (
     DEGREES_OF_FREEDOM_OF_BODY_FRAME,
     condense_body_to_contact_and_hinge_face,
+    meshed_body_with_eliminated_contact,
     multi_point_constraints_of_body,
     sparse_stiffness_of_body,
 )
 from drumlin.fem.substructure.elasticity import elastic_layers_of_shoe
 from drumlin.fem.substructure.elimination import (
-    KeptFactors,
+    FactorsOfElimination,
     eliminate_inner_unknowns,
     elimination_order_by_nested_dissection,
 )
 from drumlin.fem.substructure.interface import (
+    coupling_matrices_of_contact_line,
+    function_that_returns_drum_normals_and_tangents,
     make_contact_line_of_lining,
     nodal_forces_of_unit_end_loads_and_end_centre,
 )
@@ -158,16 +161,13 @@ def test_elimination_equals_the_dense_schur_complement():
             loads[inner:] - ki @ inverse @ loads[:inner], rel=1e-9, abs=1e-10
         )
         assert found.work == pytest.approx(loads[:inner].T @ inverse @ loads[:inner], rel=1e-9)
-        # Kept factors condense further loads, and solve with given last unknowns.
-        factors = KeptFactors.kept_factors_of_sparse_matrix(A, region)
-        again = factors.condense_loads(loads)
-        np.testing.assert_array_equal(again.S, found.S)
-        np.testing.assert_array_equal(again.loads, found.loads)
-        np.testing.assert_array_equal(again.work, found.work)
-        given = rng.normal(size=(2, 2))
+        # The factors solve with given last unknowns, and the regions may be in any order.
+        shuffled = rng.permutation(region)
+        factors = FactorsOfElimination.factors_of_sparse_matrix(A, shuffled)
+        given = rng.normal(size=(kept, 2))
         x = factors.solve_with_given_last_unknowns(loads, given)
-        np.testing.assert_array_equal(x[-2:], given)
-        np.testing.assert_allclose((dense @ x)[:-2], loads[:-2], rtol=1e-8, atol=1e-8)
+        np.testing.assert_array_equal(x[inner:], given)
+        np.testing.assert_allclose((dense @ x)[:inner], loads[:inner], rtol=1e-8, atol=1e-8)
 
 
 @pytest.mark.parametrize("degree", [1, 2, 3])
@@ -269,3 +269,34 @@ def test_a_rigid_shoe_has_only_its_lining_meshed(brake):
     scene = make_prepared_model(bare, elements=20)
     assert list(scene.bodies[0].mesh.subdomains) == ["lining"]
     assert saying(scene.left_out, "rigid, no [shoe.body]")
+
+
+@pytest.mark.parametrize("friction", [True, False])
+def test_elimination_of_contact_nodes_gives_the_flexibility_of_the_condensed_body(brake, friction):
+    """Both ways, with kept factors and without, agree at each node, and so does a single load."""
+    _, K, line, _, ties, loads = full_system(brake, elements=60)
+    assert ties.region.max() > 10
+    named = {"actuation": ties.matrix.T @ loads}
+    coupling = coupling_matrices_of_contact_line(
+        line, 0.04, function_that_returns_drum_normals_and_tangents(1)
+    )
+    T = coupling.T if friction else None
+    known = condense_body_to_contact_and_hinge_face(K, ties, named, 2 * len(line.nodes))
+    for keep_factors in (False, True):
+        body = meshed_body_with_eliminated_contact(K, ties, named, keep_factors=keep_factors)
+        found = body.flexibility_under_contact_loads(coupling.N, T)
+        for name, right in known.flexibility_under_contact_loads(coupling.N, T)._asdict().items():
+            mine = getattr(found, name)
+            if right is None:
+                assert mine is None
+                continue
+            scale = np.abs(right).max()
+            np.testing.assert_allclose(mine, right, rtol=0, atol=1e-9 * scale, err_msg=name)
+        for mine, right in zip(
+            body.contact_displacements_and_load_travel(slice(1, 3)),
+            known.contact_displacements_and_load_travel(slice(1, 3)),
+            strict=True,
+        ):
+            np.testing.assert_allclose(mine, right, rtol=0, atol=1e-9 * np.abs(right).max())
+        # The dense stiffness on the contact nodes was not computed.
+        assert "condensed" not in vars(body)

@@ -202,7 +202,13 @@ def test_a_shoe_is_coupled_with_all_its_columns(brake, level):
         body.application_point_of_actuation_loads,
         friction=True,
     )
-    assert np.array_equal(coupled.gap_closure_by_load[:, :3], body.gap_closure_by_load)
+    # A further column changes the round-off of the other columns on a mesh.
+    np.testing.assert_allclose(
+        coupled.gap_closure_by_load[:, :3],
+        body.gap_closure_by_load,
+        rtol=0,
+        atol=1e-12 * np.abs(body.gap_closure_by_load).max(),
+    )
     u = displacement(warm, heat=1.0)[:, body.line.nodes].T.ravel()
     closed = coupled.gap_closure_by_load[:, 3]
     assert closed == pytest.approx(coupled.coupling.N @ u, abs=1e-8 * np.abs(closed).max())

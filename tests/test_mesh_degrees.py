@@ -227,6 +227,9 @@ def test_the_load_of_moved_nodes_changes_a_response_as_moved_nodes_do(own, monke
         )
     )
 
+    # No step needs the dense stiffness on the contact nodes.
+    assert "condensed" not in vars(scene.bodies[0].condensed)
+
     def basis_with_arcs(*given):
         basis = nodal_basis_of_shoe_mesh(*given)
         return basis.basis_with_moved_nodes(node_displacements_onto_smooth_outline(basis))
@@ -540,6 +543,8 @@ def test_split_elements_fit_together_and_keep_the_shape_of_the_mesh(shoe, brake,
     for xy in finest.xy.T:
         nearest = np.hypot(*(parts.p - xy[:, None])).argsort()[1]
         assert np.hypot(*(parts.p[:, nearest] - xy)) < side
+    # No triangle is left that would have to be split.
+    assert split_mesh_into_triangles_towards_points(split, finest, 10_000) is None
     with pytest.raises(NoAnswer, match="split into more than 100 triangles"):
         split_mesh_into_triangles_towards_points(basis, finest, 100)
     large = LargestSidesAtSingularPoints(finest.xy, np.full(len(finest.sides), 1.0))

@@ -11,6 +11,7 @@ from itertools import islice
 
 import numpy as np
 
+from drumlin.base.arrays import Ints
 from drumlin.fem.mesh.content_of_file import MeshFileContent
 
 CELL_NAME_AND_NODE_COUNT_OF_GMSH_TYPE = {
@@ -54,20 +55,25 @@ def read_mesh_in_gmsh_format_4(text: str) -> MeshFileContent:
     names = _read_names_of_physical_groups(blocks.get("PhysicalNames", []))
     groups = _read_physical_groups_of_entities(blocks.get("Entities", []), old)
     number, points = _read_node_numbers_and_points(blocks["Nodes"], old)
-    rows: dict[str, list[list[int]]] = defaultdict(list)
+    tags_in_order, index = _sorted_node_tags_with_indices(number)
+    rows: dict[str, list[Ints]] = defaultdict(list)
+    found_cells: dict[str, int] = defaultdict(int)
     members: dict[str, dict[str, list[int]]] = defaultdict(lambda: defaultdict(list))
     for entity, kind, lines in _read_elements_of_each_entity(blocks["Elements"], old):
         if kind not in CELL_NAME_AND_NODE_COUNT_OF_GMSH_TYPE:
             raise ValueError(f"has elements of Gmsh's type {kind}, which make no plane mesh")
         cell, count = CELL_NAME_AND_NODE_COUNT_OF_GMSH_TYPE[kind]
-        start = len(rows[cell])
-        rows[cell] += [[number[node] for node in line[1 : count + 1]] for line in lines]
+        if lines.shape[1] <= count:
+            raise ValueError(f"$Elements has a {cell} with fewer than {count} nodes")
+        start = found_cells[cell]
+        found_cells[cell] += len(lines)
+        rows[cell].append(_indices_of_nodes(lines[:, 1 : count + 1], tags_in_order, index))
         for tag in groups.get(entity, ()):
             for name in {str(tag), names.get((entity[0], tag), str(tag))}:
                 members[name][cell] += range(start, start + len(lines))
     return MeshFileContent(
         points=np.array(points, dtype=float).reshape(-1, 3),
-        cells={cell: np.array(found, dtype=np.int64) for cell, found in rows.items()},
+        cells={cell: np.concatenate(found) for cell, found in rows.items()},
         cell_groups={
             name: {cell: np.array(found, dtype=np.int64) for cell, found in by_cell.items()}
             for name, by_cell in members.items()
@@ -159,9 +165,29 @@ def _read_node_numbers_and_points(
     return number, points
 
 
+def _sorted_node_tags_with_indices(number: dict[int, int]) -> tuple[Ints, Ints]:
+    """The tags of all nodes, sorted, and the index of the node of each tag."""
+    tags = np.fromiter(number, dtype=np.int64, count=len(number))
+    order = np.argsort(tags)
+    indices = np.fromiter(number.values(), dtype=np.int64, count=len(number))
+    return tags[order], indices[order]
+
+
+def _indices_of_nodes(tags: Ints, tags_in_order: Ints, index: Ints) -> Ints:
+    """The indices of the nodes with the given tags; KeyError for a tag without a node.
+
+    `tags_in_order` and `index` are those of `_sorted_node_tags_with_indices`.
+    """
+    place = np.minimum(np.searchsorted(tags_in_order, tags), len(tags_in_order) - 1)
+    unknown = tags_in_order[place] != tags
+    if unknown.any():
+        raise KeyError(int(tags[unknown][0]))
+    return np.asarray(index[place])
+
+
 def _read_elements_of_each_entity(
     lines: list[str], old: bool
-) -> Iterator[tuple[DimensionAndTagOfGmshEntity, int, list[list[int]]]]:
+) -> Iterator[tuple[DimensionAndTagOfGmshEntity, int, Ints]]:
     """Yield the elements of each entity: the entity, Gmsh's element type, and rows of numbers.
 
     A row has the tag of an element and the tags of its nodes. `lines` are the lines of the block
@@ -171,9 +197,10 @@ def _read_elements_of_each_entity(
     for _ in range(int(lines[0].split()[0])):
         (line,) = _next_lines_of_block(rest, 1, "$Elements")
         first, second, kind, count = map(int, line.split())
-        found = [
-            list(map(int, line.split())) for line in _next_lines_of_block(rest, count, "$Elements")
-        ]
+        rows = _next_lines_of_block(rest, count, "$Elements")
+        if not rows:
+            continue
+        found = np.loadtxt(rows, dtype=np.int64, comments=None, ndmin=2)
         yield ((second, first) if old else (first, second)), kind, found
 
 

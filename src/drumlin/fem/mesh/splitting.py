@@ -105,14 +105,18 @@ def split_mesh_into_triangles_towards_points(
         if more triangles are needed
     """
     parts = _triangles_of_unsplit_mesh(shape.mesh)
-    marked = _which_triangles_have_too_long_side(parts, finest)
+    marked = _which_triangles_have_too_long_side(parts.t, parts.xy, finest)
     if not marked.any():
         return None
     while marked.any():
-        parts = _bisect_marked_and_touched_triangles(shape, parts, marked)
+        parts, unchanged = _bisect_marked_and_touched_triangles(shape, parts, marked)
         if len(parts.t) > most:
             raise NoAnswer(f"its mesh would be split into more than {most} triangles")
-        marked = _which_triangles_have_too_long_side(parts, finest)
+        # The unchanged triangles are small enough, and come first.
+        marked = np.zeros(len(parts.t), dtype=bool)
+        marked[unchanged:] = _which_triangles_have_too_long_side(
+            parts.t[unchanged:], parts.xy, finest
+        )
     return parts
 
 
@@ -144,18 +148,22 @@ def _triangles_of_unsplit_mesh(mesh: Any) -> TrianglesOfSplitElements:
 
 
 def _which_triangles_have_too_long_side(
-    parts: TrianglesOfSplitElements, finest: LargestSidesAtSingularPoints
+    t: Ints, xy: Floats, finest: LargestSidesAtSingularPoints
 ) -> Bools:
     """A mask (m,): True for a triangle with a side too long for its distance to a singular point.
 
-    `finest` has the singular points and the longest side that is allowed at each of them.
+    Parameters
+    ----------
+    t : (m, 3) vertices of each triangle
+    xy : (2, n) positions of the vertices [m]
+    finest : singular points, and the longest side that is allowed at each of them
     """
-    start = parts.xy[:, parts.t]
-    along = parts.xy[:, np.roll(parts.t, -1, axis=1)] - start
+    start = xy[:, t]
+    along = xy[:, np.roll(t, -1, axis=1)] - start
     length = np.hypot(*along)
     longest = length.max(axis=1)
     centre = start.mean(axis=2)
-    found = np.zeros(len(parts.t), dtype=bool)
+    found = np.zeros(len(t), dtype=bool)
     for point, side in zip(finest.xy.T, finest.sides, strict=True):
         # No point of a triangle is farther from its centre than its longest side. Triangles that
         # are small enough for this least distance are not looked at more closely.
@@ -173,10 +181,11 @@ def _which_triangles_have_too_long_side(
 
 def _bisect_marked_and_touched_triangles(
     shape: NodalBasis, parts: TrianglesOfSplitElements, marked: Bools
-) -> TrianglesOfSplitElements:
-    """Bisect the marked triangles and all triangles that a new vertex touches; returns all parts.
+) -> tuple[TrianglesOfSplitElements, int]:
+    """Bisect the marked triangles and all triangles that a new vertex touches.
 
-    `marked` (m,) is True for the triangles that have to be bisected.
+    Returns all parts, and the number of unchanged triangles, which come first among them. `marked`
+    (m,) is True for the triangles that have to be bisected.
     """
     count = parts.xy.shape[1]
 
@@ -185,13 +194,14 @@ def _bisect_marked_and_touched_triangles(
 
         The order of the two vertices does not matter.
         """
-        return np.asarray(ends.min(axis=-1) * count + ends.max(axis=-1))
+        a, b = ends[..., 0], ends[..., 1]
+        return np.asarray(np.minimum(a, b) * count + np.maximum(a, b))
 
     sides = unique_number_of_each_side(np.stack([parts.t, np.roll(parts.t, -1, axis=1)], axis=-1))
     # A triangle at a bisected side is first bisected across the side of its first two vertices.
     while True:
         halved = np.unique(sides[marked, 0])
-        touched = np.asarray(np.isin(sides, halved).any(axis=1))
+        touched = np.asarray(_which_values_are_in_sorted_array(sides, halved).any(axis=1))
         if (touched <= marked).all():
             break
         marked = touched
@@ -199,7 +209,7 @@ def _bisect_marked_and_touched_triangles(
     lines = {}
     for name, line in parts.lines.items():
         number = unique_number_of_each_side(line)
-        is_halved = np.isin(number, halved)
+        is_halved = _which_values_are_in_sorted_array(number, halved)
         middle = count + np.searchsorted(halved, number[is_halved])
         a, b = line[is_halved].T
         new = [np.column_stack([a, middle]), np.column_stack([middle, b])]
@@ -208,9 +218,11 @@ def _bisect_marked_and_touched_triangles(
     while True:
         # A side that ends at a new vertex is not bisected in this round.
         is_old = (t[:, :2] < count).all(axis=1)
-        split = is_old & np.isin(unique_number_of_each_side(t[:, :2]), halved)
+        number = unique_number_of_each_side(t[:, :2])
+        split = is_old & _which_values_are_in_sorted_array(number, halved)
         if not split.any():
-            return TrianglesOfSplitElements(t, parent, at, xy, lines)
+            unchanged = int(np.count_nonzero(~marked))
+            return TrianglesOfSplitElements(t, parent, at, xy, lines), unchanged
         (a, b, c), (pa, pb, pc) = t[split].T, at[split].transpose(1, 0, 2)
         middle = count + np.searchsorted(halved, unique_number_of_each_side(t[split, :2]))
         pm = (pa + pb) / 2
@@ -220,6 +232,17 @@ def _bisect_marked_and_touched_triangles(
         t = np.concatenate([t[~split], *new_t])
         at = np.concatenate([at[~split], *new_at])
         parent = np.concatenate([parent[~split], parent[split], parent[split]])
+
+
+def _which_values_are_in_sorted_array(values: Ints, members: Ints) -> Bools:
+    """A mask with the shape of `values`: True for a value in the sorted array `members` (m,).
+
+    Few sides of a mesh are halved at once. numpy's isin would sort the numbers of all sides.
+    """
+    if not len(members):
+        return np.zeros(values.shape, dtype=bool)
+    place = np.minimum(np.searchsorted(members, values), len(members) - 1)
+    return np.asarray(members[place] == values)
 
 
 def nodal_basis_on_split_triangles(
@@ -240,12 +263,17 @@ def nodal_basis_on_split_triangles(
         name: np.flatnonzero(np.isin(parts.parent, members))
         for name, members in shape.mesh.subdomains.items()
     }
-    mesh = skfem.MeshTri1(np.ascontiguousarray(parts.xy), np.ascontiguousarray(t.T))
-    boundaries = {
-        name: element_edges_between_vertices_and_missing_count(mesh, line)[0]
-        for name, line in parts.lines.items()
-    }
-    mesh = replace(mesh, _subdomains=groups, _boundaries=boundaries)
+    # The mesh numbers its sides once, which takes long. So it gets the dictionary of its boundaries
+    # before the sides are looked up.
+    boundaries: dict[str, Ints] = {}
+    mesh = skfem.MeshTri1(
+        np.ascontiguousarray(parts.xy),
+        np.ascontiguousarray(t.T),
+        _subdomains=groups,
+        _boundaries=boundaries,
+    )
+    for name, line in parts.lines.items():
+        boundaries[name] = element_edges_between_vertices_and_missing_count(mesh, line)[0]
     basis = nodal_basis_with_given_node_positions(mesh, elem, places)
     return replace(basis, split=SplitElements(shape, parts.parent, at))
 

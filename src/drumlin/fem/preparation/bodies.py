@@ -9,7 +9,6 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 
 from drumlin.base.arrays import Floats
-from drumlin.base.lapack import dtrsm
 from drumlin.brake.brake import Shoe
 from drumlin.brake.components import Actuation, BeamBody
 from drumlin.brake.further_loads import ForceAtPoint
@@ -21,7 +20,11 @@ from drumlin.fem.preparation.load_places import (
     unit_load_factors_of_forces_at_points_and_mass,
     unit_loads_at_points_and_mass,
 )
-from drumlin.fem.substructure.body import DEGREES_OF_FREEDOM_OF_BODY_FRAME, CondensedBody
+from drumlin.fem.substructure.body import (
+    DEGREES_OF_FREEDOM_OF_BODY_FRAME,
+    CondensedBody,
+    MeshedBody,
+)
 from drumlin.fem.substructure.elasticity import elastic_layers_of_shoe
 from drumlin.fem.substructure.expansion import (
     FreeStrainFunctionByLayer,
@@ -97,7 +100,7 @@ class ShoeSubstructure:
     basis: Any
     line: ContactLine
     coupling: ContactCouplingMatrices
-    condensed: CondensedBody
+    condensed: CondensedBody | MeshedBody
     application_point_of_actuation_loads: Floats
     rotation_mode: Floats
     gap_closure_by_pressure: Floats
@@ -189,7 +192,7 @@ def make_shoe_substructure(
     kind: type[ShoeSubstructure],
     shoe: Shoe,
     division: ShoeBodyElements,
-    condensed: CondensedBody,
+    condensed: CondensedBody | MeshedBody,
     centre: Floats,
     *,
     friction: bool,
@@ -206,23 +209,16 @@ def make_shoe_substructure(
     friction : whether the brake has friction
     """
     line = division.line
-    n = len(line.nodes)
     coupling = contact_coupling_matrices_of_shoe(line, shoe)
-    # The columns of Y, and of all matrices that follow from Y, stand for pressures, unit loads and
-    # friction, in this order.
-    Y = _half_flexibility_under_contact_loads(condensed, coupling, friction=friction)
-    first_friction = n + condensed.columns.number_of_load_columns
-    pressed, loaded, dragged = slice(n), slice(n, first_friction), slice(first_friction, None)
-    closure = Y[:, :n].T @ Y
-    np.negative(closure, out=closure)
-    reaction = condensed.L_fc @ Y
-
-    reaction_to_load = reaction[:, loaded] - condensed.load_on_frame
+    flexibility = condensed.flexibility_under_contact_loads(
+        coupling.N, coupling.T if friction else None
+    )
     # The nodal forces of free thermal strains have no resultant, and the frame alone supports the
     # body in a statically determinate way. So heat causes no reaction, and the computed reaction is
     # round-off, which is set to zero.
     if HEAT_LOAD_NAME in condensed.columns.column_slice_of_each_load:
-        reaction_to_load[:, condensed.columns.column_slice_of_each_load[HEAT_LOAD_NAME]] = 0.0
+        heat = condensed.columns.column_slice_of_each_load[HEAT_LOAD_NAME]
+        flexibility.reaction_to_load[:, heat] = 0.0
     x, y = line.xy - shoe.pin_position_in_shoe_frame[:, None]
     return kind(
         mesh=division.mesh,
@@ -232,40 +228,9 @@ def make_shoe_substructure(
         condensed=condensed,
         application_point_of_actuation_loads=centre,
         rotation_mode=np.array([-y, x]).T.ravel(),
-        gap_closure_by_pressure=closure[:, pressed],
-        gap_closure_by_load=closure[:, loaded],
-        gap_closure_by_friction=closure[:, dragged] if friction else None,
-        load_point_motion_by_friction=Y[:, loaded].T @ Y[:, dragged] if friction else None,
-        load_point_motion_by_load=Y[:, loaded].T @ Y[:, loaded] + condensed.load_work,
-        reaction_to_pressure=reaction[:, pressed],
-        reaction_to_load=reaction_to_load,
-        reaction_to_friction=reaction[:, dragged] if friction else None,
         mesh_read_from_file=division.mesh_read_from_file,
+        **flexibility._asdict(),
     )
-
-
-def _half_flexibility_under_contact_loads(
-    condensed: CondensedBody, coupling: ContactCouplingMatrices, *, friction: bool
-) -> Floats:
-    """The half flexibility Y = L^-1 G of loads G on the contact nodes, with the Cholesky factor L.
-
-    The columns of Y stand for the n nodal pressures, then the l unit loads, then the n nodal values
-    of friction. Y^T Y is the flexibility of the body at these loads.
-
-    Parameters
-    ----------
-    condensed : the condensed body of the shoe
-    coupling : the shoe's coupling with the drum or the plane
-    friction : whether the brake has friction; without friction Y lacks the last n columns
-    """
-    n, loads = len(coupling.M), condensed.columns.number_of_load_columns
-    # The forces lie column by column in memory, so that Y takes their place.
-    forces = np.empty((2 * n, n + loads + (n if friction else 0)), order="F")
-    np.negative(coupling.N.T, out=forces[:, :n])
-    forces[:, n : n + loads] = condensed.load_on_contact
-    if friction:
-        forces[:, n + loads :] = coupling.T.T
-    return condensed.half_flexibility_under_nodal_forces(forces, in_place=True)
 
 
 def substructure_with_load_of_changed_shape(
@@ -283,14 +248,10 @@ def substructure_with_load_of_changed_shape(
     """
     condensed = body.condensed.body_with_further_loads({CHANGED_SHAPE_LOAD_NAME: forces[:, None]})
     own = condensed.columns.column_slice_of_each_load[CHANGED_SHAPE_LOAD_NAME]
-    before, work = condensed.load_on_contact[:, : own.start], condensed.load_work[:, own]
     # The displacements of the contact nodes under the load, while the frame does not move.
-    half = condensed.half_flexibility_under_nodal_forces(condensed.load_on_contact[:, own])
-    u = dtrsm(1.0, condensed.L_cc, half, lower=1, trans_a=1)
-    beside = before.T @ u + work[: own.start]
-    motion = np.block(
-        [[body.load_point_motion_by_load, beside], [beside.T, half.T @ half + work[own]]]
-    )
+    u, travel = condensed.contact_displacements_and_load_travel(own)
+    beside = travel[: own.start]
+    motion = np.block([[body.load_point_motion_by_load, beside], [beside.T, travel[own]]])
     dragged = body.load_point_motion_by_friction
     return replace(
         body,

@@ -112,8 +112,9 @@ class CacheOfCondensedBodies:
 
 def memory_bytes_of_condensed_body(body: ShoeSubstructure | RingSubstructure) -> int:
     """The approximate memory [bytes] of the matrices of a condensed body."""
-    # A body has six dense (n, n) matrices of doubles. Its sparse matrices take some 400 bytes for
-    # each displacement.
+    # A body has at most six dense (n, n) matrices of doubles: four stand for its stiffness on the
+    # contact nodes, which a meshed body has only if an analysis needs it. Its sparse matrices take
+    # some 400 bytes for each displacement.
     n = len(body.line.nodes)
     inner = body.condensed.inner
     factors = inner.factors if isinstance(inner, UncondensedBodySystem) else None

@@ -50,7 +50,7 @@ from drumlin.fem.preparation.scene import (
 from drumlin.fem.substructure.body import (
     DEGREES_OF_FREEDOM_OF_BODY_FRAME,
     MultiPointConstraints,
-    condense_body_to_contact_and_hinge_face,
+    meshed_body_with_eliminated_contact,
     multi_point_constraints_of_body,
     sparse_stiffness_of_body,
 )
@@ -524,13 +524,8 @@ def _mesh_condense_and_couple_shoe(
     """
     parts = mesh_and_assemble_shoe(brake, shoe, mesher, seconds, raised, cache)
     with add_elapsed_time_of_block_to_phase(seconds, "condensation"):
-        contact_unknowns = 2 * len(parts.line.nodes)
-        condensed = condense_body_to_contact_and_hinge_face(
-            parts.K,
-            parts.constraints,
-            parts.loads,
-            contact_unknowns,
-            keep_factors=raised.keep_factors,
+        condensed = meshed_body_with_eliminated_contact(
+            parts.K, parts.constraints, parts.loads, keep_factors=raised.keep_factors
         )
     divided = ShoeBodyElements(parts.mesh, parts.basis, parts.line, parts.mesh_read_from_file)
     friction = brake.friction > 0

@@ -13,13 +13,14 @@ frame, with L_fc = S_fc L_cc^-T and the block S_fc of S on f and c, keep the fra
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any, NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
 
 from drumlin.base.arrays import Floats, Ints
 from drumlin.base.errors import NoAnswer
-from drumlin.base.lapack import dpotrf, solve_lower_triangular_system
+from drumlin.base.lapack import dpotrf, dtrsm, solve_lower_triangular_system
 from drumlin.brake.elasticity import ElasticLayer, which_elasticity_matrices_are_orthotropic
 from drumlin.fem.substructure.elasticity import (
     isotropic_and_orthotropic_elastic_constants,
@@ -28,10 +29,16 @@ from drumlin.fem.substructure.elasticity import (
 from drumlin.fem.substructure.elimination import (
     SINGULAR_BODY_MESSAGE,
     CondensedSystem,
-    KeptFactors,
+    FactorsOfElimination,
     eliminate_inner_unknowns,
     elimination_order_by_nested_dissection,
-    solve_by_multifrontal_elimination,
+    factorise_fronts_in_any_order,
+)
+from drumlin.fem.substructure.flexibility import (
+    ContactFlexibility,
+    ContactForces,
+    EliminatedUnknownsInOrder,
+    flexibility_under_contact_forces,
 )
 from drumlin.fem.substructure.loads import ColumnsOfUnitLoads, stack_nodal_loads_as_matrix_columns
 
@@ -49,11 +56,19 @@ class MultiPointConstraints(NamedTuple):
     ----------
     matrix : sparse matrix (2 nodes, unknowns) from reduced unknowns to displacements of all nodes
     region : number of the region of `elimination_order_by_nested_dissection` in which each inner
-        unknown is eliminated
+        unknown is eliminated, not decreasing
+    contact_region : number of the region of each unknown of the contact nodes; the unknown is
+        eliminated there if the frame alone is kept
     """
 
     matrix: Any
     region: Ints
+    contact_region: Ints
+
+    @property
+    def region_of_all_unknowns_but_frame(self) -> Ints:
+        """The number of the region of each unknown except those of the frame."""
+        return np.concatenate([self.region, self.contact_region])
 
 
 class UncondensedBodySystem(NamedTuple):
@@ -64,14 +79,14 @@ class UncondensedBodySystem(NamedTuple):
     A : (unknowns, unknowns) sparse stiffness
     constraints : the constraints that define the reduced unknowns
     loads : (unknowns, l) l unit loads, as forces on the reduced unknowns
-    factors : Cholesky factors of the eliminated unknowns, with which additional loads and
-        displacements are cheap to compute; None if they are not kept
+    factors : Cholesky factors of all unknowns except the frame, with which displacements are cheap
+        to compute; None if they are not kept
     """
 
     A: Any
     constraints: MultiPointConstraints
     loads: Floats
-    factors: KeptFactors | None = None
+    factors: FactorsOfElimination | None = None
 
     @classmethod
     def body_system_from_stiffness_of_all_nodes(
@@ -87,8 +102,6 @@ class UncondensedBodySystem(NamedTuple):
 
     def condense_loads_and_stiffness(self) -> CondensedSystem:
         """The stiffness and the unit loads of the body, condensed to contact nodes and frame."""
-        if self.factors is not None:
-            return self.factors.condense_loads(self.loads)
         return eliminate_inner_unknowns(self.A, self.constraints.region, self.loads)
 
     def copy_with_further_unit_loads(self, forces: Floats) -> "UncondensedBodySystem":
@@ -107,27 +120,51 @@ class UncondensedBodySystem(NamedTuple):
         In each load case, forces `nodal` (2n, m) [N] act on the n contact nodes, the unit loads act
         with the factors `loads` (l, m), and the frame moves by `frame` (3, m).
         """
-        if self.factors is not None:
-            right = self.loads @ loads
-            right[
-                len(right)
-                - DEGREES_OF_FREEDOM_OF_BODY_FRAME
-                - len(nodal) : -DEGREES_OF_FREEDOM_OF_BODY_FRAME
-            ] += nodal
-            free = self.factors.solve_with_given_last_unknowns(right, frame)
-            return np.asarray(self.constraints.matrix @ free)
-        right = (
-            self.loads[:-DEGREES_OF_FREEDOM_OF_BODY_FRAME] @ loads
-            - self.A[:-DEGREES_OF_FREEDOM_OF_BODY_FRAME, -DEGREES_OF_FREEDOM_OF_BODY_FRAME:] @ frame
+        right = self.loads @ loads
+        # The contact nodes are the last unknowns before the frame.
+        first = len(right) - DEGREES_OF_FREEDOM_OF_BODY_FRAME - len(nodal)
+        right[first:-DEGREES_OF_FREEDOM_OF_BODY_FRAME] += nodal
+        free = self._solve_with_given_frame(right, frame)
+        return np.asarray(self.constraints.matrix @ free)
+
+    def _solve_with_given_frame(self, right: Floats, frame: Floats) -> Floats:
+        """The unknowns (unknowns, m) under forces `right` on them, and frame motions (3, m)."""
+        factors = self.factors or FactorsOfElimination.factors_of_sparse_matrix(
+            self.A, self.constraints.region_of_all_unknowns_but_frame
         )
-        # The nodal forces act on the contact nodes, the last unknowns before the frame.
-        right[len(right) - len(nodal) :] += nodal
-        free = solve_by_multifrontal_elimination(
-            self.A[:-DEGREES_OF_FREEDOM_OF_BODY_FRAME, :-DEGREES_OF_FREEDOM_OF_BODY_FRAME],
-            self.constraints.region,
-            right,
+        return factors.solve_with_given_last_unknowns(right, frame)
+
+    def contact_displacements_and_load_travel(self, column: slice) -> tuple[Floats, Floats]:
+        """The motion of a body whose frame does not move, under some of its unit loads.
+
+        Returns the displacements (2n, k) of the n contact nodes, and the work (l, k) of each unit
+        load on the displacements. The load columns in `column` are the k acting loads.
+        """
+        acting = self.loads[:, column]
+        frame = np.zeros((DEGREES_OF_FREEDOM_OF_BODY_FRAME, acting.shape[1]))
+        free = self._solve_with_given_frame(acting, frame)
+        first = len(self.constraints.region)
+        return free[first:-DEGREES_OF_FREEDOM_OF_BODY_FRAME], self.loads.T @ free
+
+    def flexibility_under_contact_loads(self, N: Floats, T: Floats | None) -> ContactFlexibility:
+        """How the body moves under unit loads, and under pressures and friction on its contact.
+
+        N and T (n, 2n) couple the contact nodes with the drum or the plane; T is None without
+        friction. Raises NoAnswer for a singular stiffness.
+        """
+        region = self.constraints.region_of_all_unknowns_but_frame
+        if self.factors is None:
+            fronts, order = factorise_fronts_in_any_order(self.A, region)
+        else:
+            fronts, order = iter(self.factors.fronts), self.factors.order
+        contact = np.full(len(self.loads), -1)
+        first = len(self.constraints.region)
+        contact[first:-DEGREES_OF_FREEDOM_OF_BODY_FRAME] = np.arange(N.shape[1])
+        unknowns = EliminatedUnknownsInOrder(
+            region[order[: len(region)]], contact[order], self.loads[order]
         )
-        return np.asarray(self.constraints.matrix @ np.vstack([free, frame]))
+        forces = ContactForces.contact_forces_of_coupling_matrices(N, T)
+        return flexibility_under_contact_forces(fronts, unknowns, forces)
 
 
 class EliminatedUnknownsOfAnyBody(Protocol):
@@ -166,23 +203,12 @@ class EliminatedUnknownsAndEquationsOfAnyBody(EliminatedUnknownsOfAnyBody, Proto
         """
 
 
-@dataclass(frozen=True)
-class CondensedBody:
-    """A body reduced by static condensation to its 2n contact displacements and its frame.
-
-    The frame is the rigid line of the body that its support holds, with the displacements dx, dy
-    and rotation.
+@dataclass(frozen=True, kw_only=True)
+class BodyWithUnitLoads:
+    """An elastic body with its eliminated unknowns and its unit loads.
 
     Attributes
     ----------
-    L_cc : (2n, 2n) lower Cholesky factor of the stiffness on the contact nodes, without motion of
-        the frame
-    L_fc : (3, 2n) matrix S_fc L_cc^-T; contact forces G, with the half flexibility Y = L_cc^-1 G,
-        need the forces L_fc Y to keep the frame in its place
-    load_on_contact, load_on_frame : (2n, l) and (3, l) the l unit loads, condensed to the contact
-        nodes and to the frame
-    load_work : (l, l) work of each unit load on the displacements due to each unit load, while
-        contact nodes and frame are fixed
     inner : the eliminated unknowns, from which displacements inside the body are recovered
     columns : the names of the l unit loads, and which columns of the load arrays belong to each
         load
@@ -192,11 +218,6 @@ class CondensedBody:
         rigid-body mode of the frame; None if it is not known
     """
 
-    L_cc: Floats
-    L_fc: Floats
-    load_on_contact: Floats
-    load_on_frame: Floats
-    load_work: Floats
     inner: EliminatedUnknownsOfAnyBody
     columns: ColumnsOfUnitLoads
     force_imbalance: float = 0.0
@@ -230,17 +251,6 @@ class CondensedBody:
         """
         return self.assemble_equations_of_whole_body().loads
 
-    def half_flexibility_under_nodal_forces(
-        self, forces: Floats, *, in_place: bool = False
-    ) -> Floats:
-        """The half flexibility Y = L_cc^-1 G of nodal forces G (2n, m) on the contact nodes.
-
-        L_cc is the Cholesky factor of the condensed stiffness. Y^T Y (m, m) is a flexibility: the
-        work of the forces of each load case on the displacements of each load case. If `in_place`
-        is True and the forces lie column by column in memory, Y is written into them.
-        """
-        return solve_lower_triangular_system(self.L_cc, forces, in_place=in_place)
-
     def nodal_displacements_in_one_case(
         self, nodal: Floats, frame: Floats, loads: Floats
     ) -> Floats:
@@ -265,6 +275,94 @@ class CondensedBody:
         """
         return self.inner.nodal_displacements_in_load_cases(nodal, frame, loads)
 
+    def _columns_with_further_loads(self, loads: Mapping[str, Floats]) -> ColumnsOfUnitLoads:
+        """The load columns of the body and of additional loads; ValueError for a name twice."""
+        if taken := self.columns.column_slice_of_each_load.keys() & loads.keys():
+            raise ValueError(f"the body has loads of these names already: {sorted(taken)}")
+        return ColumnsOfUnitLoads(
+            self.columns.sizes + ColumnsOfUnitLoads.columns_of_named_unit_loads(loads).sizes
+        )
+
+
+@dataclass(frozen=True)
+class CondensedBody(BodyWithUnitLoads):
+    """A body reduced by static condensation to its 2n contact displacements and its frame.
+
+    The frame is the rigid line of the body that its support holds, with the displacements dx, dy
+    and rotation.
+
+    Attributes
+    ----------
+    L_cc : (2n, 2n) lower Cholesky factor of the stiffness on the contact nodes, without motion of
+        the frame
+    L_fc : (3, 2n) matrix S_fc L_cc^-T; contact forces G, with the half flexibility Y = L_cc^-1 G,
+        need the forces L_fc Y to keep the frame in its place
+    load_on_contact, load_on_frame : (2n, l) and (3, l) the l unit loads, condensed to the contact
+        nodes and to the frame
+    load_work : (l, l) work of each unit load on the displacements due to each unit load, while
+        contact nodes and frame are fixed
+    """
+
+    L_cc: Floats
+    L_fc: Floats
+    load_on_contact: Floats
+    load_on_frame: Floats
+    load_work: Floats
+
+    def flexibility_under_contact_loads(self, N: Floats, T: Floats | None) -> ContactFlexibility:
+        """How the body moves under unit loads, and under pressures and friction on its contact.
+
+        N and T (n, 2n) couple the contact nodes with the drum or the plane; T is None without
+        friction.
+        """
+        n = len(N)
+        # The columns of Y, and of all matrices that follow from Y, stand for pressures, unit loads
+        # and friction, in this order.
+        first_friction = n + self.columns.number_of_load_columns
+        pressed, loaded, dragged = slice(n), slice(n, first_friction), slice(first_friction, None)
+        # The forces lie column by column in memory, so that Y takes their place.
+        forces = np.empty((2 * n, first_friction + (0 if T is None else n)), order="F")
+        np.negative(N.T, out=forces[:, pressed])
+        forces[:, loaded] = self.load_on_contact
+        if T is not None:
+            forces[:, dragged] = T.T
+        Y = self.half_flexibility_under_nodal_forces(forces, in_place=True)
+        closure = Y[:, pressed].T @ Y
+        np.negative(closure, out=closure)
+        reaction = self.L_fc @ Y
+        has_friction = T is not None
+        return ContactFlexibility(
+            gap_closure_by_pressure=closure[:, pressed],
+            gap_closure_by_friction=closure[:, dragged] if has_friction else None,
+            gap_closure_by_load=closure[:, loaded],
+            load_point_motion_by_friction=Y[:, loaded].T @ Y[:, dragged] if has_friction else None,
+            load_point_motion_by_load=Y[:, loaded].T @ Y[:, loaded] + self.load_work,
+            reaction_to_pressure=reaction[:, pressed],
+            reaction_to_friction=reaction[:, dragged] if has_friction else None,
+            reaction_to_load=reaction[:, loaded] - self.load_on_frame,
+        )
+
+    def contact_displacements_and_load_travel(self, column: slice) -> tuple[Floats, Floats]:
+        """The motion of a body whose frame does not move, under some of its unit loads.
+
+        Returns the displacements (2n, k) of the n contact nodes, and the work (l, k) of each unit
+        load on the displacements. The load columns in `column` are the k acting loads.
+        """
+        half = self.half_flexibility_under_nodal_forces(self.load_on_contact[:, column])
+        u = dtrsm(1.0, self.L_cc, half, lower=1, trans_a=1)
+        return u, self.load_on_contact.T @ u + self.load_work[:, column]
+
+    def half_flexibility_under_nodal_forces(
+        self, forces: Floats, *, in_place: bool = False
+    ) -> Floats:
+        """The half flexibility Y = L_cc^-1 G of nodal forces G (2n, m) on the contact nodes.
+
+        L_cc is the Cholesky factor of the condensed stiffness. Y^T Y (m, m) is a flexibility: the
+        work of the forces of each load case on the displacements of each load case. If `in_place`
+        is True and the forces lie column by column in memory, Y is written into them.
+        """
+        return solve_lower_triangular_system(self.L_cc, forces, in_place=in_place)
+
     def body_with_further_loads(self, loads: Mapping[str, Floats]) -> "CondensedBody":
         """A copy of the body with more unit loads, in the columns after its present unit loads.
 
@@ -282,8 +380,7 @@ class CondensedBody:
         ValueError
             for a name that a load of the body has already
         """
-        if taken := self.columns.column_slice_of_each_load.keys() & loads.keys():
-            raise ValueError(f"the body has loads of these names already: {sorted(taken)}")
+        columns = self._columns_with_further_loads(loads)
         inner = self.eliminated_unknowns_with_equations.copy_with_further_unit_loads(
             np.concatenate(list(loads.values()), axis=1)
         )
@@ -299,10 +396,71 @@ class CondensedBody:
             load_on_frame=np.hstack([self.load_on_frame, further[contact:]]),
             load_work=work,
             inner=inner,
-            columns=ColumnsOfUnitLoads(
-                self.columns.sizes + ColumnsOfUnitLoads.columns_of_named_unit_loads(loads).sizes
-            ),
+            columns=columns,
         )
+
+
+@dataclass(frozen=True, kw_only=True)
+class MeshedBody(BodyWithUnitLoads):
+    """A body on a mesh, all of whose unknowns except the frame are eliminated.
+
+    It keeps no stiffness on the contact nodes. The few analyses that need this stiffness get it
+    from `condensed`, which computes it at the first access.
+
+    Attributes
+    ----------
+    inner : the equations of the body before condensation
+    """
+
+    inner: UncondensedBodySystem
+
+    def flexibility_under_contact_loads(self, N: Floats, T: Floats | None) -> ContactFlexibility:
+        """How the body moves under unit loads, and under pressures and friction on its contact.
+
+        Parameters and errors are those of `UncondensedBodySystem.flexibility_under_contact_loads`.
+        """
+        return self.inner.flexibility_under_contact_loads(N, T)
+
+    def contact_displacements_and_load_travel(self, column: slice) -> tuple[Floats, Floats]:
+        """The motion of a body whose frame does not move, under some of its unit loads.
+
+        See `UncondensedBodySystem.contact_displacements_and_load_travel`.
+        """
+        return self.inner.contact_displacements_and_load_travel(column)
+
+    def body_with_further_loads(self, loads: Mapping[str, Floats]) -> "MeshedBody":
+        """A copy of the body with more unit loads, in the columns after its present unit loads.
+
+        Parameters and errors are those of `CondensedBody.body_with_further_loads`.
+        """
+        columns = self._columns_with_further_loads(loads)
+        inner = self.inner.copy_with_further_unit_loads(
+            np.concatenate(list(loads.values()), axis=1)
+        )
+        return replace(self, inner=inner, columns=columns)
+
+    @cached_property
+    def condensed(self) -> CondensedBody:
+        """The body condensed to its contact nodes and its frame.
+
+        Raises NoAnswer for a singular stiffness.
+        """
+        contact = len(self.inner.constraints.contact_region)
+        return condense_body_system_to_contact_and_hinge_face(self.inner, self.columns, contact)
+
+    @property
+    def L_cc(self) -> Floats:
+        """The matrix `CondensedBody.L_cc`."""
+        return self.condensed.L_cc
+
+    @property
+    def load_on_contact(self) -> Floats:
+        """The unit loads `CondensedBody.load_on_contact`."""
+        return self.condensed.load_on_contact
+
+    def half_flexibility_under_nodal_forces(self, forces: Floats) -> Floats:
+        """See `CondensedBody.half_flexibility_under_nodal_forces`."""
+        return self.condensed.half_flexibility_under_nodal_forces(forces)
 
 
 def sparse_stiffness_of_body(
@@ -593,6 +751,9 @@ def multi_point_constraints_of_body(
     is_inner = inner[order.nodes]
     nodes = np.concatenate([order.nodes[is_inner], contact])
     region = np.repeat(order.region[is_inner], 2)
+    region_of_node = np.empty(basis.N, dtype=np.int64)
+    region_of_node[order.nodes] = order.region
+    contact_region = np.repeat(region_of_node[contact], 2)
     dofs = np.column_stack([2 * nodes, 2 * nodes + 1]).ravel()
 
     # In a body without rigid nodes, three displacements take the place of the frame. They are the
@@ -600,13 +761,16 @@ def multi_point_constraints_of_body(
     if alone is not None:
         others = ~np.isin(dofs, alone)
         free = np.concatenate([dofs[others], alone])
-        region = region[others[: len(region)]]
         return MultiPointConstraints(
-            matrix_from_unknowns_to_displacements(free, 2 * basis.N), region
+            matrix_from_unknowns_to_displacements(free, 2 * basis.N),
+            region[others[: len(region)]],
+            contact_region[others[len(region) :]],
         )
     arm = basis.doflocs[:, rigid] - pin[:, None]
     return MultiPointConstraints(
-        matrix_from_unknowns_to_displacements(dofs, 2 * basis.N, 2 * rigid, arm), region
+        matrix_from_unknowns_to_displacements(dofs, 2 * basis.N, 2 * rigid, arm),
+        region,
+        contact_region,
     )
 
 
@@ -641,46 +805,78 @@ def matrix_from_unknowns_to_displacements(
     return sp.csc_matrix(entries, shape=(count, unknowns))
 
 
-def condense_body_to_contact_and_hinge_face(
-    K: Any,
-    constraints: MultiPointConstraints,
-    loads: Mapping[str, Floats],
-    contact: int,
-    *,
-    keep_factors: bool = False,
-) -> CondensedBody:
-    """The body reduced to its contact nodes and its frame by static condensation.
+def body_system_with_named_loads(
+    K: Any, constraints: MultiPointConstraints, loads: Mapping[str, Floats]
+) -> UncondensedBodySystem:
+    """The equations of a body with named unit loads.
 
     Parameters
     ----------
     K : (2 nodes, 2 nodes) stiffness [N/m]
     constraints : the multi-point constraints that define the reduced unknowns
     loads : unit loads (unknowns, k) on the reduced unknowns, by name
-    contact : number of displacements of the contact nodes, two for each node
-    keep_factors : whether the factors of the eliminated unknowns are kept
-
-    Raises
-    ------
-    NoAnswer
-        for a singular stiffness
     """
-    system = UncondensedBodySystem.body_system_from_stiffness_of_all_nodes(
+    return UncondensedBodySystem.body_system_from_stiffness_of_all_nodes(
         K, constraints, stack_nodal_loads_as_matrix_columns(loads, constraints.matrix.shape[1])
     )
+
+
+def meshed_body_with_eliminated_contact(
+    K: Any,
+    constraints: MultiPointConstraints,
+    loads: Mapping[str, Floats],
+    *,
+    keep_factors: bool = False,
+) -> MeshedBody:
+    """The body of a mesh, without a stiffness on its contact nodes.
+
+    The first three parameters are those of `body_system_with_named_loads`. `keep_factors` tells
+    whether the factors of the eliminated unknowns are kept. Raises NoAnswer for a singular
+    stiffness whose factors are kept.
+    """
+    system = body_system_with_named_loads(K, constraints, loads)
     if keep_factors:
-        factors = KeptFactors.kept_factors_of_sparse_matrix(system.A, constraints.region)
+        factors = FactorsOfElimination.factors_of_sparse_matrix(
+            system.A, constraints.region_of_all_unknowns_but_frame
+        )
         system = system._replace(factors=factors)
-    S, condensed_loads, work = system.condense_loads_and_stiffness()
+    return MeshedBody(inner=system, columns=ColumnsOfUnitLoads.columns_of_named_unit_loads(loads))
+
+
+def condense_body_to_contact_and_hinge_face(
+    K: Any, constraints: MultiPointConstraints, loads: Mapping[str, Floats], contact: int
+) -> CondensedBody:
+    """The body reduced to its contact nodes and its frame by static condensation.
+
+    The first three parameters are those of `body_system_with_named_loads`. `contact` is the number
+    of displacements of the contact nodes, two for each node. Raises NoAnswer for a singular
+    stiffness.
+    """
+    return condense_body_system_to_contact_and_hinge_face(
+        body_system_with_named_loads(K, constraints, loads),
+        ColumnsOfUnitLoads.columns_of_named_unit_loads(loads),
+        contact,
+    )
+
+
+def condense_body_system_to_contact_and_hinge_face(
+    system: UncondensedBodySystem, columns: ColumnsOfUnitLoads, contact: int
+) -> CondensedBody:
+    """The body of a system of equations, reduced to its contact nodes and its frame.
+
+    `columns` are the columns of the system's unit loads, and `contact` is the number of
+    displacements of the contact nodes. Raises NoAnswer for a singular stiffness.
+    """
+    S, loads, work = system.condense_loads_and_stiffness()
     L_cc, info = dpotrf(S[:contact, :contact], lower=1)
     if info:
         raise NoAnswer(SINGULAR_BODY_MESSAGE)
-    L_fc = solve_lower_triangular_system(L_cc, S[:contact, contact:]).T
     return CondensedBody(
         L_cc,
-        L_fc,
-        condensed_loads[:contact],
-        condensed_loads[contact:],
-        work,
+        L_fc=solve_lower_triangular_system(L_cc, S[:contact, contact:]).T,
+        load_on_contact=loads[:contact],
+        load_on_frame=loads[contact:],
+        load_work=work,
         inner=system,
-        columns=ColumnsOfUnitLoads.columns_of_named_unit_loads(loads),
+        columns=columns,
     )

@@ -77,12 +77,15 @@ def elimination_order_by_nested_dissection(xy: Floats, elements: Ints) -> Elimin
     xy : (2, n) or (3, n) nodes [m]
     elements : (k, m) nodes of each of m elements
     """
-    # The set of elements is halved again and again. The bits of an element's `path` tell in which
-    # half the element lies after each halving. The bit of the first halving is the highest bit.
+    # The set of elements is halved again and again, until the smallest regions have about
+    # NODES_OF_SMALLEST_DISSECTION_REGION nodes. The bits of an element's `path` tell in which half
+    # the element lies after each halving. The bit of the first halving is the highest bit.
     centre = xy[:, elements].mean(axis=1)
     count = elements.shape[1]
     path = np.zeros(count, dtype=np.int64)
-    depth = max(0, int(np.ceil(np.log2(count))))
+    halvings_to_single_elements = max(0, int(np.ceil(np.log2(count))))
+    omitted = round(np.log2(NODES_OF_SMALLEST_DISSECTION_REGION * count / xy.shape[1]))
+    depth = halvings_to_single_elements - min(max(omitted, 0), halvings_to_single_elements)
     resolution = 1e-9 * float(np.ptp(centre, axis=1).max()) or 1.0
     # Each level halves every region: its elements are sorted along its long direction, and the
     # second half of them gets the bit 1.
@@ -102,11 +105,7 @@ def elimination_order_by_nested_dissection(xy: Floats, elements: Ints) -> Elimin
     for nodes in elements:
         np.minimum.at(first, nodes, path)
         np.maximum.at(last, nodes, path)
-    differing_bits = np.ceil(np.log2((first ^ last) + 1.0)).astype(np.int64)
-    # The last halvings are omitted, so that the smallest regions have about
-    # NODES_OF_SMALLEST_DISSECTION_REGION nodes.
-    omitted = round(np.log2(NODES_OF_SMALLEST_DISSECTION_REGION * count / xy.shape[1]))
-    height = np.maximum(differing_bits, np.clip(omitted, 0, depth))
+    height = np.ceil(np.log2((first ^ last) + 1.0)).astype(np.int64)
 
     # The paths of a region's elements are a range of whole numbers. Regions are eliminated in the
     # order of the ends of their ranges. Of two ranges with the same end, the shorter range is
@@ -170,73 +169,79 @@ def eliminate_inner_unknowns(A: Any, region: Ints, loads: Floats) -> CondensedSy
     return CondensedSystem(_symmetric_matrix_of_lower_triangle(S), f[len(region) :], work)
 
 
-class KeptFactors(NamedTuple):
-    """The factors of all fronts of a matrix, which are kept for further right-hand sides.
+class FactorsOfElimination(NamedTuple):
+    """The factors of all fronts of a matrix, for any number of right-hand sides.
+
+    The first unknowns of the matrix are eliminated, and its last k unknowns are kept.
 
     Attributes
     ----------
     fronts : the factorised fronts, in the order of elimination
-    S : (k, k) Schur complement on the kept unknowns, the last k unknowns of the matrix
+    order : (n,) indices of the unknowns in the order of elimination; the kept unknowns come last
     """
 
-    fronts: "tuple[_CholeskyFactorOfFront, ...]"
-    S: Floats
+    fronts: "tuple[CholeskyFactorOfFront, ...]"
+    order: Ints
 
     @classmethod
-    def kept_factors_of_sparse_matrix(cls, A: Any, region: Ints) -> "KeptFactors":
-        """Eliminate the inner unknowns of a sparse matrix, and keep the factors.
+    def factors_of_sparse_matrix(cls, A: Any, region: Ints) -> "FactorsOfElimination":
+        """Eliminate the first unknowns of a sparse matrix.
 
-        Parameters and errors are those of `eliminate_inner_unknowns`.
+        Parameters and errors are those of `factorise_fronts_in_any_order`.
         """
-        lower = _lower_triangle_of_sparse_matrix(A)
-        complements = _empty_lists_of_schur_complements(region)
-        fronts = tuple(_factorise_front_of_each_region(lower, region, complements))
-        S = _schur_complement_on_kept_unknowns(lower, len(region), complements)
-        return cls(fronts, _symmetric_matrix_of_lower_triangle(S))
+        fronts, order = factorise_fronts_in_any_order(A, region)
+        return cls(tuple(fronts), order)
 
     @property
     def memory(self) -> int:
         """The memory [bytes] of the factors."""
-        return self.S.nbytes + sum(
-            front.L.nbytes + front.rows_of_later_unknowns.nbytes for front in self.fronts
-        )
-
-    def condense_loads(self, loads: Floats) -> CondensedSystem:
-        """The Schur complement on the kept unknowns, and loads (n, l) condensed to them."""
-        f, work = _condense_loads_by_fronts(self.fronts, loads)
-        return CondensedSystem(self.S, f[len(f) - len(self.S) :], work)
+        return sum(front.L.nbytes + front.rows_of_later_unknowns.nbytes for front in self.fronts)
 
     def solve_with_given_last_unknowns(self, right: Floats, given: Floats) -> Floats:
-        """The solution x (n, m) of A x = right, in which the last k unknowns have given values.
+        """The solution x (n, m) of A x = right, in which the kept unknowns have given values.
 
-        The equations of these k unknowns are left out.
+        The equations of the kept unknowns are left out.
 
         Parameters
         ----------
         right : (n, m) right-hand sides; the last k rows are not used
-        given : (k, m) values of the last k unknowns
-
-        Raises
-        ------
-        NoAnswer
-            for a matrix that is not positive definite
+        given : (k, m) values of the kept unknowns, the last k unknowns
         """
-        x, _ = _condense_loads_by_fronts(self.fronts, right)
-        first, last = len(x) - len(self.S), len(x) - len(given)
-        free = last - first
-        L, info = dpotrf(self.S[:free, :free], lower=1)
-        if info:
-            raise NoAnswer(SINGULAR_BODY_MESSAGE)
-        rest = x[first:last] - self.S[:free, free:] @ given
-        x[first:last] = dtrsm(1.0, L, dtrsm(1.0, L, rest, lower=1), lower=1, trans_a=1)
-        x[last:] = given
+        x, _ = _condense_loads_by_fronts(self.fronts, right[self.order])
+        x[len(x) - len(given) :] = given
         for front in reversed(self.fronts):
             _substitute_back_in_front(front, x)
-        return x
+        found = np.empty_like(x)
+        found[self.order] = x
+        return found
+
+
+def factorise_fronts_in_any_order(
+    A: Any, region: Ints
+) -> "tuple[Iterator[CholeskyFactorOfFront], Ints]":
+    """Eliminate the first unknowns of a sparse matrix, which are in any order.
+
+    Returns an iterator over the factorised fronts, and the order of elimination: the indices (n,)
+    of the unknowns, of which the kept ones come last. The iterator does the elimination, and raises
+    NoAnswer for a matrix that is not positive definite on the eliminated unknowns.
+
+    Parameters
+    ----------
+    A : (n, n) sparse matrix, symmetric and positive definite
+    region : (m,) number of the region of each of the first m unknowns, which are eliminated
+    """
+    count = A.shape[0]
+    order = np.concatenate(
+        [np.argsort(region, kind="stable"), np.arange(len(region), count, dtype=np.int64)]
+    )
+    by_region = region[order[: len(region)]]
+    lower = _lower_triangle_of_reordered_matrix(A, order)
+    complements = _empty_lists_of_schur_complements(by_region)
+    return _factorise_front_of_each_region(lower, by_region, complements), order
 
 
 def _condense_loads_by_fronts(
-    fronts: "Iterable[_CholeskyFactorOfFront]", loads: Floats
+    fronts: "Iterable[CholeskyFactorOfFront]", loads: Floats
 ) -> tuple[Floats, Floats]:
     """Condense loads (n, l) by forward substitution with each front's factor.
 
@@ -256,7 +261,7 @@ def _condense_loads_by_fronts(
     return f, work
 
 
-def _substitute_back_in_front(front: "_CholeskyFactorOfFront", x: Floats) -> None:
+def _substitute_back_in_front(front: "CholeskyFactorOfFront", x: Floats) -> None:
     """Replace the rows of a front's own unknowns in x (n, m) by the solution.
 
     The rows of the own unknowns contain the result of the forward substitution, and the rows of
@@ -271,45 +276,7 @@ def _symmetric_matrix_of_lower_triangle(S: Floats) -> Floats:
     return np.asarray(np.tril(S) + np.tril(S, -1).T)
 
 
-def solve_by_multifrontal_elimination(A: Any, region: Ints, right: Floats) -> Floats:
-    """The solution x (n, m) of A x = right by multifrontal elimination.
-
-    Parameters
-    ----------
-    A : (n, n) sparse matrix, symmetric and positive definite
-    region : number of the region of each unknown that a front eliminates, not decreasing; the
-        remaining, last unknowns are solved for by one dense matrix
-    right : (n, m) right-hand sides
-
-    Raises
-    ------
-    NoAnswer
-        for a matrix that is not positive definite
-    """
-    lower = _lower_triangle_of_sparse_matrix(A)
-    inner = len(region)
-    complements = _empty_lists_of_schur_complements(region)
-    x = np.array(right, dtype=float)
-
-    # The forward substitution goes front by front, and keeps all fronts for the back substitution.
-    fronts = []
-    for front in _factorise_front_of_each_region(lower, region, complements):
-        x[front.own] = dtrsm(1.0, front.L, x[front.own], lower=1)
-        x[front.later] -= front.rows_of_later_unknowns @ x[front.own]
-        fronts.append(front)
-
-    L, info = dpotrf(_schur_complement_on_kept_unknowns(lower, inner, complements), lower=1)
-    if info:
-        raise NoAnswer(SINGULAR_BODY_MESSAGE)
-    x[inner:] = dtrsm(1.0, L, dtrsm(1.0, L, x[inner:], lower=1), lower=1, trans_a=1)
-
-    # The back substitution takes the fronts in reverse order, and frees the memory of each.
-    while fronts:
-        _substitute_back_in_front(fronts.pop(), x)
-    return x
-
-
-class _CholeskyFactorOfFront(NamedTuple):
+class CholeskyFactorOfFront(NamedTuple):
     """The Cholesky factor of a front, the dense matrix of one region of the nested dissection.
 
     Attributes
@@ -346,9 +313,28 @@ def _lower_triangle_of_sparse_matrix(A: Any) -> Any:
     return lower
 
 
+def _lower_triangle_of_reordered_matrix(A: Any, order: Ints) -> Any:
+    """The lower triangle, in CSC format, of a symmetric matrix with its unknowns in a new order.
+
+    Entry k of `order` (n,) is the index of the unknown that comes k-th.
+    """
+    # The import of scipy.sparse takes time, and condensed hp elements do without it.
+    import scipy.sparse as sp  # noqa: PLC0415
+
+    position = np.empty(len(order), dtype=np.int32)
+    position[order] = np.arange(len(order), dtype=np.int32)
+    A = A.tocoo()
+    rows, columns = position[A.row], position[A.col]
+    is_lower = rows >= columns
+    entries = A.data[is_lower], (rows[is_lower], columns[is_lower])
+    lower = sp.csc_matrix(entries, shape=A.shape)
+    lower.sort_indices()
+    return lower
+
+
 def _factorise_front_of_each_region(
     lower: Any, region: Ints, complements: _PendingSchurComplementsOfEachRegion
-) -> Iterator[_CholeskyFactorOfFront]:
+) -> Iterator[CholeskyFactorOfFront]:
     """Yield the factorised front of each region, in the order of elimination.
 
     The Schur complement of each front is appended to `complements`.
@@ -395,7 +381,7 @@ def _factorise_front_of_each_region(
                 F[own:, own:], rows_of_later_unknowns @ rows_of_later_unknowns.T, order="F"
             )
             complements[next_region].append((later, complement))
-        yield _CholeskyFactorOfFront(slice(start, end), later, L, rows_of_later_unknowns)
+        yield CholeskyFactorOfFront(slice(start, end), later, L, rows_of_later_unknowns)
 
 
 def _schur_complement_on_kept_unknowns(
