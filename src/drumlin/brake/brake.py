@@ -592,11 +592,9 @@ class Brake(PartOfInputFile):
         shoes = []
         for shoe in self.shoes:
             own = shoe.lining.friction
-            if own is not None:
-                changes = {"friction": multiplied_friction(own, factor)}
-                lining = shoe.lining.copy_of_lining_with_changed_fields(changes)
-                shoe = shoe.model_copy(update={"lining": lining})
-            shoes.append(shoe)
+            changed = None if own is None else multiplied_friction(own, factor)
+            lining = shoe.lining.copy_of_lining_with_changed_fields({"friction": changed})
+            shoes.append(shoe.model_copy(update={"lining": lining}))
         written = multiplied_friction(self.friction_as_written, factor)
         return self.model_copy(update={"friction_as_written": written, "shoes": tuple(shoes)})
 

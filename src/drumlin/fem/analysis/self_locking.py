@@ -33,7 +33,6 @@ from drumlin.fem.equilibrium.spring_nodes import (
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.scene import PreparedModel
 
-
 FRICTION_AT_WHICH_RIGHT_ANGLED_CORNER_LOCKS = math.pi / 2
 """Friction coefficient above which a right-angled corner of an elastic lining digs into the drum.
 
