@@ -178,6 +178,7 @@ NOT_TUNED: dict[str, dict[str, str]] = {
         "BINARY_DIGITS_OF_ROUNDED_CONTACT_END": ROUND_OFF,
         "SHORTEST_CONTACT_WITH_KNOWN_PRESSURE": SAID,
     },
+    "fem/hp/shoe.py": {"STRAIGHT_BEAM_COLUMNS_PER_BATCH": MEMORY},
     "fem/hp/element.py": {"SHAPE_FUNCTION_SLOPES_PER_BATCH": SPEED},
     "fem/error_control/levels.py": {
         "DEGREE_IN_RADIANS": DEFINITION,

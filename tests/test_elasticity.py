@@ -312,7 +312,8 @@ def test_triangles_of_the_second_solver_carry_an_even_strain():
     H = np.array([[1e-3, 4e-4], [-2e-4, 5e-4]])
     u = nodes.xy @ H.T
     energy = sum(
-        0.5 * u[of].ravel() @ own @ u[of].ravel() for own, of in zip(K, nodes.of, strict=True)
+        0.5 * u[of].ravel() @ own @ u[of].ravel()
+        for own, of in zip(K, nodes.nodes_of_triangles, strict=True)
     )
     sigma = stresses_from_displacement_gradients(H[..., None], DIRECTED, layer.along[:, None])[
         ..., 0

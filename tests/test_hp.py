@@ -25,6 +25,7 @@ from drumlin.fem.analysis.holding import (
 )
 from drumlin.fem.analysis.sensitivity import compute_torque_sensitivity
 from drumlin.fem.equilibrium.group import divide_pressed_shoes_into_groups
+from drumlin.fem.error_control import levels
 from drumlin.fem.error_control.adapt import (
     DEFAULT_TOLERANCES_OF_PRESSURE_AND_TORQUE,
     solve_brake_to_tolerance,
@@ -1113,3 +1114,33 @@ def test_columns_with_a_ring_are_refined_to_the_answer_of_their_condensed_bodies
     assert refined.correction < 1e-10
     for part, p in zip(group.contact_node_slices_of_shoes, refined.p, strict=True):
         np.testing.assert_allclose(found.p[part], p, rtol=0, atol=1e-8 * p.max())
+
+
+def test_thick_layers_of_a_beam_change_p_and_torque_less_than_errors(monkeypatch):
+    """A stiff beam has thicker layers of elements at its interface than the block beside it."""
+    brake = draw_random_brake(3, "post")
+    thick = solve(brake)
+    monkeypatch.setattr(division, "_largest_ratio_of_beam_to_block_layers", lambda shoe: 1.0)
+    fine = solve(brake)
+    assert thick.notes != fine.notes, "both have the same number of unknowns"
+    for own, other in zip(thick.shoes, fine.shoes, strict=True):
+        assert relative_distance_of_pressures(own, other) < 0.1 * thick.error["pressure"]
+    assert abs(thick.torque / fine.torque - 1) < 0.1 * thick.error["torque"]
+
+
+def test_the_first_level_only_finds_where_the_contact_of_a_post_ends(monkeypatch):
+    """An end that moves by 3 % of the contact needs no third pass before the next level."""
+    divided = []
+
+    def counted(brake, level, *given, **options):
+        divided.append(level.degree)
+        return make_prepared_model(brake, level, *given, **options)
+
+    monkeypatch.setattr(levels, "make_prepared_model", counted)
+    brake = read_brake(ROOT / "studies/post_brake/brake.toml")
+    found = solve(brake)
+    assert divided == [3, 3, 4]
+    finer = solve(brake, tolerance=5e-4)
+    for own, other in zip(found.shoes, finer.shoes, strict=True):
+        assert relative_distance_of_pressures(own, other) < own.error["pressure"] < 5e-3
+        assert abs(own.torque / other.torque - 1) < own.error["torque"] < 1e-4

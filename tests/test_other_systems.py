@@ -13,6 +13,7 @@ import tomllib
 import pytest
 
 from conftest import ROOT, STUDY
+from drumlin.door import example
 from drumlin.report import render
 from drumlin.report.solid_picture import draw_solid_shoes_and_return_failure_reason
 
@@ -88,7 +89,9 @@ def test_without_vtk_compare_draws_its_fields(tmp_path):
 
 def test_without_vtk_a_picture_in_space_names_the_extra(tmp_path, monkeypatch):
     monkeypatch.setattr(render, "DRAWING_PACKAGES", ("no_such_package",))
-    said = draw_solid_shoes_and_return_failure_reason(tmp_path / "a.vtu", tmp_path / "a.png", "a")
+    said = draw_solid_shoes_and_return_failure_reason(
+        tmp_path / "a.vtu", tmp_path / "a.png", example("double_shoe")
+    )
     assert said == "no field picture: pyvista needs the extra drumlin[fields]"
 
 
@@ -96,7 +99,9 @@ def test_a_picture_in_space_that_cannot_be_drawn_says_so(tmp_path, monkeypatch):
     monkeypatch.setattr(render, "DRAWING_PACKAGES", ())
     monkeypatch.setattr(render.sys, "executable", "/bin/false")
     (tmp_path / "a.png").write_bytes(b"an earlier picture")
-    said = draw_solid_shoes_and_return_failure_reason(tmp_path / "a.vtu", tmp_path / "a.png", "a")
+    said = draw_solid_shoes_and_return_failure_reason(
+        tmp_path / "a.vtu", tmp_path / "a.png", example("double_shoe")
+    )
     assert "off-screen rendering is not possible here" in said
     assert not (tmp_path / "a.png").exists()
 

@@ -10,6 +10,7 @@ from matplotlib import image
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 
+import drumlin
 from conftest import ROOT
 from drumlin.brake.file import read_brake, vary
 from drumlin.brake.plane_brake import read_drum_or_plane_brake
@@ -26,12 +27,7 @@ from drumlin.report.field_picture import (
     draw_stress_in_shoes_and_ring,
     paint_values_of_cells,
 )
-from drumlin.report.plane_picture import (
-    PLANE_PICTURE_PIXELS,
-    RELATIVE_WINDOW_RANGES_OF_DRAWN_BODIES,
-    centre_and_half_height_of_window,
-)
-from drumlin.report.solid_picture import _figure_around_pixels
+from drumlin.report.rendered_figure import figure_around_pixels, radii_of_drawn_rim
 from drumlin.studies import import_study_and_find_folder_above_studies
 from drumlin_studies.misfit_rows import QUANTITIES_SHOWN_OVER_RANDOM_BRAKES
 from drumlin_studies.plane_stress import PlaneStressErrorMap, TimeAndErrors
@@ -332,7 +328,7 @@ def test_a_long_title_is_whole_above_the_picture_and_its_last_line_stands_alone(
 def test_the_title_of_a_picture_of_solid_shoes_is_whole():
     title = figures.title_folded_into_lines("a wide shoe of a brake " * 5, "displacements × 50")
     assert title.count("\n") >= 2 and title.endswith("\ndisplacements × 50")
-    figure = _figure_around_pixels(np.zeros((40, 80, 3), np.uint8), title, 10.0, beyond=True)
+    figure = figure_around_pixels(np.zeros((40, 80, 3), np.uint8), title, 10.0, beyond=True)
     check_legible(figure)
     (text,) = figure.texts
     assert drawn_box(text)[1] >= figure.axes[0].get_window_extent().y1
@@ -362,18 +358,29 @@ def test_heads_of_arrows_at_the_edge_of_a_picture_are_whole(angle):
     assert (ends.max(axis=0) + reach <= box.max).all()
 
 
-@pytest.mark.parametrize("size", [(4.0, 0.3), (1.0, 1.0), (0.2, 3.0)])
-def test_bodies_of_any_shape_fill_the_region_of_a_plane_picture(size):
-    low = np.array([-7.0, 2.0])
-    bounds = np.stack([low, low + size], axis=1)
-    centre, half = centre_and_half_height_of_window(bounds)
-    window = 2 * half * np.array([PLANE_PICTURE_PIXELS[0] / PLANE_PICTURE_PIXELS[1], 1.0])
-    relative = 0.5 + (bounds - centre[:, None]) / window[:, None]
-    region = np.array(RELATIVE_WINDOW_RANGES_OF_DRAWN_BODIES)
-    assert (relative[:, 0] >= region[:, 0] - 1e-9).all()
-    assert (relative[:, 1] <= region[:, 1] + 1e-9).all()
-    np.testing.assert_allclose(relative.mean(axis=1), region.mean(axis=1))
-    assert np.isclose(np.ptp(relative, axis=1), np.ptp(region, axis=1)).any()
+@pytest.mark.parametrize(("rows", "columns"), [(30, 400), (200, 200), (900, 60)])
+def test_rendered_bodies_of_any_shape_keep_their_shape_and_fit_on_a_page(rows, columns):
+    pixels = np.zeros((rows, columns, 3), np.uint8)
+    figure = figure_around_pixels(pixels, "a title\na line", 10.0, beyond=False)
+    check_legible(figure)
+    axes, bar = figure.axes
+    box = axes.get_window_extent()
+    np.testing.assert_allclose(box.height / box.width, rows / columns)
+    # Round-off of pixels is no overlap.
+    assert min(box.x0, box.y0) > -0.1 and box.x1 < bar.get_window_extent().x0
+    assert figure.get_figheight() <= 8.5
+
+
+def test_the_band_of_a_rigid_drum_lies_beside_the_linings():
+    internal, external = drumlin.example("double_shoe"), drumlin.example("double_shoe_external")
+    assert radii_of_drawn_rim(internal).inner == internal.size
+    assert radii_of_drawn_rim(external).outer == external.size
+    for brake in (internal, external):
+        rim = radii_of_drawn_rim(brake)
+        np.testing.assert_allclose((rim.outer - rim.inner) / brake.size, 0.025)
+    # An elastic ring is drawn as a body, and a plane has no rim.
+    assert radii_of_drawn_rim(drumlin.example("post_brake")) is None
+    assert radii_of_drawn_rim(drumlin.example("pad")) is None
 
 
 @pytest.mark.parametrize("corners", [4, 3])

@@ -142,7 +142,7 @@ def test_ring_under_even_pressure_is_lames():
     np.add.at(loads, edges, width * p * np.einsum("aq,kqc,kq->kac", psi, outwards, ds))
     held = np.repeat(nodes.at[:, 1] > 1 - 1e-12, 2)
     found = lagrange.condense_body_to_kept_nodes(body.K, nodes, held, kept, loads.reshape(-1, 1))
-    by_forces = found.of @ loads[kept].ravel()
+    by_forces = found.under_unit_forces @ loads[kept].ravel()
     assert by_forces == pytest.approx(
         found.loaded[:, 0], rel=1e-9, abs=1e-9 * np.abs(by_forces).max()
     )

@@ -115,7 +115,7 @@ def report(result: Result, folder: Path) -> Path:
         elements=result.elements,
     )
     not_drawn = draw_plane_fields_and_return_failure_reason(
-        folder / "fields.vtu", folder / "fields_vtk.png", main.brake.title
+        folder / "fields.vtu", folder / "fields_vtk.png", main.brake
     )
     missed = {}
     for row in rows:

@@ -264,7 +264,7 @@ def report(result: Result, folder: Path) -> Path:
         recover_stresses_in_half_of_each_solid_shoe(result.scene, brake, response),
     )
     not_drawn = draw_solid_shoes_and_return_failure_reason(
-        folder / "solid.vtu", folder / "solid.png", brake.title
+        folder / "solid.vtu", folder / "solid.png", brake
     )
     write_text(folder / "errors.csv", table_as_csv_text(result.table))
     write_text(folder / "limits.csv", table_as_csv_text(result.limits))

@@ -1,9 +1,11 @@
 """Figures of the post brake: beams, brake path, friction, clearance, and maps of errors."""
 
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 import matplotlib as mpl
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.figure import Figure
 
@@ -20,9 +22,13 @@ from drumlin.report.figures import (
     title_of_model_in_figures,
 )
 from drumlin.report.palette import (
+    BLUE,
     COLOR_OF_AXES_AND_NOTES,
     ERROR_SCALE_COLORS,
+    GREEN,
     INK,
+    OCHRE,
+    PURPLE,
     color_and_line_style_of_model,
 )
 from drumlin_studies.post_brake_rows import (
@@ -34,6 +40,16 @@ from drumlin_studies.post_brake_rows import (
 
 BOUNDS = (0.0, 0.01, 0.05, 0.20, np.inf)
 """Borders of the regions of a map: errors within 1, 5 and 20 %, and beyond."""
+
+OWN_BRAKE_MARK: Mapping[str, Any] = {"color": INK, "ms": 5, "ls": "", "clip_on": False}
+"""Options of matplotlib for the triangles at the edges of a map that mark the study's own brake."""
+
+RIM_CURVE_COLORS = (GREEN, PURPLE), (OCHRE, BLUE)
+"""Colours of the two curves in the left and in the right panel of the rim's displacements.
+
+The left panel has the foundation model's curve of each shoe. The right panel has curves of two
+models, in the colours of these models.
+"""
 
 
 def draw_beam_deflections(
@@ -176,16 +192,18 @@ def draw_rim_displacements(
         grid = figure.subplots(1, len(panels), squeeze=False, subplot_kw={"projection": "polar"})
         # Room inside and outside the rim for the largest displacement.
         largest = max(float(np.abs(z).max()) for _, models in panels for _, z in models.values())
-        for axes, (title, models) in zip(grid.flat, panels, strict=True):
+        for axes, (title, models), colors in zip(grid.flat, panels, RIM_CURVE_COLORS, strict=True):
             turn = np.linspace(0, 2 * np.pi, 200)
             axes.plot(turn, np.zeros(200), color=INK, lw=1, label="unloaded")
-            for (name, (theta, z)), style in zip(models.items(), ("-", "--", ":"), strict=False):
+            styles = zip(colors, ("-", "--"), strict=True)
+            for (name, (theta, z)), (color, style) in zip(models.items(), styles, strict=True):
                 model, _, rest = name.partition(" ")
                 axes.plot(
                     theta,
                     -z,
                     lw=1.8,
-                    **(color_and_line_style_of_model(model) | {"ls": style}),
+                    color=color,
+                    ls=style,
                     label=f"{title_of_model_in_figures(model)}, {rest}",
                 )
             axes.set_ylim(-3 * largest, 1.3 * largest)
@@ -195,9 +213,7 @@ def draw_rim_displacements(
                 fontsize=SMALL_TEXT_SIZE,
             )
             axes.set_title(f"{title} [mm]")
-            axes.legend(
-                fontsize=SMALL_TEXT_SIZE, loc="upper center", bbox_to_anchor=(0.5, -0.07), ncols=2
-            )
+            axes.legend(fontsize=SMALL_TEXT_SIZE, loc="upper center", bbox_to_anchor=(0.5, -0.07))
     return figure
 
 
@@ -253,12 +269,13 @@ def draw_error_maps(
                             fontsize=SMALL_TEXT_SIZE,
                             color=color,
                         )
-                axes.plot(*place, marker="s", ms=9, mfc="none", mec=INK, mew=1.4)
+                _mark_own_brake_beside_map(axes, place)
                 axes.set_xscale("log")
                 axes.set_yscale("log")
                 axes.grid(False)
                 # The model and the lining stand in two lines, since the panels are narrow.
-                axes.set_title("\n".join(one.title.rsplit(", ", 1)))
+                # The gap is for the mark at the upper edge.
+                axes.set_title("\n".join(one.title.rsplit(", ", 1)), pad=11)
                 axes.label_outer()
             label = r"ring: $k R^4/EI_\mathrm{r}$ [–]"
             line[0].set_ylabel(label, fontsize=FORMULA_TEXT_SIZE)
@@ -268,11 +285,19 @@ def draw_error_maps(
         handles = []
         for shade, word in zip(ERROR_SCALE_COLORS, words, strict=True):
             handles.append(mpl.patches.Patch(color=shade, label=word))
-        own = mpl.lines.Line2D(
-            [], [], marker="s", ms=7, mfc="none", mec=INK, ls="", label="the study's own brake"
-        )
+        own = mpl.lines.Line2D([], [], marker="<", label="the study's own brake", **OWN_BRAKE_MARK)
         figure.legend(handles=[*handles, own], loc="outside lower center", ncols=5)
     return figure
+
+
+def _mark_own_brake_beside_map(axes: Axes, place: tuple[float, float]) -> None:
+    """Mark a place of a map at its upper and right edge, outside of the cells with their numbers.
+
+    `place` is the place of the study's own brake, in the coordinates of the map.
+    """
+    x, y = place
+    axes.plot([x], [1.025], marker="v", transform=axes.get_xaxis_transform(), **OWN_BRAKE_MARK)
+    axes.plot([1.03], [y], marker="<", transform=axes.get_yaxis_transform(), **OWN_BRAKE_MARK)
 
 
 def _cell_edges(centres: Floats) -> Floats:

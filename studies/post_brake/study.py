@@ -145,7 +145,7 @@ def report(result: Result, folder: Path) -> Path:
         brake, responses["fem"], folder, "fields", ("svg", "png", "vtu"), elements=result.elements
     )
     not_drawn = draw_plane_fields_and_return_failure_reason(
-        folder / "fields.vtu", folder / "fields_vtk.png", brake.title
+        folder / "fields.vtu", folder / "fields_vtk.png", brake
     )
     write_text(folder / "results.csv", table_as_csv_text(comparison.rows))
     write_text(

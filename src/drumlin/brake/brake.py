@@ -338,6 +338,11 @@ class Brake(PartOfInputFile):
         """The brake as an HTML table, which notebooks display."""
         return html_table_of_brake(self)
 
+    hints_on_other_keys: ClassVar[Mapping[str, str]] = dict.fromkeys(
+        ("brake", "vary", "cases", "model"),
+        " (a key of sweep files; `drumlin sweep` takes a sweep file)",
+    )
+
     surface: ClassVar[FrictionSurface]
     direction_key: ClassVar[str]
     """Key of the direction of motion in a brake file, such as "rotation"."""

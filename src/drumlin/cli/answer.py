@@ -14,15 +14,27 @@ from drumlin.cli.terminal import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Iterator, Mapping
 
     from drumlin.brake.brake import Brake
-    from drumlin.response.response import FiguresOfMeritOnDrum, FiguresOfMeritOnPlane, Response
+    from drumlin.response.response import (
+        EstimatedErrorOfPlaneStress,
+        FiguresOfMeritOnDrum,
+        FiguresOfMeritOnPlane,
+        Response,
+    )
 
 SHOE_COLUMNS_DROPPED_ON_NARROW_TERMINAL = ["shoe_factor", "reaction", "normal_force", "at"]
 """Columns of the printed table of shoes that a narrow terminal has no room for.
 
 The columns are left out in this order, until the other columns fit.
+"""
+
+LARGE_PLANE_STRESS_ERROR = 0.05
+"""Relative error of plane stress from which the answer names options with smaller errors.
+
+Below this error plane stress is enough for most uses, because the friction of a real lining varies
+by more. The value is a judgement.
 """
 
 
@@ -63,6 +75,10 @@ def print_brake_response(brake: "Brake", response: "Response", *, verbose: bool 
         print_line_folded_to_terminal_width(
             _plane_stress_errors_as_line(brake.surface.word_for_torque_or_brake_force, response)
         )
+        for line in _ways_to_smaller_plane_stress_error_as_lines(
+            brake, response.plane_stress_error
+        ):
+            print_line_folded_to_terminal_width(line)
     for line in notes.lines_on_supports:
         print_line_folded_to_terminal_width(line)
     if verbose:
@@ -173,6 +189,24 @@ def _plane_stress_errors_as_line(effect: str, response: "Response") -> str:
     for key, error in both.items():
         line += f", {names[key]} {error_text_in_percent(error)}"
     return line
+
+
+def _ways_to_smaller_plane_stress_error_as_lines(
+    brake: "Brake", found: "EstimatedErrorOfPlaneStress"
+) -> "Iterator[str]":
+    """Yield a line that names the options with a smaller error than plane stress, if it is large.
+
+    There is no line where no option is possible, and none below LARGE_PLANE_STRESS_ERROR.
+    """
+    from drumlin.models import MODELS
+
+    if found.unknown or max(found.brake.values()) < LARGE_PLANE_STRESS_ERROR:
+        return
+    ways = [] if found.corrected else ["--finite-width corrects the answer for the widths"]
+    if MODELS["solid"].why_not(brake) is None:
+        ways.append("--model solid computes the shoes in three dimensions")
+    if ways:
+        yield f"smaller errors: {'; '.join(ways)}"
 
 
 def _print_table_of_shoes(brake: "Brake", response: "Response") -> None:

@@ -379,6 +379,15 @@ def size(
     print_brake_response(found.brake, found.response)
 
 
+def _is_number_without_unit(text: str) -> bool:
+    """Whether a text is a number alone, without a unit behind it."""
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
+
+
 def wear(
     brake_file: BrakeFileArgument,
     model: of.WearingModelOption = "fem",
@@ -419,5 +428,10 @@ def wear(
         )
     if json_file is not None:
         write_json(json_file, run.as_dict())
+    if distance is not None and _is_number_without_unit(distance):
+        length = run.states[-1].s
+        print_line_folded_to_terminal_width(
+            f"--distance {distance} has no unit: {distance} times 1/(k K), {1e-3 * length:.5g} km"
+        )
     for line in run.lines():
         print_line_folded_to_terminal_width(line)

@@ -1,6 +1,7 @@
 """Printing for a person at the terminal: lines of an answer, progress bars and tables."""
 
 import os
+import re
 import shutil
 import sys
 import time
@@ -42,6 +43,12 @@ TABLE_WIDTH_IN_FILE_OR_PIPE = sys.maxsize
 """Width [characters] of other tables in a file or a pipe: all of their columns are printed."""
 SMALLEST_WIDTH_OF_STATUS_COLUMN = 10
 """Smallest width [characters] of the column "status"; a longer status is folded into lines."""
+NO_BREAK_SPACE = "\N{NO-BREAK SPACE}"
+"""The character that joins a number and its unit while a text is folded into lines."""
+UNIT_AFTER_NUMBER = re.compile(
+    r"(?<=[0-9]) (?:%|[kM]?N m|k?N|[kMG]?Pa|deg|rad|[kmu]?m|m?s|J)(?![A-Za-z0-9])"
+)
+"""The pattern of a unit behind a number, with the blank before the unit."""
 MAX_CHARACTERS_OF_PRINTED_LINE = 10_000
 """Largest number of characters of a printed line.
 
@@ -82,9 +89,15 @@ def print_text_unchanged(text: str) -> None:
 def _text_folded_to_width(text: str, width: int, more: str = "") -> str:
     """A text folded into lines of at most `width` characters.
 
-    All lines but the first begin with `more`. A word longer than a line is not broken.
+    All lines but the first begin with `more`. A word longer than a line is not broken, and a number
+    stays on one line with its unit.
     """
-    return fill(text, width, break_long_words=False, break_on_hyphens=False, subsequent_indent=more)
+    # The module textwrap folds a line at common blanks only.
+    joined = UNIT_AFTER_NUMBER.sub(lambda unit: unit[0].replace(" ", NO_BREAK_SPACE), text)
+    folded = fill(
+        joined, width, break_long_words=False, break_on_hyphens=False, subsequent_indent=more
+    )
+    return folded.replace(NO_BREAK_SPACE, " ")
 
 
 def print_note_to_standard_error(line: str) -> None:

@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from drumlin.base.arrays import Floats
 from drumlin.base.round_numbers import largest_round_number_not_above_value
+from drumlin.brake.brake import Brake
 from drumlin.report.field_picture import (
     LARGEST_DRAWN_DISPLACEMENT_OVER_RADIUS,
     LONGEST_PRESSURE_ARROW_OVER_RADIUS,
@@ -19,18 +19,20 @@ from drumlin.report.field_picture import (
     PERCENTAGE_OF_PROPORTIONAL_ARROWS,
     rounded_up_to_end_of_colour_bar,
 )
+from drumlin.report.figures import save_figure, title_folded_into_lines
 from drumlin.report.palette import RED
 from drumlin.report.render import draw_picture_in_new_process, draw_picture_named_by_arguments
-from drumlin.report.solid_picture import STRESS_ARRAY_NAME
+from drumlin.report.rendered_figure import (
+    COLOR_OF_DRAWN_RIM,
+    STRESS_ARRAY_NAME,
+    RimRadii,
+    figure_around_pixels,
+    pixels_without_white_margins,
+    radii_of_drawn_rim,
+)
 
 PLANE_PICTURE_PIXELS = 1800, 1300
-"""Width and height [pixels] of the picture."""
-
-RELATIVE_WINDOW_RANGES_OF_DRAWN_BODIES = (0.02, 0.82), (0.03, 0.93)
-"""Ranges of the width and of the height of the window in which the bodies and arrows are drawn.
-
-The colour bar with its title is to the right of this region, and the picture's title above it.
-"""
+"""Width and height [pixels] in which the bodies are drawn, before their margins are cut."""
 
 SIDE_OF_SQUARE_WITH_ONE_PRESSURE_ARROW = 0.04
 """Side of the squares with one pressure arrow each, relative to half the length of the bodies.
@@ -40,20 +42,23 @@ Nodes lie close together at the ends of a contact, where arrows at all nodes wou
 
 
 def draw_plane_fields_and_return_failure_reason(
-    fields: Path, picture: Path, title: str
+    fields: Path, picture: Path, brake: Brake
 ) -> str | None:
     """Draw the plane fields of a .vtu file into a .png file; returns None or the reason of failure.
 
-    `title` is the title of the picture.
+    `brake` is the brake of the fields. It gives the title of the picture and the rim of the drum.
     """
-    return draw_picture_in_new_process(__name__, fields, picture, title)
+    rim = radii_of_drawn_rim(brake)
+    return draw_picture_in_new_process(__name__, fields, picture, brake.title, rim)
 
 
-def draw_plane_fields_in_this_process(fields: Path, picture: Path, title: str) -> None:
+def draw_plane_fields_in_this_process(
+    fields: Path, picture: Path, title: str, rim: RimRadii | None
+) -> None:
     """Draw the plane fields of a .vtu file into a .png file within this process.
 
     The picture shows the von Mises stress on the deformed bodies, their undeformed outlines in
-    grey, and the pressures of the drum on the lining as arrows.
+    grey, a rigid drum as a grey band, and the pressures of the drum on the lining as arrows.
     """
     import pyvista as pv  # noqa: PLC0415  (only in the process that draws)
 
@@ -79,46 +84,29 @@ def draw_plane_fields_in_this_process(fields: Path, picture: Path, title: str) -
     )
     plotter = pv.Plotter(off_screen=True, window_size=PLANE_PICTURE_PIXELS)
     plotter.set_background("white")
-    bar = {
-        "title": STRESS_ARRAY_NAME + "\n", "color": "black", "vertical": True,
-        "position_x": 0.87, "position_y": 0.2, "height": 0.55, "width": 0.05,
-        "label_font_size": 22, "title_font_size": 20, "fmt": "%.4g", "n_labels": 5,
-    }  # fmt: skip
+    if rim is not None:
+        band = pv.Disc(inner=rim.inner, outer=rim.outer, c_res=361)
+        plotter.add_mesh(band, color=COLOR_OF_DRAWN_RIM, lighting=False)
     plotter.add_mesh(
         deformed.extract_surface(algorithm="dataset_surface", nonlinear_subdivision=3),
         scalars=STRESS_ARRAY_NAME,
         cmap="viridis",
         clim=(0, top),
         lighting=False,
-        scalar_bar_args=bar,
+        show_scalar_bar=False,
     )
     plotter.add_mesh(outline, color="#888888", line_width=2)
     _add_pressure_arrows(plotter, grid, size)
-    text = f"{title}\nDisplacements x {factor:g} (undeformed outline grey)."
-    plotter.add_text(text, position="upper_left", font_size=12, color="black")
     plotter.view_xy()
     plotter.enable_parallel_projection()
-    bounds = np.reshape(plotter.bounds, (3, 2))
     plotter.reset_camera()
-    (x, y), plotter.camera.parallel_scale = centre_and_half_height_of_window(bounds[:2])
-    plotter.camera.focal_point, plotter.camera.position = (x, y, 0), (x, y, bounds.max() + 1)
-    plotter.reset_camera_clipping_range()
-    plotter.screenshot(str(picture))
-
-
-def centre_and_half_height_of_window(bounds: Floats) -> tuple[Floats, float]:
-    """The place (2,) [m] at the window's centre, and half of the height [m] that the window shows.
-
-    `bounds` (2, 2) [m] are the smallest and largest x, and the smallest and largest y, of all that
-    is drawn. With the result, the drawing is as large as possible within
-    RELATIVE_WINDOW_RANGES_OF_DRAWN_BODIES, and lies at the centre of this region.
-    """
-    region = np.array(RELATIVE_WINDOW_RANGES_OF_DRAWN_BODIES)
-    # The window, in units of its height.
-    window = np.array([PLANE_PICTURE_PIXELS[0] / PLANE_PICTURE_PIXELS[1], 1.0])
-    height = float((np.diff(bounds)[:, 0] / (np.diff(region)[:, 0] * window)).max())
-    centre = bounds.mean(axis=1) + (0.5 - region.mean(axis=1)) * window * height
-    return centre, 0.5 * height
+    pixels = pixels_without_white_margins(np.asarray(plotter.screenshot(return_img=True)))
+    drum = "" if rim is None else " and drum"
+    lines = title_folded_into_lines(
+        title, f"displacements × {factor:g}; undeformed outline{drum} grey"
+    )
+    beyond = float(grid.point_data[STRESS_ARRAY_NAME].max()) > top
+    save_figure(figure_around_pixels(pixels, lines, top, beyond=beyond), picture)
 
 
 def _outlines_of_bodies(grid: Any) -> Any:

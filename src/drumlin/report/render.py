@@ -14,6 +14,7 @@ from pathlib import Path
 from drumlin.base.errors import call_function_and_return_exit_status
 from drumlin.base.files import temporary_file_replacing_output
 from drumlin.base.texts import printable_single_line
+from drumlin.report.rendered_figure import RimRadii
 
 LONGEST_DRAWING_SECONDS = 120
 """Seconds after which a drawing process counts as hung and is ended. A picture takes some 3 s."""
@@ -27,7 +28,7 @@ class PictureNotDrawn(Exception):
 
 
 def draw_picture_in_new_process(
-    module: str, fields: Path, picture: Path, argument: str
+    module: str, fields: Path, picture: Path, title: str, rim: RimRadii | None
 ) -> str | None:
     """Start a new process in which a module's `main` draws a .vtu file into a .png file.
 
@@ -36,7 +37,8 @@ def draw_picture_in_new_process(
     module : dotted name of the module with the function `main`
     fields : the .vtu file
     picture : the .png file, which is written whole or not at all
-    argument : text that `main` gets as its third argument, after the paths of both files
+    title : title of the picture
+    rim : radii of the band that stands for the drum; None for no band
 
     Returns
     -------
@@ -53,7 +55,7 @@ def draw_picture_in_new_process(
     command = [sys.executable, "-P", "-c", child, folder, str(fields)]
     try:
         with temporary_file_replacing_output(picture) as partial:
-            run_drawing_process([*command, str(partial), argument])
+            run_drawing_process([*command, str(partial), title, *map(repr, rim or ())])
         return None
     except PictureNotDrawn as error:
         # Delete a picture of an earlier run, so that nobody takes it for the picture of the new
@@ -81,16 +83,19 @@ def run_drawing_process(command: list[str]) -> None:
         raise PictureNotDrawn(lines[-1] if lines else f"exit status {done.returncode}")
 
 
-def draw_picture_named_by_arguments(draw: Callable[[Path, Path, str], None]) -> int:
+def draw_picture_named_by_arguments(
+    draw: Callable[[Path, Path, str, RimRadii | None], None],
+) -> int:
     """Draw the picture that the arguments of this process name; returns the exit status.
 
-    `draw` is called with the .vtu file (argument 1), the .png file (argument 2) and a text such as
-    the title of the picture (argument 3).
+    `draw` is called with the .vtu file (argument 1), the .png file (argument 2), the title of the
+    picture (argument 3) and the radii [m] of the drum's band (arguments 4 and 5), which may lack.
     """
 
     def draw_picture_and_return_zero() -> int:
         """Draw the picture; returns 0."""
-        draw(Path(sys.argv[1]), Path(sys.argv[2]), sys.argv[3])
+        rim = RimRadii(*map(float, sys.argv[4:])) if sys.argv[4:] else None
+        draw(Path(sys.argv[1]), Path(sys.argv[2]), sys.argv[3], rim)
         return 0
 
     return call_function_and_return_exit_status(draw_picture_and_return_zero)

@@ -7,26 +7,21 @@ which it runs.
 from pathlib import Path
 from typing import Any
 
-import matplotlib as mpl
 import numpy as np
-from matplotlib.cm import ScalarMappable
-from matplotlib.colors import Normalize
-from matplotlib.figure import Figure
 
 from drumlin.base.round_numbers import largest_round_number_not_above_value
-from drumlin.report.field_picture import (
-    draw_colour_bar_of_stress,
-    rounded_up_to_end_of_colour_bar,
-)
-from drumlin.report.figures import (
-    FULL_WIDTH,
-    MATPLOTLIB_SETTINGS_FOR_PRINT,
-    height_of_title,
-    save_figure,
-    title_folded_into_lines,
-    write_title_above_picture,
-)
+from drumlin.brake.brake import Brake
+from drumlin.report.field_picture import rounded_up_to_end_of_colour_bar
+from drumlin.report.figures import save_figure, title_folded_into_lines
 from drumlin.report.render import draw_picture_in_new_process, draw_picture_named_by_arguments
+from drumlin.report.rendered_figure import (
+    COLOR_OF_DRAWN_RIM,
+    STRESS_ARRAY_NAME,
+    RimRadii,
+    figure_around_pixels,
+    pixels_without_white_margins,
+    radii_of_drawn_rim,
+)
 
 LARGEST_DRAWN_SOLID_DISPLACEMENT_OVER_RADIUS = 0.05
 """Largest length of an enlarged displacement in the picture, relative to the radius of the shoes.
@@ -35,9 +30,6 @@ The radius of the shoes is the largest distance of one of their points from the 
 Longer displacements would hide the shape of the shoes, and with shorter displacements the
 deformation would not be seen.
 """
-
-STRESS_ARRAY_NAME = "von Mises stress [MPa]"
-"""The name of the stresses [MPa] in the grid of pyvista."""
 
 PERCENTAGE_OF_SOLID_NODES_WITHIN_COLOUR_BAR = 99.0
 """Percentage of the nodes whose stress is within the colour bar.
@@ -50,25 +42,25 @@ ends would have the brightest colour everywhere. The value is a judgement by eye
 SOLID_PICTURE_PIXELS = 2000, 1600
 """Width and height [pixels] in which the shoes are drawn, before their blank margins are cut."""
 
-RELATIVE_WIDTH_OF_DRAWN_SHOES = 0.86
-"""Width of the shoes in the picture, relative to the width of the picture."""
-
 
 def draw_solid_shoes_and_return_failure_reason(
-    fields: Path, picture: Path, title: str
+    fields: Path, picture: Path, brake: Brake
 ) -> str | None:
-    """Draw the .vtu file of solid shoes into a .png file.
+    """Draw the .vtu file of the solid shoes of a brake into a .png file, with the rim of the drum.
 
     Returns None, or one line that says why the picture could not be drawn.
     """
-    return draw_picture_in_new_process(__name__, fields, picture, title)
+    rim = radii_of_drawn_rim(brake)
+    return draw_picture_in_new_process(__name__, fields, picture, brake.title, rim)
 
 
-def draw_solid_shoes_in_this_process(fields: Path, picture: Path, title: str) -> None:
+def draw_solid_shoes_in_this_process(
+    fields: Path, picture: Path, title: str, rim: RimRadii | None
+) -> None:
     """Draw the von Mises stress on the deformed solid shoes into a .png file, within this process.
 
     The .vtu file holds half of each shoe, on one side of the middle plane of its width. The picture
-    shows both halves.
+    shows both halves. A flat grey ring in the middle plane is the rim of the drum.
     """
     import pyvista as pv  # noqa: PLC0415  (only in the process that draws)
 
@@ -91,47 +83,17 @@ def draw_solid_shoes_in_this_process(fields: Path, picture: Path, title: str) ->
             smooth_shading=False,
             ambient=0.35,
         )
+    if rim is not None:
+        disc = pv.Disc(inner=rim.inner, outer=rim.outer, c_res=361)
+        plotter.add_mesh(disc, color=COLOR_OF_DRAWN_RIM, lighting=False)
     plotter.view_vector((0.35, 0.55, 1.0), viewup=(0, 1, 0))
     plotter.enable_parallel_projection()
     plotter.reset_camera()
-    pixels = _pixels_without_white_margins(np.asarray(plotter.screenshot(return_img=True)))
-    lines = title_folded_into_lines(title, f"displacements × {factor:g}")
-    figure = _figure_around_pixels(pixels, lines, top, beyond=float(stress.max()) > top)
+    pixels = pixels_without_white_margins(np.asarray(plotter.screenshot(return_img=True)))
+    drum = "" if rim is None else "; drum grey"
+    lines = title_folded_into_lines(title, f"displacements × {factor:g}{drum}")
+    figure = figure_around_pixels(pixels, lines, top, beyond=float(stress.max()) > top)
     save_figure(figure, picture)
-
-
-def _pixels_without_white_margins(pixels: Any) -> Any:
-    """The part of an image (rows, columns, 3) that holds all pixels that are not white."""
-    drawn = (pixels < 255).any(axis=2)
-    rows, columns = np.flatnonzero(drawn.any(axis=1)), np.flatnonzero(drawn.any(axis=0))
-    if not len(rows):
-        return pixels
-    return pixels[rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1]
-
-
-def _figure_around_pixels(pixels: Any, title: str, top: float, *, beyond: bool) -> Figure:
-    """A figure of FULL_WIDTH with an image (rows, columns, 3), its title and its colour bar.
-
-    Parameters
-    ----------
-    pixels : the image
-    title : lines of the title
-    top : upper end of the colour bar [MPa]
-    beyond : whether some stresses are larger than `top`
-    """
-    height = RELATIVE_WIDTH_OF_DRAWN_SHOES * FULL_WIDTH * pixels.shape[0] / pixels.shape[1]
-    total = height + height_of_title(title)
-    with mpl.rc_context(MATPLOTLIB_SETTINGS_FOR_PRINT):
-        figure = Figure(figsize=(FULL_WIDTH, total))
-        axes = figure.add_axes((0, 0, RELATIVE_WIDTH_OF_DRAWN_SHOES, height / total))
-        axes.imshow(pixels, aspect="auto")
-        axes.set_axis_off()
-        bar = figure.add_axes(
-            (RELATIVE_WIDTH_OF_DRAWN_SHOES + 0.02, 0.2 * height / total, 0.02, 0.6 * height / total)
-        )
-        draw_colour_bar_of_stress(bar, ScalarMappable(Normalize(0, top), "viridis"), beyond=beyond)
-        write_title_above_picture(figure, title)
-    return figure
 
 
 def _deformed_surfaces_of_both_halves(grid: Any, factor: float) -> list[Any]:
@@ -165,6 +127,6 @@ def _factor_that_enlarges_drawn_displacements(grid: Any) -> float:
 def main() -> int:
     """Draw the solid shoes that the arguments of this process name; returns the exit status.
 
-    The third argument of the process is the title of the picture.
+    The arguments of the process are those of `draw_solid_shoes_in_this_process`.
     """
     return draw_picture_named_by_arguments(draw_solid_shoes_in_this_process)

@@ -12,7 +12,7 @@ import json
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Annotated, Any, Literal, NamedTuple, TypeVar
+from typing import Annotated, Any, ClassVar, Literal, NamedTuple, TypeVar
 
 import numpy as np
 from pydantic import Field
@@ -123,6 +123,11 @@ DISTRIBUTION_CLASSES_BY_NAME: Mapping[str, type[Distribution]] = {
 
 class SweepFile(PartOfInputFile):
     """The keys of a sweep file and their values, as the file gives them."""
+
+    hints_on_other_keys: ClassVar[Mapping[str, str]] = dict.fromkeys(
+        ("rotation", "friction", "drum", "plane", "shoe", "actuation"),
+        " (a key of brake files; the key 'brake' of a sweep file names the brake file)",
+    )
 
     title: Title | None = None
     brake: Annotated[str, Field(pattern=r"^[^\x00-\x1f]*$")] | dict[str, Any]

@@ -105,7 +105,10 @@ def solve_on_levels_and_hand_out_first(
     NoAnswer
         as `solve_brake_on_finer_and_finer_mesh_levels` does
     """
-    for solved in solve_brake_on_finer_and_finer_mesh_levels(brake, respond, cache):
+    levels = solve_brake_on_finer_and_finer_mesh_levels(
+        brake, respond, cache, first_level_is_an_answer=True
+    )
+    for solved in levels:
         # Only the first level has elements of its degree.
         if solved.response.shoes[0].order == REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[0].degree:
             use(response_with_power_laws_at_corners(brake, solved.response))

@@ -162,6 +162,18 @@ The first response on a level shows where the contact ends. The next pass divide
 with small elements at these ends. If the ends still move in the last pass, its response is taken
 nevertheless.
 """
+ALLOWED_END_MOTION_ON_FIRST_LEVEL = 0.05
+"""Motion of a contact's end from one pass of the first level to the next that needs no third pass.
+
+It is relative to the length of the contact. The next level divides the brake at the new position
+anyway, and its own passes end at UNRESOLVED_LENGTH_OVER_CONTACT_LENGTH. An end beside the smallest
+elements of the first level only makes the distance of the first two levels larger, and with it the
+stated errors. With 0.02 in place of 0.05, 13 of 60 random brakes (seeds 100 to 159 of the
+calibration) take a pass more and 1.14 times the time; their stated errors are down to 0.7 times as
+large. On 47 other brakes whose contact ends within the lining (`draw_random_brake`, ten kinds) the
+largest ratio of true to stated error is 0.80 with both values. With 0.1 six of these state 0.5 %
+for the pressure, the default tolerance, which some brakes would then miss on the second level.
+"""
 
 
 class FunctionThatComputesResponse(Protocol):
@@ -197,6 +209,7 @@ def solve_brake_on_finer_and_finer_mesh_levels(
     *,
     prepare: FunctionThatPreparesModelOfLevel | None = None,
     start: Response | None = None,
+    first_level_is_an_answer: bool = False,
 ) -> Iterator[SolvedLevel]:
     """Solve a brake on one level after the other, finer and finer, and yield each solved level.
 
@@ -215,6 +228,9 @@ def solve_brake_on_finer_and_finer_mesh_levels(
     levels : the levels; REFINEMENT_LEVELS_FROM_COARSE_TO_FINE if it is empty
     prepare : function that makes the prepared model of a level; None for plane stress
     start : an earlier response; the first division has small elements at the ends of its contact
+    first_level_is_an_answer : whether the response on the first level is used as an answer itself.
+        Its contact is then found as exactly as that of all other levels. A single level, and levels
+        with a function `prepare`, are always solved in this way.
 
     Raises
     ------
@@ -224,10 +240,13 @@ def solve_brake_on_finer_and_finer_mesh_levels(
     """
     last: Response | None = start
     alike = equal_shapes(brake)
-    prepare = prepare or partial(make_prepared_model, brake, alike=alike, cache=cache)
     rigid_limits = LockingFrictionsOfRigidShoes(brake)
     refusals, column_limit = 0, math.inf
     shortest_arc = min(end - start for shoe in brake.shoes for start, end in shoe.arcs)
+    end_motion = UNRESOLVED_LENGTH_OVER_CONTACT_LENGTH
+    if prepare is None and len(levels) != 1 and not first_level_is_an_answer:
+        end_motion = ALLOWED_END_MOTION_ON_FIRST_LEVEL
+    prepare = prepare or partial(make_prepared_model, brake, alike=alike, cache=cache)
     for level in levels or REFINEMENT_LEVELS_FROM_COARSE_TO_FINE:
         solved: SolvedLevel | None = None
         error = level.pressure_error_due_to_column_size_ratio
@@ -255,8 +274,9 @@ def solve_brake_on_finer_and_finer_mesh_levels(
             last, points = response, points_after(response)
             # The passes end when the new points agree with the points of any earlier pass. Ends of
             # the contact that return to an earlier position would otherwise alternate for ever.
-            if _do_singular_points_repeat_earlier_pass(brake, points_of_passes, points):
+            if _do_singular_points_repeat_earlier_pass(brake, points_of_passes, points, end_motion):
                 break
+        end_motion = UNRESOLVED_LENGTH_OVER_CONTACT_LENGTH
         if solved is not None:
             yield solved
 
@@ -265,34 +285,43 @@ def _do_singular_points_repeat_earlier_pass(
     brake: Brake,
     points_of_passes: Sequence[SingularPointsByShoeShape],
     points: SingularPointsByShoeShape,
+    end_motion: float,
 ) -> bool:
-    """Whether the singular points agree with the points of an earlier pass on the level."""
+    """Whether the singular points agree with the points of an earlier pass on the level.
+
+    Ends of the contact agree if they differ by at most `end_motion` times the contact's length.
+    """
     return any(
-        not has_any_lining_new_singular_points(brake, earlier, points)
+        not has_any_lining_new_singular_points(brake, earlier, points, end_motion)
         for earlier in points_of_passes
     )
 
 
 def has_any_lining_new_singular_points(
-    brake: Brake, before: SingularPointsByShoeShape, now: SingularPointsByShoeShape
+    brake: Brake,
+    before: SingularPointsByShoeShape,
+    now: SingularPointsByShoeShape,
+    end_motion: float = UNRESOLVED_LENGTH_OVER_CONTACT_LENGTH,
 ) -> bool:
     """Whether the pressure has singular points where the elements on which it was solved are large.
 
-    Such a point is an end of the contact that has moved by more than
-    UNRESOLVED_LENGTH_OVER_CONTACT_LENGTH, or a kink of the gap that has not been a point before.
-    Ends of contacts below SHORTEST_CONTACT_WITH_KNOWN_PRESSURE do not count, because no division
-    resolves them. The keys of the points are the first shoes of each shape.
+    Such a point is an end of the contact that has moved by more than `end_motion`, or a kink of the
+    gap that has not been a point before. Ends of contacts below
+    SHORTEST_CONTACT_WITH_KNOWN_PRESSURE do not count, because no division resolves them. The keys
+    of the points are the first shoes of each shape.
 
     Parameters
     ----------
     brake : the brake
     before : singular points at which the division has small elements
     now : singular points of the response on this division
+    end_motion : motion of an end of the contact that does not count, relative to the length of the
+        contact or opening that it bounds
     """
     for i, points in now.items():
         shoe = brake.shoes[i]
         shortest = SHORTEST_CONTACT_WITH_KNOWN_PRESSURE * shoe.lining.thickness / brake.size
-        if _has_lining_new_singular_points(shoe.arcs, before[i], points, shortest):
+        if _has_lining_new_singular_points(shoe.arcs, before[i], points, shortest, end_motion):
             return True
     return False
 
@@ -302,13 +331,13 @@ def _has_lining_new_singular_points(
     before: Sequence[SingularPoint],
     now: Sequence[SingularPoint],
     shortest: float,
+    end_motion: float,
 ) -> bool:
     """Whether one of the singular points `now` of a shoe lies away from all points `before`.
 
     The elements are always small at the ends of the linings, which are the ends of `arcs`. An end
-    of the contact may move by UNRESOLVED_LENGTH_OVER_CONTACT_LENGTH times the length of the contact
-    or opening that it bounds. Ends of contacts and openings of less than the length `shortest`
-    [rad] do not count.
+    of the contact may move by `end_motion` times the length of the contact or opening that it
+    bounds. Ends of contacts and openings of less than the length `shortest` [rad] do not count.
     """
     known = [*chain(*arcs), *(point.position for point in before)]
     for point in now:
@@ -319,6 +348,6 @@ def _has_lining_new_singular_points(
             return True
         if point.kind == KindOfSingularPoint.END and point.length >= shortest:
             moved = min(abs(point.position - at) for at in known)
-            if moved > UNRESOLVED_LENGTH_OVER_CONTACT_LENGTH * point.length:
+            if moved > end_motion * point.length:
                 return True
     return False

@@ -16,7 +16,7 @@ blocks of the condensed stiffness are negative.
 
 from collections.abc import Sequence
 from functools import cache
-from itertools import pairwise
+from itertools import count, pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -252,7 +252,7 @@ def assemble_and_condense_row_of_element_columns(
     comes first. This order takes only a few percent more multiplications than the best order. If
     the same pair of objects occurs again, its stiffness is not computed again.
     """
-    made = list(pieces)
+    made, numbers = dict(enumerate(pieces)), count(len(pieces))
     first = dict[int, int]()
     row = [first.setdefault(id(piece), k) for k, piece in enumerate(pieces)]
     made_of: dict[tuple[int, int], int] = {}
@@ -261,20 +261,21 @@ def assemble_and_condense_row_of_element_columns(
         """The number of unknowns that each pair of neighbours in the row would have if joined."""
         return [len(made[i].K) + len(made[j].K) - 2 * made[i].right for i, j in pairwise(row)]
 
-    # The list `row` has the positions in `made` of the stretches that are not joined yet. In each
-    # step two neighbours are replaced by one stretch.
+    # The list `row` has the numbers of the stretches that are not joined yet, and `made` has their
+    # stiffness. In each step two neighbours are replaced by one stretch. Stretches that are no
+    # longer in the row are released, because those of many columns would fill the memory.
     sizes = counts_of_unknowns_of_neighbours_if_joined(row)
     while sizes:
         k = sizes.index(min(sizes))
         pair = row[k], row[k + 1]
-        if pair not in made_of:
-            made_of[pair] = len(made)
-            made.append(
-                join_and_condense_neighbouring_substructures(
-                    made[pair[0]], made[pair[1]], shared, extra
-                )
+        if made_of.get(pair) not in made:
+            made_of[pair] = next(numbers)
+            made[made_of[pair]] = join_and_condense_neighbouring_substructures(
+                made[pair[0]], made[pair[1]], shared, extra
             )
         row[k : k + 2] = [made_of[pair]]
+        for joined in set(pair).difference(row):
+            del made[joined]
         # The numbers of unknowns change only for the pairs with the new substructure.
         near = max(k - 1, 0)
         sizes[near : k + 2] = counts_of_unknowns_of_neighbours_if_joined(row[near : k + 2])

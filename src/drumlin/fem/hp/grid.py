@@ -434,14 +434,14 @@ class EliminatedUnknownsOfHpElementBody:
     layers : elastic layers of the body by name
     whole_system : function that makes the body's system of equations before condensation, with the
         unit loads that act on boundaries of elements
-    further : (2 grid nodes, k) nodal forces of k additional unit loads, which may act inside
-        elements; they come after the other unit loads
+    forces_of_further_loads : (2 grid nodes, k) nodal forces of k additional unit loads, which may
+        act inside elements; they come after the other unit loads
     """
 
     grid: HpElementGrid
     layers: Mapping[str, ElasticLayer]
     whole_system: BodySystemAssemblyFunction
-    further: Floats
+    forces_of_further_loads: Floats
 
     @classmethod
     def eliminated_unknowns_with_system_loads_only(
@@ -455,11 +455,15 @@ class EliminatedUnknownsOfHpElementBody:
 
     def equations_of_body_before_condensation(self) -> UncondensedBodySystem:
         """The body's system of equations before condensation, on all nodes of its grid."""
-        return self._system_with_further_unit_loads(self.whole_system(self.grid), self.further)
+        return self._system_with_further_unit_loads(
+            self.whole_system(self.grid), self.forces_of_further_loads
+        )
 
     def copy_with_further_unit_loads(self, forces: Floats) -> "EliminatedUnknownsOfHpElementBody":
         """A copy with k additional unit loads, given as nodal forces (2 grid nodes, k)."""
-        return replace(self, further=np.hstack([self.further, forces]))
+        return replace(
+            self, forces_of_further_loads=np.hstack([self.forces_of_further_loads, forces])
+        )
 
     def condense_loads_and_stiffness(self) -> CondensedSystem:
         """The unit loads and the stiffness, condensed to the contact nodes and the frame.
@@ -469,7 +473,7 @@ class EliminatedUnknownsOfHpElementBody:
         """
         sides = self.grid.grid_without_inner_element_nodes
         on_sides, inner_work = sides.condensed_forces_on_element_boundaries_and_inner_work(
-            self.layers, self.further
+            self.layers, self.forces_of_further_loads
         )
         system = self._system_with_further_unit_loads(self.whole_system(sides), on_sides)
         # The work of the additional loads inside elements is added to the work of the loads on the
@@ -488,18 +492,21 @@ class EliminatedUnknownsOfHpElementBody:
         act with the factors `loads` (l, m). The rigid face that the hinge holds moves by `frame`
         (3, m).
         """
-        sides, count = self.grid.grid_without_inner_element_nodes, self.further.shape[1]
+        sides, count = (
+            self.grid.grid_without_inner_element_nodes,
+            self.forces_of_further_loads.shape[1],
+        )
         system = self.whole_system(sides)
         # Without additional loads no force acts inside elements.
         if not count:
             on_sides = system.nodal_displacements_in_load_cases(nodal, frame, loads)
             return sides.displacements_of_all_grid_nodes(self.layers, on_sides)
         forces_on_sides, _ = sides.condensed_forces_on_element_boundaries_and_inner_work(
-            self.layers, self.further
+            self.layers, self.forces_of_further_loads
         )
         system = self._system_with_further_unit_loads(system, forces_on_sides)
         on_sides = system.nodal_displacements_in_load_cases(nodal, frame, loads)
-        forces = self.further @ loads[len(loads) - count :]
+        forces = self.forces_of_further_loads @ loads[len(loads) - count :]
         return sides.displacements_of_all_grid_nodes(self.layers, on_sides, forces)
 
     def _system_with_further_unit_loads(

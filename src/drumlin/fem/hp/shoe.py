@@ -50,6 +50,12 @@ from drumlin.response.resultants import (
     shape_functions_and_derivatives_at_gauss_points,
 )
 
+STRAIGHT_BEAM_COLUMNS_PER_BATCH = 16
+"""Number of element columns of a straight beam that are condensed together.
+
+More columns together take more memory. Fewer columns take more time, because each batch is a call
+of each step. The stiffness is the same for every number.
+"""
 PointAtDepthAndAngleFunction = Callable[[Floats, Floats], Floats]
 """A function from depths behind the lining's face and positions phi [rad] to points (2, ...) [m].
 
@@ -425,8 +431,13 @@ def _condensed_hp_columns_of_row(
         div.degree, div.number_of_element_layers - layer, contact=contact, held=held
     )
     if whole.kinds.angular is None:
-        parts = _condensed_elements_of_straight_beam_shoe(whole, whole.kinds.along[kinds], layer)
-        stiffness = condensed_element_column_stiffness(parts, unknowns)
+        # In a straight beam all columns are of different kinds. They are condensed a few at a time,
+        # because the eliminated unknowns of all columns would fill the memory.
+        stiffness = []
+        for first in range(0, len(kinds), STRAIGHT_BEAM_COLUMNS_PER_BATCH):
+            along = whole.kinds.along[kinds[first : first + STRAIGHT_BEAM_COLUMNS_PER_BATCH]]
+            parts = _condensed_elements_of_straight_beam_shoe(whole, along, layer)
+            stiffness += list(condensed_element_column_stiffness(parts, unknowns))
     else:
         radii = whole.radius - whole.shoe.sign_internal_plus_external_minus * div.depths[layer:]
         parts = condensed_arc_element_stiffness(
@@ -436,7 +447,9 @@ def _condensed_hp_columns_of_row(
             div.degree,
             whole.radius if whole.shoe.is_on_plane else None,
         )
-        stiffness = condensed_arc_column_stiffness(parts, div.degree, contact=contact, held=held)
+        stiffness = list(
+            condensed_arc_column_stiffness(parts, div.degree, contact=contact, held=held)
+        )
     made = {}
     for kind, K in zip(kinds.tolist(), stiffness, strict=True):
         made[kind] = ColumnSubstructure(

@@ -122,9 +122,9 @@ def make_condensed_shoes_of_hp_elements(
         for i in dict.fromkeys(alike)
         if i not in made
     }
-    contact_nodes = {i: len(body.line.nodes) for i, body in made.items()}
-    contact_nodes |= {i: rule.division.contact_nodes for i, rule in rules.items()}
-    _require_few_contact_nodes(brake, [contact_nodes[i] for i in alike])
+    contact_node_counts = {i: len(body.line.nodes) for i, body in made.items()}
+    contact_node_counts |= {i: rule.division.contact_nodes for i, rule in rules.items()}
+    _require_few_contact_nodes(brake, [contact_node_counts[i] for i in alike])
     for i, rule in rules.items():
         made[i] = _cached_or_newly_condensed_body(brake, rule, cache, seconds)
     bodies = tuple(made[i] for i in alike)

@@ -65,12 +65,12 @@ class RingCondensedToLiningNodes(NamedTuple):
     Attributes
     ----------
     compliance : (2m, 2m) displacements of the m nodes under unit forces on the m nodes [m/N]
-    of : for the lining face of each shoe, the positions (n,) among the m nodes of the ring nodes
-        opposite to the n nodes of the face
+    ring_nodes_of_faces : for the lining face of each shoe, the positions (n,) among the m nodes of
+        the ring nodes opposite to the n nodes of the face
     """
 
     compliance: Floats
-    of: list[Ints]
+    ring_nodes_of_faces: list[Ints]
 
 
 class NodesAndSupportsInContactAtStart(NamedTuple):
@@ -362,7 +362,7 @@ def _contact_forces_for_assumed_friction_senses(
     # The gaps at one lining also change by the displacements of the ring under every lining.
     if rim is not None:
         # The indices of the x and y displacements of the ring's nodes under each shoe's linings.
-        under = [(2 * nodes[:, None] + np.arange(2)).ravel() for nodes in rim.of]
+        under = [(2 * nodes[:, None] + np.arange(2)).ravel() for nodes in rim.ring_nodes_of_faces]
         for i, j in np.ndindex(len(faces), len(faces)):
             compliance = rim.compliance[np.ix_(under[i], under[j])]
             change = own[i].normal @ compliance @ own[j].nodal_forces_per_normal_force

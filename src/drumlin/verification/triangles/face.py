@@ -107,7 +107,7 @@ def node_numbers_along_edges(
     """
     inner = 3 + edge[:, None] * (degree - 1) + np.arange(degree - 1)
     local = np.concatenate([edge[:, None], inner, ((edge + 1) % 3)[:, None]], axis=1)
-    return nodes.of[tri[:, None], local]
+    return nodes.nodes_of_triangles[tri[:, None], local]
 
 
 def edge_shape_function_values_and_derivatives(degree: int, at: Floats) -> tuple[Floats, Floats]:
@@ -205,7 +205,7 @@ def condense_shoe_to_lining_face(
         normal=normal,
         tangent=np.stack([-er[:, 1], er[:, 0]], axis=1),
         mass=_mass_matrix_of_face(body, kept, shoe.lining.width),
-        compliance=compliance.of,
+        compliance=compliance.under_unit_forces,
         loaded=compliance.loaded[:, 0],
         elastic_actuation_work=float(compliance.work[0, 0]),
         displacements_under_unit_pushes=compliance.loaded[:, 2:],

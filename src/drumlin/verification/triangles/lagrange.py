@@ -113,13 +113,13 @@ class NodesOfTriangleMesh:
 
     Attributes
     ----------
-    of : (m, n) indices of the nodes of each triangle
+    nodes_of_triangles : (m, n) indices of the nodes of each triangle
     at : (N, 2) coordinates s and d of each node; at a node where the grid of a closed ring begins
         and ends, s is one of its two values
     xy : (N, 2) positions of the nodes [m]
     """
 
-    of: Ints
+    nodes_of_triangles: Ints
     at: Floats
     xy: Floats
 
@@ -167,7 +167,7 @@ def triangle_stiffness_matrices(
     found = np.empty((len(mesh.layer), 2 * n, 2 * n))
     # Some 2000 triangles are integrated at once, which bounds the memory.
     for part in np.array_split(np.arange(len(mesh.layer)), max(1, len(mesh.layer) // 2000)):
-        x = nodes.xy[nodes.of[part]]  # (m, n, 2)
+        x = nodes.xy[nodes.nodes_of_triangles[part]]  # (m, n, 2)
         J = np.einsum("mnc,ndq->mqcd", x, slopes)
         det = J[..., 0, 0] * J[..., 1, 1] - J[..., 0, 1] * J[..., 1, 0]
         if (det * np.sign(det[:, :1]) <= 0).any():
@@ -243,7 +243,7 @@ def nodal_forces_of_heated_triangles(
     for number, layer in enumerate(layers):
         if layer.free_strains is None:
             continue
-        of = nodes.of[mesh.layer == number]
+        of = nodes.nodes_of_triangles[mesh.layer == number]
         x = nodes.xy[of]
         J = np.einsum("mnc,ndq->mqcd", x, slopes)
         G = np.einsum("ndq,mqdc->mncq", slopes, np.linalg.inv(J))
@@ -275,12 +275,12 @@ class ComplianceOfCondensedBody:
 
     Attributes
     ----------
-    of : (2n, 2n) displacements of the kept nodes under unit forces on them [m/N]
+    under_unit_forces : (2n, 2n) displacements of the kept nodes under unit forces on them [m/N]
     loaded : (2n, l) displacements of the kept nodes under each of l loads on the body [m]
     work : (l, l) work of each of the l loads on the displacements due to each of the l loads [N m]
     """
 
-    of: Floats
+    under_unit_forces: Floats
     loaded: Floats
     work: Floats
 
@@ -349,11 +349,13 @@ def condense_body_to_kept_nodes(
     NoAnswer
         If the stiffness of a part is singular.
     """
-    dofs = (2 * nodes.of[:, :, None] + np.arange(2)).reshape(len(nodes.of), -1)
+    dofs = (2 * nodes.nodes_of_triangles[:, :, None] + np.arange(2)).reshape(
+        len(nodes.nodes_of_triangles), -1
+    )
     kept_dofs = (2 * kept[:, None] + np.arange(2)).ravel()
     triangles = np.bincount(dofs.ravel(), minlength=2 * len(nodes.xy))
     triangles[kept_dofs] += 1
-    centres = nodes.xy[nodes.of].mean(axis=1)
+    centres = nodes.xy[nodes.nodes_of_triangles].mean(axis=1)
     loads = np.where(held[:, None], 0.0, loads)
     whole = _schur_complement_of_triangles(
         _BodyToCondense(K, dofs, centres, held, triangles, loads), np.arange(len(centres))

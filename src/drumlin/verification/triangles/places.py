@@ -54,19 +54,23 @@ def nodal_forces_of_loads_besides_actuation(body: "BodyMeshedByTriangles", shoe:
         density += _force_density_of_gravity_and_rotation(body, points, shoe)
     values, _, _ = lagrange.triangle_shape_functions_gradients_and_weights(body.degree)
     forces = np.zeros_like(body.nodes.xy)
-    np.add.at(forces, body.nodes.of, np.einsum("nq,mqc,mq->mnc", values, density, points.area))
+    np.add.at(
+        forces,
+        body.nodes.nodes_of_triangles,
+        np.einsum("nq,mqc,mq->mnc", values, density, points.area),
+    )
     return forces.ravel()
 
 
 def _quadrature_points_of_triangles(body: "BodyMeshedByTriangles") -> _TriangleQuadraturePoints:
     """The quadrature points of all triangles of a meshed shoe."""
     values, slopes, weights = lagrange.triangle_shape_functions_gradients_and_weights(body.degree)
-    x = body.nodes.xy[body.nodes.of]
+    x = body.nodes.xy[body.nodes.nodes_of_triangles]
     J = np.einsum("mnc,ndq->mqcd", x, slopes)
     widths = np.array([layer.elastic.width for layer in body.shape.layers])
     return _TriangleQuadraturePoints(
         xy=np.einsum("mnc,nq->mqc", x, values),
-        s=np.einsum("mn,nq->mq", body.nodes.at[body.nodes.of, 0], values),
+        s=np.einsum("mn,nq->mq", body.nodes.at[body.nodes.nodes_of_triangles, 0], values),
         area=np.abs(np.linalg.det(J)) * weights,
         width=widths[body.mesh.layer],
         in_body=body.mesh.layer >= body.shape.number_of_first_layer_of_shoe_body,
@@ -104,7 +108,7 @@ def _force_density_of_spread_point_force(
     else:
         place, s, length = at @ along, points.xy @ along, 1.0
         place, s = float(place), np.asarray(s)
-    nodes = body.nodes.of[on]
+    nodes = body.nodes.nodes_of_triangles[on]
     ends = body.nodes.at[nodes, 0] if along is None else body.nodes.xy[nodes] @ along
     span = float(np.ptp(ends)) * length
     sigma = FORCE_SPREAD_DEVIATION_OVER_BODY_THICKNESS * float(area.sum()) / span

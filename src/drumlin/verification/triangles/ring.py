@@ -302,7 +302,7 @@ def condense_ring_to_lining_nodes(
         return RingCondensedToLiningNodes(
             lagrange.condense_body_to_kept_nodes(
                 ring.K, nodes, held.ravel(), chosen, np.zeros((held.size, 0))
-            ).of,
+            ).under_unit_forces,
             of,
         )
     loads = _nodal_forces_of_rigid_mode_tractions_on_rim(ring)
@@ -317,7 +317,7 @@ def condense_ring_to_lining_nodes(
     # factors -l, where l = (rigid^T loads)^-1 own^T f. Then the mean motion of the rim is
     # subtracted from the displacements.
     share = np.linalg.solve(rigid.T @ loads, own.T)
-    moved = found.of - found.loaded @ share
+    moved = found.under_unit_forces - found.loaded @ share
     mean = found.loaded.T - found.work @ share
     return RingCondensedToLiningNodes(moved - own @ np.linalg.solve(loads.T @ rigid, mean), of)
 
