@@ -71,6 +71,13 @@ NOT_TUNED: dict[str, dict[str, str]] = {
         "WIDTH_DEGREE_COMPARED_WITH_PLANE_STRESS": "the least degree that varies in a part "
         "of one width",
     },
+    "fem/analysis/self_locking.py": {
+        "FRICTION_AT_WHICH_RIGHT_ANGLED_CORNER_LOCKS": DEFINITION,
+        "FRICTION_STEP_OF_REPEATED_SOLVES": "step of a search whose first failure is bisected",
+        "RESOLUTION_OF_REPEATED_SOLVES": "accuracy of a limit that is printed with four digits",
+        "DISTANCE_OF_PRESSURE_COMPARISON": "distance at which a pole doubles the pressure",
+        "LEAST_GROWTH_OF_UNBOUNDED_PRESSURE": "midway between a growth of 1 and of 2",
+    },
     "fem/analysis/solid_fields.py": {
         "FEWEST_INTERVALS_ACROSS_WIDTH_PIECE": "points of fields that are written or drawn",
         "_NODE_ORDER_OF_TURNED_HEXAHEDRON": FORMAT,

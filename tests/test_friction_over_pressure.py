@@ -539,12 +539,8 @@ def test_a_speed_without_a_table_over_speed_is_refused(brake):
 
 
 REFUSED = {
-    "self_locking under a cam": lambda brake: drumlin.self_locking(
-        vary(cam_brake(), {"friction": brake.friction_as_written})
-    ),
     "reference": drumlin.reference,
     "explore": SliderSolver,
-    "worn in": lambda brake: drumlin.solve(brake, worn_in=True),
     "finite width": lambda brake: drumlin.solve(brake, finite_width=True),
     "solid": lambda brake: drumlin.solve(brake, "solid"),
     "sine": lambda brake: drumlin.solve(brake, "sine"),

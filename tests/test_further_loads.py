@@ -361,11 +361,9 @@ def test_loads_that_cannot_be_meant_are_refused(name: str) -> None:
 
 
 @pytest.mark.slow
-def test_self_locking_and_worn_in_linings_refuse_springs_with_a_rate() -> None:
+def test_worn_in_linings_refuse_springs_with_a_rate() -> None:
     """These analyses take springs of constant pull, and name the key otherwise."""
     brake = two_shoes(spring=[PULL | {"rate": 1e4}])
-    with pytest.raises(BadInput, match=r"spring\[0\].rate = 10 N/mm"):
-        drumlin.self_locking(brake)
     with pytest.raises(BadInput, match=r"spring\[0\].rate = 10 N/mm"):
         drumlin.solve(brake, worn_in=True)
     with pytest.raises(BadInput, match=r"spring\[0\]: a torque that is kept"):

@@ -311,3 +311,26 @@ def test_the_command_prints_writes_and_refuses(tmp_path):
     assert isinstance(refused.exception, BadInput)
     refused = CliRunner().invoke(app, [*command, "--torque", "1000 kN m"])
     assert isinstance(refused.exception, NoAnswer)
+
+
+def test_a_hinge_is_searched_on_the_first_level_and_corrected_on_all_levels(brake):
+    """Few solves on all levels are left, and the answer is that of the search on all levels."""
+    wanted = 1.05 * drumlin.solve(brake, model_error=False).torque
+    question = sizing.SizingQuestion(brake, "shoe.hinge.radius", "fem", {}, wanted, None)
+    near = sizing._find_only_trial_with_wanted_torque_from_first_level(question, wanted)
+    assert near is not None
+    assert 2 <= len(question.trials) <= 3
+    other = sizing.SizingQuestion(brake, "shoe.hinge.radius", "fem", {}, wanted, None)
+    trials = sizing._solve_first_trial_values(other)
+    (root,) = sizing._find_all_trials_with_wanted_quantity(other, trials, "torque")
+    slope = (trials[-1].torque - trials[0].torque) / (trials[-1].value - trials[0].value)
+    assert abs(near.value - root.value) < abs(near.errors["torque"] * wanted / slope)
+
+
+def test_no_search_on_the_first_level_decides_near_its_own_error(brake):
+    """A torque next to a trial's torque, and one out of reach, are left to all levels."""
+    question = sizing.SizingQuestion(brake, "shoe.hinge.radius", "fem", {}, None, None)
+    for wanted in (1.001 * drumlin.solve(brake, model_error=False).torque, 1e5):
+        found = sizing._find_only_trial_with_wanted_torque_from_first_level(question, wanted)
+        assert found is None
+    assert not question.trials

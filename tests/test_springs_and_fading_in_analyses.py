@@ -25,8 +25,13 @@ from drumlin.fem.analysis.slope_by_key import exact_torque_slope_by_key
 from drumlin.fem.error_control.levels import REFINEMENT_LEVELS_FROM_COARSE_TO_FINE
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.solve import solve
-from drumlin.lining_wear.archard import WearLaw, wear_linings_over_sliding_distance
+from drumlin.lining_wear.archard import (
+    WearLaw,
+    solve_steady_wear,
+    wear_linings_over_sliding_distance,
+)
 from drumlin.lining_wear.linings import wear_setup_by_finite_elements
+from drumlin.lining_wear.worn_in import brake_without_misfit_and_clearance
 from flat_pads import pad
 from friction_tables import EVEN, FALLING, KINKED, over_pressure
 from further_loads import BODY, PULL, brake_with, two_shoes
@@ -173,6 +178,20 @@ def test_tractions_of_a_holding_brake_keep_within_friction_over_pressure(brake):
     assert run[-1].dissipated > run[0].dissipated
 
 
+def test_worn_in_linings_with_friction_over_pressure_have_the_pressure_of_steady_wear(brake):
+    """The clearances of the worn-in linings give the steady pressure of Archard's law."""
+    table = over_pressure(brake, FALLING)
+    found = drumlin.solve(table, worn_in=True, elements=ELEMENTS)
+    fitting = brake_without_misfit_and_clearance(table, drum=True)
+    setup = wear_setup_by_finite_elements(make_prepared_model(table, elements=ELEMENTS), fitting)
+    for interface, surface in zip(setup.interfaces, setup.surfaces, strict=True):
+        steady = solve_steady_wear(interface, WearLaw(1.0)).contact.p
+        p = found.shoes[surface.shoe].pressure
+        assert_allclose(np.sort(p), np.sort(steady), rtol=1e-9)
+    plain = drumlin.solve(vary(brake, {"friction": 0.45}), worn_in=True, elements=ELEMENTS)
+    assert found.torque < 0.99 * plain.torque
+
+
 # Friction over the pressure in self-locking.
 
 
@@ -247,8 +266,6 @@ def test_solve_says_at_which_factor_the_friction_locks_the_brake(brake):
     assert found.self_locking.elastic.friction == pytest.approx(1.25, rel=1e-6)
     assert found.as_dict()["self_locking"]["factor"] == found.self_locking.elastic.friction
     assert any("locks at 1.25 times its friction" in note for note in found.notes)
-    with pytest.raises(BadInput, match=r"friction\.pressure: self-locking takes no friction"):
-        drumlin.self_locking(over_pressure(cam_brake()), elements=6)
 
 
 # Springs with a rate in wear.

@@ -816,11 +816,16 @@ class SelfLockingFrictionOfGroup(NamedTuple):
         with all coefficients of the table raised in proportion
     bounded : True if the pressure stays finite as friction rises to mu_lock; False if the pressure
         grows without bound
+    least_friction_on_finer_elements : friction coefficient to which mu_lock may fall as the
+        elements become smaller. It is smaller than `friction` if `bounded` is True and `friction`
+        is above pi/2: above pi/2 a right-angled corner of a lining may dig into the drum, and
+        mu_lock falls with the logarithm of the element size
     """
 
     shoes: tuple[str, ...]
     friction: float
     bounded: bool
+    least_friction_on_finer_elements: float
 
 
 @_make_public_function_that_rewords_errors
@@ -879,7 +884,10 @@ def self_locking(
     )
     return tuple(
         SelfLockingFrictionOfGroup(
-            tuple(whole.shoes[i].name for i in members), end.friction, end.pressure_stays_finite
+            tuple(whole.shoes[i].name for i in members),
+            end.friction,
+            end.pressure_stays_finite,
+            end.least_friction_on_finer_elements,
         )
         for members, end in found.items()
     )

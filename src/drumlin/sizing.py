@@ -12,7 +12,7 @@ import math
 from bisect import insort
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise
 from typing import Any, NamedTuple
@@ -34,7 +34,10 @@ from drumlin.fem.analysis.sensitivity import compute_torque_sensitivity
 from drumlin.fem.analysis.slope_by_key import exact_torque_slope_by_key, slopes_wanted_for_key
 from drumlin.fem.preparation.cache import CacheOfCondensedBodies
 from drumlin.fem.preparation.scene import PreparedModel
-from drumlin.fem.solve import prepared_model_with_finest_elements
+from drumlin.fem.solve import (
+    prepared_model_with_finest_elements,
+    solve_brake_on_first_level_without_error_estimate,
+)
 from drumlin.models import model_with_name_that_applies_to_brake
 from drumlin.response.response import Response
 
@@ -101,6 +104,20 @@ The limit is used when two values of the key enclose the wanted value and differ
 If the stated error is larger, the stated error replaces the limit. The round-off of a solve is some
 1e-12: with a much smaller limit round-off would count as a jump.
 """
+TORQUE_ERROR_ASSUMED_ON_FIRST_LEVEL = 1e-2
+"""Relative error that the search assumes for torques on the first, coarse level of elements.
+
+A range of the key is searched on the first level only if all torques there differ from the wanted
+one by more than this error, so that the elements cannot decide on which side they lie. The torques
+of the double-shoe brake on the first level are 1e-5 off. The value is a judgement: a larger one
+sends more questions to the slower search on all levels, and no answer depends on it.
+"""
+MOST_TRIALS_AFTER_SEARCH_ON_FIRST_LEVEL = 6
+"""Largest number of solves on all levels that follow a search on the first level of elements.
+
+Two or three are enough, since each step has the exact slope or a rational function. If six do not
+find the value, the whole range is searched on all levels.
+"""
 SEARCH_TOLERANCE_WITHOUT_STATED_ERROR = 1e-14
 """Relative difference from the wanted value at which the search ends if no error is stated.
 
@@ -146,6 +163,8 @@ class SizingQuestion:
     trials : the trials that are solved already, by the value of the key
     last_model : the prepared model of the last solve in plane stress, by the value of the key; the
         exact slope of the torque is computed with it
+    on_first_level : whether the brakes are solved in plane stress on the first level of elements
+        only, without stated errors
     """
 
     brake: Brake
@@ -160,6 +179,7 @@ class SizingQuestion:
     cache: CacheOfCondensedBodies = field(default_factory=CacheOfCondensedBodies)
     trials: dict[float, TriedKeyValue] = field(default_factory=dict)
     last_model: dict[float, PreparedModel] = field(default_factory=dict)
+    on_first_level: bool = False
 
     @cached_property
     def unit(self) -> str:
@@ -232,6 +252,11 @@ class SizingQuestion:
         self.say(f"sizing: {self.key} = {self.key_value_as_text(value)}")
         varied = vary(self.brake, {self.key: value})
         options = dict(self.options)
+        if self.on_first_level:
+            penalty = {name: options[name] for name in {"penalty"} & options.keys()}
+            return solve_brake_on_first_level_without_error_estimate(
+                varied, **penalty, cache=self.cache
+            )
         if self.model in {"fem", "solid"}:
             options["cache"] = self.cache
         if self.model == "fem":
@@ -262,6 +287,8 @@ class SizingQuestion:
         stated = response.error or {}
         peak = max(shoe.peak_pressure for shoe in response.shoes)
         errors = {"torque": stated.get("torque", 0.0), "peak_pressure": stated.get("peak", 0.0)}
+        if self.on_first_level:
+            errors["torque"] = TORQUE_ERROR_ASSUMED_ON_FIRST_LEVEL
         return TriedKeyValue(value, float(response.effect), float(peak), errors)
 
 
@@ -356,6 +383,8 @@ def size_brake(question: SizingQuestion, answer: Callable[[Brake], Response]) ->
     wanted = question.peak_pressure if question.torque is None else question.torque
     if not isinstance(wanted, str) and wanted is not None:
         near = _find_trial_with_wanted_value_near_file_value(question, name, wanted)
+        if near is None and name == "torque":
+            near = _find_only_trial_with_wanted_torque_from_first_level(question, wanted)
         if near is not None and _is_peak_pressure_allowed(question, near):
             return _sizing_result_of_found_value(question, near, (), answer)
     trials = _solve_first_trial_values(question)
@@ -620,6 +649,74 @@ def _find_trial_with_wanted_value_near_file_value(
         return None
     with suppress(NoAnswer):
         return _find_trial_with_wanted_value_between_two_trials(question, known, name, wanted)
+    return None
+
+
+def _find_only_trial_with_wanted_torque_from_first_level(
+    question: SizingQuestion, wanted: float
+) -> TriedKeyValue | None:
+    """The only trial with the wanted torque, by a search on the first level of elements.
+
+    The range of the key is tried on the first level. If the torque rises or falls throughout this
+    range and crosses the wanted torque, the value there is corrected on all levels by Newton's
+    method, with the exact slope of the torque, and by rational functions. The result is None if
+    this fails, and if the elements of the first level could decide what is found: then the whole
+    range must be searched on all levels.
+    """
+    of_error_control = {"elements", "kind", "tolerance"} & question.options.keys()
+    has_mesh_file = any(shoe.mesh for shoe in question.brake.shoes)
+    if question.model != "fem" or question.does_key_keep_one_sign:
+        return None
+    if of_error_control or has_mesh_file or not set(question.options) <= {"penalty"}:
+        return None
+    coarse = replace(question, on_first_level=True, trials={}, last_model={})
+    try:
+        trials = _solve_first_trial_values(coarse)
+        if not _does_torque_cross_wanted_torque_once(trials, wanted):
+            return None
+        (root,) = _find_trials_at_crossings_of_wanted_value(coarse, trials, "torque", wanted)
+    except NoAnswer:
+        return None
+    return _find_trial_on_all_levels_near_key_value(question, root.value, wanted)
+
+
+def _does_torque_cross_wanted_torque_once(trials: Sequence[TriedKeyValue], wanted: float) -> bool:
+    """Whether the torque rises or falls throughout, and crosses the wanted torque between trials.
+
+    No torque may lie within TORQUE_ERROR_ASSUMED_ON_FIRST_LEVEL of the wanted torque, and no trial
+    may lack an answer.
+    """
+    if any(trial.failure for trial in trials):
+        return False
+    torques = np.array([trial.torque for trial in trials])
+    rises = np.diff(torques)
+    is_monotonic = bool((rises > 0).all() or (rises < 0).all())
+    is_apart = (np.abs(torques - wanted) > TORQUE_ERROR_ASSUMED_ON_FIRST_LEVEL * wanted).all()
+    return is_monotonic and bool(is_apart) and bool(torques.min() < wanted < torques.max())
+
+
+def _find_trial_on_all_levels_near_key_value(
+    question: SizingQuestion, value: float, wanted: float
+) -> TriedKeyValue | None:
+    """The trial with the wanted torque near a value of the key; None if it is not found."""
+    known: list[TriedKeyValue] = []
+    low, high = question.ends_of_key_range
+    for _ in range(MOST_TRIALS_AFTER_SEARCH_ON_FIRST_LEVEL):
+        trial = question.solve_trial_at_key_value(value)
+        if trial.failure:
+            return None
+        off = _quantity_minus_wanted_value(trial, "torque", wanted)
+        if off == 0:
+            return trial
+        known.append(trial)
+        if len(known) == 1:
+            slope = _exact_torque_slope_at_key_value(question, value, "torque")
+            after = value - off / slope if slope else None
+        else:
+            after = _key_value_by_rational_interpolation(known, "torque", wanted)
+        if after is None or not low < after < high:
+            return None
+        value = after
     return None
 
 

@@ -37,6 +37,7 @@ from drumlin.brake.friction import (
     FrictionTable,
     friction_coefficient_as_text,
     friction_coefficient_curve_of_lining,
+    multiplied_friction,
 )
 from drumlin.brake.further_loads import Gravity, Lever, Spring
 from drumlin.brake.show import html_table_of_brake, text_of_brake
@@ -590,6 +591,17 @@ class Brake(PartOfInputFile):
             lining = shoe.lining.copy_of_lining_with_changed_fields({"friction": changed})
             shoes.append(shoe.model_copy(update={"lining": lining}))
         return self.model_copy(update={"friction_as_written": friction, "shoes": tuple(shoes)})
+
+    def brake_with_multiplied_friction(self, factor: float) -> Self:
+        """A copy of the brake with all friction coefficients, also of tables, times a factor."""
+        shoes = []
+        for shoe in self.shoes:
+            own = shoe.lining.friction
+            changed = None if own is None else multiplied_friction(own, factor)
+            lining = shoe.lining.copy_of_lining_with_changed_fields({"friction": changed})
+            shoes.append(shoe.model_copy(update={"lining": lining}))
+        written = multiplied_friction(self.friction_as_written, factor)
+        return self.model_copy(update={"friction_as_written": written, "shoes": tuple(shoes)})
 
     @property
     def friction_coefficients_as_text(self) -> str:

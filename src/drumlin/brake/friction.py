@@ -207,6 +207,13 @@ pressure.
 """
 
 
+def multiplied_friction(written: float | FrictionTable, factor: float) -> float | FrictionTable:
+    """A friction coefficient, or a table of friction coefficients, times a factor."""
+    if isinstance(written, FrictionTable):
+        return written.model_copy(update={"mu": tuple(factor * mu for mu in written.mu)})
+    return factor * written
+
+
 def friction_coefficient_curve_of_lining(
     written: float | FrictionTable, speed: float, temperature_rise: float
 ) -> FrictionOverPressureCurve:

@@ -222,8 +222,10 @@ def solve_stick_slip_increment_with_pressure_dependent_friction(
             TractionsAndSlipsOfLastIncrement(history.t - apart, history.s),
             state,
         )
-        change = _largest_relative_change_of_pressures(found.p, p)
-        settled = np.array_equal(found.state, state) and _is_change_negligible(change, last_change)
+        change = largest_change_relative_to_peak(found.p, p)
+        settled = np.array_equal(found.state, state) and is_newton_change_negligible(
+            change, last_change
+        )
         p, state, last_change = found.p, found.state, change
         if settled:
             return replace(found, t=found.t + apart)
@@ -293,25 +295,36 @@ def _stable_contact_by_newton_or_none(
             )
         except NoAnswer:
             return None
-        change = _largest_relative_change_of_pressures(after.p, found.p)
+        change = largest_change_relative_to_peak(after.p, found.p)
         found = after
-        if _is_change_negligible(change, last_change):
+        if is_newton_change_negligible(change, last_change):
             return found if found.stable else None
         last_change = change
     return None
 
 
-def _largest_relative_change_of_pressures(p: Floats, before: Floats) -> float:
-    """The largest change of the pressures (n,) in a step, relative to the peak pressure."""
-    change = float(np.abs(p - before).max())
-    return change / float(p.max()) if change > 0 else 0.0
+def largest_change_relative_to_peak(values: Floats, before: Floats) -> float:
+    """The largest change of pressures or friction coefficients (n,), relative to the largest value.
+
+    It is 0 if nothing has changed, and inf if every value has become 0 or less.
+    """
+    change, peak = float(np.abs(values - before).max()), float(values.max())
+    if change == 0:
+        return 0.0
+    return change / peak if peak > 0 else math.inf
 
 
-def _is_change_negligible(change: float, last_change: float) -> bool:
-    """Whether the relative change of the pressures in the last step ends Newton's method.
+def is_newton_change_negligible(change: float, last_change: float) -> bool:
+    """Whether the change of the last step ends Newton's method for friction over the pressure.
 
     It does if the change is below the tolerance, or if it is as small as round-off may be and has
-    not fallen from the step before.
+    not fallen from the step before. Every iteration in which friction and pressure come to agree
+    ends by this function.
+
+    Parameters
+    ----------
+    change : change in the last step, relative to the peak
+    last_change : relative change in the step before; inf for the first step
     """
     if change <= NEWTON_TOLERANCE_OF_CONTACT_PRESSURES:
         return True

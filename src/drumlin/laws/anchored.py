@@ -21,7 +21,6 @@ equilibrium as friction grows; one set of supports alone may never lock.
 
 import math
 from collections.abc import Iterator
-from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -400,8 +399,6 @@ def _first_equilibrium_of_shoes_on_anchors(
     raise NoAnswer(f"{names}: {ERROR_TEXT_ON_SHOE_THAT_IS_NOT_HELD}")
 
 
-# A solve asks for the limit of each shoe of a group, on each of its levels.
-@lru_cache(maxsize=8)
 def _locking_friction_of_anchored_shoe_group(brake: Brake, members: tuple[int, ...]) -> float:
     """The friction coefficient at which shoes on anchors lock; inf if they never do.
 
@@ -487,16 +484,19 @@ def contact_of_shoe_on_anchors(brake: Brake, index: int) -> RigidShoeContact:
     ).contacts[brake.shoes[index].name]
 
 
-def locking_friction_of_shoe_on_anchors(brake: Brake, index: int) -> float:
-    """The friction coefficient at which shoe `index`, which is on anchors, locks; inf if never.
+def locking_frictions_of_shoes_on_anchors(brake: Brake) -> dict[int, float]:
+    """The friction coefficient at which each shoe on anchors locks, by the shoe's index.
 
-    The friction coefficients of all linings are scaled in proportion until the shoe locks. The
-    result is the coefficient of this shoe's lining.
+    It is inf for a shoe that never locks. The friction coefficients of all linings are scaled in
+    proportion until the shoe locks. The result is the coefficient of this shoe's lining. Shoes with
+    a strut between them lock together.
     """
-    limit = _locking_friction_of_anchored_shoe_group(
-        brake, _indices_of_shoes_solved_with_shoe(brake, index)
-    )
-    return limit * brake.shoe_friction_over_brake_friction(brake.shoes[index])
+    found = {}
+    for members in groups_of_shoes_on_anchors(brake):
+        limit = _locking_friction_of_anchored_shoe_group(brake, members)
+        for i in members:
+            found[i] = limit * brake.shoe_friction_over_brake_friction(brake.shoes[i])
+    return found
 
 
 def which_supports_of_rigid_shoes_bear(

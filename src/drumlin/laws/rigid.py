@@ -30,7 +30,7 @@ from drumlin.brake.support import SupportRigidBodyModes
 from drumlin.brake.writing import part_values_other_than_defaults
 from drumlin.laws.anchored import (
     contact_of_shoe_on_anchors,
-    locking_friction_of_shoe_on_anchors,
+    locking_frictions_of_shoes_on_anchors,
     solve_shoes_on_anchors,
 )
 from drumlin.laws.face import (
@@ -92,6 +92,18 @@ Integrals over these parabolas have a relative error below 1e-10.
 """
 
 
+def self_locking_frictions_of_rigid_shoes(brake: Brake) -> list[float]:
+    """The limit of `self_locking_friction_of_rigid_shoe` for each shoe of a brake.
+
+    Shoes that a strut joins are computed once.
+    """
+    on_anchors = locking_frictions_of_shoes_on_anchors(brake)
+    return [
+        on_anchors[i] if shoe.anchors else self_locking_friction_of_rigid_shoe(brake, shoe)
+        for i, shoe in enumerate(brake.shoes)
+    ]
+
+
 def self_locking_friction_of_rigid_shoe(brake: Brake, shoe: Shoe) -> float:
     """Friction coefficient mu_lock at which a rigid shoe with its whole lining in contact locks.
 
@@ -99,7 +111,7 @@ def self_locking_friction_of_rigid_shoe(brake: Brake, shoe: Shoe) -> float:
     mu_lock. A shoe on anchors locks together with the shoes that a strut joins to it.
     """
     if shoe.anchors:
-        return locking_friction_of_shoe_on_anchors(brake, brake.shoes.index(shoe))
+        return locking_frictions_of_shoes_on_anchors(brake)[brake.shoes.index(shoe)]
     face, arcs = friction_surface_of_shoe(brake, shoe), shoe.lining.arcs
     width = shoe.lining.width
     limits = [
@@ -118,8 +130,8 @@ def self_locking_by_rigid_shoe_law(brake: Brake) -> SelfLocking:
     is assumed to grow in proportion to the coefficient of the brake.
     """
     limits = []
-    for shoe in brake.shoes:
-        limit = self_locking_friction_of_rigid_shoe(brake, shoe)
+    own_limits = self_locking_frictions_of_rigid_shoes(brake)
+    for shoe, limit in zip(brake.shoes, own_limits, strict=True):
         scaled = brake.brake_friction_that_gives_shoe_friction(shoe, limit)
         limits.append(LockedShoesAndLockingFriction((shoe.name,), scaled))
     return SelfLocking(

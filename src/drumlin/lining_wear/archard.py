@@ -64,9 +64,10 @@ from drumlin.contact import active_set
 from drumlin.contact.active_set import ContactSolution
 from drumlin.contact.equations import ContactProblem
 from drumlin.contact.pressure_friction import (
-    NEWTON_TOLERANCE_OF_CONTACT_PRESSURES,
     FunctionOfNodalFrictionByPressures,
     contact_problem_with_friction_tangent,
+    is_newton_change_negligible,
+    largest_change_relative_to_peak,
 )
 from drumlin.contact.self_locking import FrictionDependentProblem
 
@@ -96,11 +97,6 @@ MEAN_PRESSURE_FRACTION_OF_SMOOTHED_WEAR_RATE = 1e-3
 
 Without the smoothing the slope of the rate is infinite at p = 0, and Newton's method does not
 converge there. A judgement."""
-
-NEWTON_PRESSURE_TOLERANCE_OF_WEAR_STAGE = 1e-11
-"""Change of the pressure, relative to its maximum, below which Newton's method ends.
-
-Smaller changes are round-off."""
 
 MOST_NEWTON_STEPS_OF_WEAR_STAGE = 60
 """Largest number of Newton steps in a stage of a wear step; beyond it the run is refused.
@@ -645,15 +641,14 @@ def _solve_steady_wear_for_abutment_friction(
     If friction depends on the pressure, Newton's method takes its tangent at the last pressures.
     Raises NoAnswer if there is no equilibrium.
     """
-    p = np.zeros(len(interface.area))
+    p, last_change = np.zeros(len(interface.area)), math.inf
     for _ in range(MOST_NEWTON_STEPS_OF_WEAR_STAGE):
         problem = interface.contact_problem_at_pressures(footing, p)
         contact = _solve_steady_wear_of_contact_problem(interface, problem, law)
-        change, p = float(np.abs(contact.p - p).max()), contact.p
-        if interface.friction is None or change <= NEWTON_TOLERANCE_OF_CONTACT_PRESSURES * float(
-            p.max()
-        ):
+        change = largest_change_relative_to_peak(contact.p, p)
+        if interface.friction is None or is_newton_change_negligible(change, last_change):
             return contact
+        p, last_change = contact.p, change
     raise NoAnswer("no worn-in pressure found whose friction agrees with it")
 
 
@@ -1158,6 +1153,7 @@ class _WearStepper:
             * float(interface.area @ p)
             / float(interface.area.sum())
         )
+        last_change = math.inf
         for _ in range(1 if is_linear else MOST_NEWTON_STEPS_OF_WEAR_STAGE):
             if interface.friction is not None:
                 A, q, B, C, h = self._worn_contact_problem_at_pressures(i, p, worn)
@@ -1168,10 +1164,9 @@ class _WearStepper:
                 ContactProblem(softer, q + shift, B, C, h), self.sets[i]
             )
             new = interface.pressure * contact.p
-            change, p = float(np.abs(new - p).max()), new
-            settled = is_linear or change <= NEWTON_PRESSURE_TOLERANCE_OF_WEAR_STAGE * float(
-                np.abs(p).max()
-            )
+            change = largest_change_relative_to_peak(new, p)
+            settled = is_linear or is_newton_change_negligible(change, last_change)
+            p, last_change = new, change
             # The tangent of the friction stress at pressures that are not settled yet may be that
             # of a brake that locks itself.
             if not contact.stable and self.held is None and (settled or interface.friction is None):

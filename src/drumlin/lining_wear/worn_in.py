@@ -48,7 +48,6 @@ from drumlin.base.arrays import Floats
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.fields import InterpolationTable, table_rows_from_coordinates_and_values
-from drumlin.brake.friction import require_friction_independent_of_pressure
 from drumlin.brake.further_loads import require_springs_with_constant_pull
 from drumlin.fem.model import DEFAULT_PENALTY_FACTOR, solve_prepared_model
 from drumlin.fem.preparation.scene import PreparedModel
@@ -109,10 +108,9 @@ def brake_with_worn_in_clearances(scene: PreparedModel, brake: Brake) -> Brake:
     The clearances are computed for a round drum. An out-of-round drum stays out of round in the
     result: as it turns, it wears the lining evenly if the whole lining stays in contact. `scene`
     holds the prepared finite elements of the brake. Raises NoAnswer for a self-locking shoe, and
-    BadInput for springs with a rate and for friction that depends on the pressure.
+    BadInput for springs with a rate.
     """
     require_springs_with_constant_pull(brake, "the worn-in brake")
-    require_friction_independent_of_pressure(brake, "the worn-in brake")
     setup = wear_setup_by_finite_elements(
         scene, brake_without_misfit_and_clearance(brake, drum=True)
     )
@@ -169,7 +167,9 @@ def _gap_of_unloaded_worn_in_linings(interface: WearContactProblem, linings: lis
         interface.weight,
         end.contact.p,
     )
-    A, q, B, *_ = footing.problem
+    # At the pressures p the tangent of the friction stress is the friction stress itself, so that
+    # q + A p is the gap also if friction depends on the pressure.
+    A, q, B, *_ = interface.contact_problem_at_pressures(footing, p)
     # While the unloaded shoe rests, each foot on a rough abutment sticks. Of all friction cases,
     # the case in which all feet stick has the fewest rigid-body motions.
     resting = min(

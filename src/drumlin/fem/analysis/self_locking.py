@@ -1,12 +1,14 @@
 """Friction limits of self-locking of an elastic brake, and the torques below these limits."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
 from drumlin.base.arrays import Floats
-from drumlin.base.errors import BadInput
+from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake
 from drumlin.brake.friction import (
     first_key_of_pressure_dependent_friction,
@@ -15,14 +17,82 @@ from drumlin.brake.friction import (
 from drumlin.brake.further_loads import require_springs_with_constant_pull
 from drumlin.contact.self_locking import (
     LARGEST_SOUGHT_SELF_LOCKING_FRICTION,
-    LargestFrictionWithEquilibrium,
+    FrictionDependentProblem,
+    find_largest_friction_with_equilibrium,
 )
-from drumlin.fem.equilibrium.group import divide_pressed_shoes_into_groups
+from drumlin.fem.equilibrium.group import ShoeGroup, divide_pressed_shoes_into_groups
 from drumlin.fem.equilibrium.pressure_friction import (
     find_friction_factor_that_locks_group,
     solve_shoe_group_with_lining_friction,
 )
+from drumlin.fem.equilibrium.spring_nodes import (
+    contact_problem_with_spring_nodes,
+    group_under_spring_pulls,
+    spring_nodes_of_brake,
+)
+from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.scene import PreparedModel
+
+FRICTION_AT_WHICH_RIGHT_ANGLED_CORNER_LOCKS = math.pi / 2
+"""Friction coefficient above which a right-angled corner of an elastic lining digs into the drum.
+
+Ahead of the corner the lining ends. A force on the corner, of the normal part N and the part F
+along the drum, gives the wedge of 90 degrees the stress A cos(theta)/r (Michell 1902), if the face
+on the drum stays straight. Here r is the distance from the corner, and theta the angle from this
+face. The integrals of this stress are F = A pi/4 and N = A/2, so that F/N = pi/2. Corners of other
+angles lock at higher friction: the ratio is (a + sin a cos a)/sin(a)^2 for the angle a. Above this
+ratio the force of the corner node does not vanish as the elements become smaller.
+"""
+
+FRICTION_STEP_OF_REPEATED_SOLVES = 0.1
+"""Step of the friction coefficient while a brake is solved anew after each step.
+
+Above a friction coefficient of 1 the step is relative to the coefficient. The first step without an
+equilibrium is then bisected. An equilibrium that ends and begins again within one step goes
+unnoticed; a smaller step costs time.
+"""
+RESOLUTION_OF_REPEATED_SOLVES = 1e-6
+"""Relative error of a self-locking limit that is found by repeated solves.
+
+Four digits of the limit are printed. Each further digit costs three solves.
+"""
+DISTANCE_OF_PRESSURE_COMPARISON = 1e-3
+"""Relative distance below a self-locking limit at which the pressure is compared.
+
+The peak pressure at this distance is compared with the peak pressure at twice this distance. It is
+twice as large if the pressure grows without bound as 1/(mu_lock - mu), and nearly the same if it
+stays finite. The value is a judgement: near enough that the growth without bound is the largest
+part of the pressure, and far above RESOLUTION_OF_REPEATED_SOLVES.
+"""
+LEAST_GROWTH_OF_UNBOUNDED_PRESSURE = 1.5
+"""Growth of the peak pressure above which the pressure counts as growing without bound.
+
+It lies midway between the two growths that DISTANCE_OF_PRESSURE_COMPARISON states, 1 and 2.
+"""
+
+
+class LockingFrictionOfShoeGroup(NamedTuple):
+    """The smallest friction coefficient at which a group of shoes locks itself.
+
+    Attributes
+    ----------
+    friction : the friction coefficient mu_lock; inf if the search found no limit
+    pressure_stays_finite : whether the equilibrium ends at finite pressures
+    """
+
+    friction: float
+    pressure_stays_finite: bool
+
+    @property
+    def least_friction_on_finer_elements(self) -> float:
+        """The friction coefficient to which mu_lock may fall as the elements become smaller.
+
+        It differs from `friction` where a corner of a lining may dig into the drum, see
+        FRICTION_AT_WHICH_RIGHT_ANGLED_CORNER_LOCKS.
+        """
+        if not self.pressure_stays_finite:
+            return self.friction
+        return min(self.friction, FRICTION_AT_WHICH_RIGHT_ANGLED_CORNER_LOCKS)
 
 
 def self_locking_friction_of_shoe_groups(
@@ -30,13 +100,14 @@ def self_locking_friction_of_shoe_groups(
     brake: Brake,
     most: float = LARGEST_SOUGHT_SELF_LOCKING_FRICTION,
     penalty: float = math.inf,
-) -> dict[tuple[int, ...], LargestFrictionWithEquilibrium]:
+) -> dict[tuple[int, ...], LockingFrictionOfShoeGroup]:
     """The smallest friction coefficient at which each group of shoes locks itself.
 
     The keys of the result are the indices of the group's shoes in the brake. If a foot leaves its
     abutment at a smaller friction, or a cam or a strut would have to pull there, this smaller
     friction is the limit. If friction depends on the pressure, the limit is the friction
-    coefficient at zero pressure, with all coefficients of the table changed in proportion.
+    coefficient at zero pressure, with all coefficients of the table changed in proportion. Springs
+    with a rate join all shoes to one group, and their pulls change while the friction grows.
 
     Parameters
     ----------
@@ -50,42 +121,140 @@ def self_locking_friction_of_shoe_groups(
     NoAnswer
         if a group has no equilibrium at any friction
     """
-    require_springs_with_constant_pull(brake, "self-locking")
-    if first_key_of_pressure_dependent_friction(brake) is not None:
-        return _limits_of_friction_over_pressure(scene, brake, most, penalty)
-    return {
-        group.members: group.find_friction_limit_by_following_contact(most).limit
-        for group in divide_pressed_shoes_into_groups(scene, brake, penalty)
-    }
-
-
-def _limits_of_friction_over_pressure(
-    scene: PreparedModel, brake: Brake, most: float, penalty: float
-) -> dict[tuple[int, ...], LargestFrictionWithEquilibrium]:
-    """The limits of `self_locking_friction_of_shoe_groups` for friction that depends on pressure.
-
-    Each limit is the brake's friction coefficient at zero pressure, with all its coefficients in
-    proportion. Raises BadInput for supports, struts and cams, at which equilibrium may end at a
-    smaller friction.
-    """
+    have_springs_rate = any(spring.rate for spring in brake.springs)
+    is_over_pressure = first_key_of_pressure_dependent_friction(brake) is not None
     limits = {}
-    for group in divide_pressed_shoes_into_groups(scene, brake, penalty):
-        if not group.has_neither_strut_cam_nor_abutment:
-            key = first_key_of_pressure_dependent_friction(brake)
-            raise BadInput(
-                f"{key}: self-locking takes no friction that depends on the pressure on shoes with "
-                "abutments, anchors, struts or a cam"
-            )
-        settled = solve_shoe_group_with_lining_friction(group)
-        found = find_friction_factor_that_locks_group(settled, most / brake.friction)
-        limits[group.members] = LargestFrictionWithEquilibrium(
-            friction=found.factor * brake.friction,
-            pressure_stays_finite=found.pressure_stays_finite,
-            last_contact=settled.contact,
-            last_friction=brake.friction,
-            steps=0,
-        )
+    groups = divide_pressed_shoes_into_groups(scene, brake, penalty, springs_join=True)
+    for group in groups:
+        are_supports_fixed = group.has_neither_strut_cam_nor_abutment
+        if have_springs_rate and (is_over_pressure or not are_supports_fixed):
+            limit = _limit_by_repeated_solves_of_brake(scene, brake, most, penalty)
+        elif have_springs_rate:
+            limit = _limit_of_hinged_shoes_on_springs_with_rate(group, most)
+        elif is_over_pressure and not are_supports_fixed:
+            limit = _limit_by_repeated_solves_of_group(group, most)
+        elif is_over_pressure:
+            limit = _limit_of_friction_over_pressure(group, most)
+        else:
+            found = group.find_friction_limit_by_following_contact(most).limit
+            limit = LockingFrictionOfShoeGroup(found.friction, found.pressure_stays_finite)
+        limits[group.members] = limit
     return limits
+
+
+def _limit_of_friction_over_pressure(group: ShoeGroup, most: float) -> LockingFrictionOfShoeGroup:
+    """The limit of a group of hinged shoes whose friction depends on the pressure."""
+    friction = group.brake.friction
+    settled = solve_shoe_group_with_lining_friction(group)
+    found = find_friction_factor_that_locks_group(settled, most / friction)
+    return LockingFrictionOfShoeGroup(found.factor * friction, found.pressure_stays_finite)
+
+
+def _limit_of_hinged_shoes_on_springs_with_rate(
+    group: ShoeGroup, most: float
+) -> LockingFrictionOfShoeGroup:
+    """The limit of a group of hinged shoes with springs whose pulls depend on their motions.
+
+    The springs are nodes of the contact problem, whose matrices are linear in the friction.
+    """
+    preloads = [spring.preload for spring in group.brake.springs]
+    springs = spring_nodes_of_brake(group.brake, preloads)
+    under = group_under_spring_pulls(group, None)
+    problem = FrictionDependentProblem.linear_function_of_friction_from_two_problems(
+        contact_problem_with_spring_nodes(under, springs, 0.0),
+        contact_problem_with_spring_nodes(under, springs, 1.0),
+    )
+    # A pull is a force already, so that the node of a spring has the area 1.
+    areas = np.append(group.contact_node_areas, np.ones(len(springs.numbers)))
+    found = find_largest_friction_with_equilibrium(problem, most, areas=areas)
+    return LockingFrictionOfShoeGroup(found.friction, found.pressure_stays_finite)
+
+
+def _limit_by_repeated_solves_of_group(group: ShoeGroup, most: float) -> LockingFrictionOfShoeGroup:
+    """The limit of a group on supports that shoes can leave, with friction over the pressure."""
+
+    def peak_pressure(friction: float) -> float:
+        """The peak pressure at a friction coefficient. Raises NoAnswer without equilibrium."""
+        varied = group.brake.brake_with_multiplied_friction(friction / group.brake.friction)
+        settled = solve_shoe_group_with_lining_friction(replace(group, brake=varied))
+        if not settled.group.is_contact_solution_physically_possible(settled.contact):
+            raise NoAnswer(f"{group.names_of_shoes_as_text}: a cam or a strut would have to pull")
+        return float(settled.contact.p.max())
+
+    return _limit_by_repeated_solves(peak_pressure, most)
+
+
+def _limit_by_repeated_solves_of_brake(
+    scene: PreparedModel, brake: Brake, most: float, penalty: float
+) -> LockingFrictionOfShoeGroup:
+    """The limit of a whole brake with springs whose pulls depend on their motions.
+
+    Each solve finds the pulls by an iteration over solves with known pulls. Beyond the friction at
+    which the shoes would lock under constant pulls it finds no equilibrium. The limit is therefore
+    slightly low: by 0.05 % for a return spring of 10 N/mm on the shoe of a car.
+    """
+
+    def peak_pressure(friction: float) -> float:
+        """The peak pressure at a friction coefficient. Raises NoAnswer without equilibrium."""
+        varied = brake.brake_with_multiplied_friction(friction / brake.friction)
+        response = solve_prepared_model(scene, varied, penalty=penalty)
+        return float(max(shoe.peak_pressure for shoe in response.shoes))
+
+    return _limit_by_repeated_solves(peak_pressure, most)
+
+
+def _limit_by_repeated_solves(
+    peak_pressure: Callable[[float], float], most: float
+) -> LockingFrictionOfShoeGroup:
+    """The friction coefficient at which the equilibrium ends, by a solve after each step.
+
+    The friction grows from the first step on that has an equilibrium. `peak_pressure` returns the
+    peak pressure at a friction coefficient, and raises NoAnswer without equilibrium. Raises
+    NoAnswer if there is no equilibrium up to `most`.
+    """
+    low, high, failure = 0.0, 0.0, NoAnswer("no equilibrium at any friction")
+    while high < most:
+        high = min(high + FRICTION_STEP_OF_REPEATED_SOLVES * max(1.0, high), most)
+        try:
+            peak_pressure(high)
+        except NoAnswer as error:
+            failure = error
+            if low > 0:
+                break
+        else:
+            low = high
+    if low == 0:
+        raise failure
+    if low == most:
+        return LockingFrictionOfShoeGroup(math.inf, False)
+    while high - low > RESOLUTION_OF_REPEATED_SOLVES * high:
+        middle = 0.5 * (low + high)
+        try:
+            peak_pressure(middle)
+        except NoAnswer:
+            high = middle
+        else:
+            low = middle
+    return _limit_at_end_of_equilibrium(peak_pressure, low)
+
+
+def _limit_at_end_of_equilibrium(
+    peak_pressure: Callable[[float], float], friction: float
+) -> LockingFrictionOfShoeGroup:
+    """The limit of a brake whose equilibrium ends at a friction coefficient.
+
+    If the pressure grows as c/(mu_lock - mu), mu_lock follows from two pressures. The solves end
+    before mu_lock, because the shoes turn too far for small displacements.
+    """
+    below = friction * (1 - DISTANCE_OF_PRESSURE_COMPARISON * np.array([2.0, 1.0]))
+    try:
+        far, near = map(peak_pressure, below.tolist())
+    except NoAnswer:
+        return LockingFrictionOfShoeGroup(friction, True)
+    if near < LEAST_GROWTH_OF_UNBOUNDED_PRESSURE * far:
+        return LockingFrictionOfShoeGroup(friction, True)
+    pole = float(near * below[1] - far * below[0]) / (near - far)
+    return LockingFrictionOfShoeGroup(max(pole, friction), False)
 
 
 def shoe_torques_at_friction_coefficients(

@@ -177,15 +177,18 @@ class ShoeGroup(ContactProblemsOfShoeGroup):
     def locking_friction_of_brake_shoe_by_rigid_law(self, i: int) -> float:
         """The friction at which shoe `i` of the brake locks itself by the rigid-shoe law.
 
-        If the shoe is hinged or on anchors, and the drum drags it the same way as in the prepared
-        model, the value is taken from the model.
+        For a shoe on anchors, and for a hinged shoe that the drum drags the same way as in the
+        prepared model, the value is taken from the model.
         """
         shoe, known = self.brake.shoes[i], self.prepared_model.brake.shoes[i]
         kinds = {shoe.kind_of_support, known.kind_of_support}
-        of_model = kinds in ({"hinge"}, {"anchor"})
+        limits = self.prepared_model.locking_frictions_of_rigid_shoes
         drag = self.brake.sign_of_motion * shoe.frame.sense
-        if of_model and drag == self.prepared_model.brake.sign_of_motion * known.frame.sense:
-            return self.prepared_model.locking_frictions_of_rigid_shoes[i]
+        same = drag == self.prepared_model.brake.sign_of_motion * known.frame.sense
+        if same and kinds in ({"hinge"}, {"anchor"}):
+            return limits.with_motion_of_file[i]
+        if kinds == {"anchor"}:
+            return limits.with_reversed_motion[i]
         return rigid.self_locking_friction_of_rigid_shoe(self.brake, shoe)
 
     def _error_text_if_force_pulls_at_friction_limit(

@@ -75,7 +75,8 @@ def compare_friction_with_self_locking_limits(
     friction = brake.friction
     scaled = brake.first_key_that_gives_lining_its_own_friction() or ""
     by_law = []
-    for shoe, own in zip(brake.shoes, scene.locking_frictions_of_rigid_shoes, strict=True):
+    of_rigid_shoes = scene.locking_frictions_of_rigid_shoes.with_motion_of_file
+    for shoe, own in zip(brake.shoes, of_rigid_shoes, strict=True):
         limit = brake.brake_friction_that_gives_shoe_friction(shoe, own)
         by_law.append(LockedShoesAndLockingFriction((shoe.name,), limit))
     law = first_shoes_to_lock(by_law)
@@ -127,9 +128,10 @@ def compare_friction_over_pressure_with_self_locking_limit(
     groups = divide_pressed_shoes_into_groups(scene, brake, penalty)
     if not groups or not all(map(_is_locking_friction_of_group_cheap_to_compute, groups)):
         return SelfLockingFactor(key)
+    of_rigid_shoes = scene.locking_frictions_of_rigid_shoes.with_motion_of_file
     by_law = [
         limit / brake.friction_coefficient_curve_of_shoe(shoe).mu.max()
-        for shoe, limit in zip(brake.shoes, scene.locking_frictions_of_rigid_shoes, strict=True)
+        for shoe, limit in zip(brake.shoes, of_rigid_shoes, strict=True)
     ]
     limits, sought = [], 1 / WARNED_FRACTION_OF_LOCKING_FRICTION
     if SMALLEST_FRICTION_RATIO_FOR_ELASTIC_LIMIT * min(by_law) < 1:

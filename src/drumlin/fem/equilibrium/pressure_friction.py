@@ -11,11 +11,12 @@ from drumlin.base.errors import NoAnswer
 from drumlin.brake.friction import FrictionOverPressureCurve
 from drumlin.contact.active_set import ContactSolution
 from drumlin.contact.pressure_friction import (
-    NEWTON_TOLERANCE_OF_CONTACT_PRESSURES,
     FrictionFactorLimit,
     NodalFrictionAndSlope,
     find_largest_friction_factor_with_equilibrium,
     is_equilibrium_certain_up_to_friction_factor,
+    is_newton_change_negligible,
+    largest_change_relative_to_peak,
     solve_contact_with_pressure_dependent_friction,
 )
 from drumlin.fem.equilibrium.group import ShoeGroup, SolvedGroup
@@ -38,13 +39,13 @@ def solve_shoe_group_with_lining_friction(
     The result has the friction coefficient of each node if friction depends on the pressure.
     `first` (n,) is a contact set to start from. Raises NoAnswer as
     `ShoeGroup.solve_contact_and_abutment_friction` does, and if the friction at the nodes does not
-    converge to within NEWTON_TOLERANCE_OF_CONTACT_PRESSURES of the friction that belongs to the
-    pressures.
+    come to agree with the pressures, as `is_newton_change_negligible` judges it.
     """
     curves = [group.brake.friction_coefficient_curve_of_shoe(shoe) for shoe in group.shoes]
     if all(len(curve.mu) == 1 for curve in curves):
         return group.solve_contact_and_abutment_friction(first)
     start, settled = _solve_group_at_smallest_else_largest_friction(group, curves, first)
+    last_change = math.inf
     for _ in range(MAX_REPEATED_SOLVES_WITH_CHANGED_SUPPORTS):
         contact = _contact_whose_friction_fits_its_pressures(settled, start)
         friction = _friction_and_its_slopes_at_nodes(settled.group, contact.p).coefficient
@@ -52,11 +53,10 @@ def solve_shoe_group_with_lining_friction(
         # solve checks that friction growing from zero reaches this solution.
         settled = _solve_group_at_nodal_friction(settled.group, friction, contact.active)
         reached = _friction_and_its_slopes_at_nodes(settled.group, settled.contact.p).coefficient
-        if (
-            np.abs(reached - friction).max()
-            <= NEWTON_TOLERANCE_OF_CONTACT_PRESSURES * friction.max()
-        ):
+        change = largest_change_relative_to_peak(reached, friction)
+        if is_newton_change_negligible(change, last_change):
             return settled
+        last_change = change
     raise NoAnswer(
         f"{group.names_of_shoes_as_text}: friction and pressure do not agree, not converged"
     )

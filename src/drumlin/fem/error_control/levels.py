@@ -27,7 +27,11 @@ from drumlin.fem.preparation.cache import CacheOfCondensedBodies
 from drumlin.fem.preparation.cache import indices_of_first_shoes_of_equal_shape as equal_shapes
 from drumlin.fem.preparation.meshes import DEFAULT_ELEMENTS_ALONG_LINING
 from drumlin.fem.preparation.prepare import make_prepared_model
-from drumlin.fem.preparation.scene import PreparedModel, SingularPointsByShoeShape
+from drumlin.fem.preparation.scene import (
+    LockingFrictionsOfRigidShoes,
+    PreparedModel,
+    SingularPointsByShoeShape,
+)
 from drumlin.response.response import Response
 
 DEGREE_IN_RADIANS = math.pi / 180
@@ -236,6 +240,7 @@ def solve_brake_on_finer_and_finer_mesh_levels(
     """
     last: Response | None = start
     alike = equal_shapes(brake)
+    rigid_limits = LockingFrictionsOfRigidShoes(brake)
     refusals, column_limit = 0, math.inf
     shortest_arc = min(end - start for shoe in brake.shoes for start, end in shoe.arcs)
     end_motion = UNRESOLVED_LENGTH_OVER_CONTACT_LENGTH
@@ -252,7 +257,7 @@ def solve_brake_on_finer_and_finer_mesh_levels(
             # The brake is divided with small elements at the singular points of the earlier pass,
             # and solved.
             limited = replace(level, largest_column=min(level.largest_column, column_limit))
-            model = prepare(limited, points)
+            model = replace(prepare(limited, points), rigid_limits=rigid_limits)
             try:
                 response = respond(model, brake, start=last)
             except NoAnswer as refusal:

@@ -52,6 +52,29 @@ class CondensedBodiesOfBrake(NamedTuple):
 
 
 @dataclass(frozen=True)
+class LockingFrictionsOfRigidShoes:
+    """The friction coefficients at which the shoes of a brake lock by the rigid-shoe law.
+
+    They are computed when they are first asked for. On anchors this takes longer than on hinges, so
+    that the prepared models of all levels of a solve share one object of this class.
+
+    `brake` is the brake.
+    """
+
+    brake: Brake
+
+    @cached_property
+    def with_motion_of_file(self) -> list[float]:
+        """The coefficient for each shoe, while the drum turns as in the brake file."""
+        return rigid.self_locking_frictions_of_rigid_shoes(self.brake)
+
+    @cached_property
+    def with_reversed_motion(self) -> list[float]:
+        """The coefficient for each shoe, while the drum turns the other way."""
+        return rigid.self_locking_frictions_of_rigid_shoes(self.brake.brake_with_reversed_motion())
+
+
+@dataclass(frozen=True)
 class PreparedModel:
     """The prepared model of a brake: a substructure for each shoe, and one for the drum's ring.
 
@@ -75,6 +98,8 @@ class PreparedModel:
         file has a parametric mesh
     points : singular points of the pressure at which the elements of this level are small, by the
         index of the first shoe of each shape
+    rigid_limits : friction coefficients at which the rigid shoes lock, which the levels of a solve
+        share; None for a model of its own
     """
 
     brake: Brake
@@ -89,6 +114,7 @@ class PreparedModel:
     divisions: Mapping[int, ShoeElementDivision] = field(default_factory=dict)
     level: RefinementLevel | None = None
     points: SingularPointsByShoeShape = field(default_factory=dict)
+    rigid_limits: LockingFrictionsOfRigidShoes | None = None
 
     @cached_property
     def cache_keys_of_shoe_shapes(self) -> list[tuple[object, ...]]:
@@ -96,11 +122,9 @@ class PreparedModel:
         return [cache_key_of_shoe_shape(self.brake, shoe) for shoe in self.brake.shoes]
 
     @cached_property
-    def locking_frictions_of_rigid_shoes(self) -> list[float]:
-        """For each shoe, the friction coefficient at which it locks by the rigid-shoe law."""
-        return [
-            rigid.self_locking_friction_of_rigid_shoe(self.brake, shoe) for shoe in self.brake.shoes
-        ]
+    def locking_frictions_of_rigid_shoes(self) -> LockingFrictionsOfRigidShoes:
+        """The friction coefficients at which the shoes lock by the rigid-shoe law."""
+        return self.rigid_limits or LockingFrictionsOfRigidShoes(self.brake)
 
 
 def reason_against_finite_element_model(brake: Brake) -> str | None:

@@ -36,6 +36,7 @@ from drumlin.fem.preparation.cache import (
     indices_of_first_shoes_of_equal_shape,
 )
 from drumlin.fem.preparation.prepare import make_prepared_model
+from drumlin.fem.preparation.scene import LockingFrictionsOfRigidShoes
 from drumlin.fem.width.pieces import pieces_with_a_cut_in_wide_webs
 from drumlin.fem.width.prepare import (
     prepare_model_with_widths_on_given_elements,
@@ -82,11 +83,13 @@ class CoarsePlaneStressSolution(NamedTuple):
 
     `divisions` are the divisions of the shoes' sections into hp elements, by the index of the first
     shoe of each shape. Degrees across the width are compared on these elements. `plane` is the
-    answer of plane stress.
+    answer of plane stress. `rigid_limits` are the friction coefficients at which the rigid shoes
+    lock.
     """
 
     divisions: Mapping[int, ShoeElementDivision]
     plane: Response
+    rigid_limits: LockingFrictionsOfRigidShoes
 
 
 def plane_stress_solution_on_coarse_hp_elements(
@@ -151,7 +154,7 @@ def plane_stress_solution_on_given_hp_elements(
     )
     scene = make_prepared_model(brake, level, points, alike=alike, cache=cache)
     plane = solve_prepared_model(scene, brake, penalty=penalty, start=response)
-    return CoarsePlaneStressSolution(scene.divisions, plane)
+    return CoarsePlaneStressSolution(scene.divisions, plane, scene.locking_frictions_of_rigid_shoes)
 
 
 class CoarseSolutionsWithAndWithoutWidth(NamedTuple):
@@ -192,6 +195,7 @@ def coarse_solutions_with_and_without_shoe_width(
         scene = prepare_model_with_widths_on_given_elements(
             brake, section.divisions, pieces_with_a_cut_in_wide_webs(brake), cache=cache
         )
+        scene = replace(scene, rigid_limits=section.rigid_limits)
         wide = solve_prepared_model(scene, brake, penalty=penalty, start=response)
     except (NoAnswer, np.linalg.LinAlgError) as error:
         raise NoAnswer(f"on a coarse section, with its width: {error}") from error

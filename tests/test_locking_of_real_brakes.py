@@ -1,0 +1,94 @@
+"""Self-locking with springs, with friction over the pressure, and at the corner of a lining."""
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import drumlin
+from drumlin.base.errors import NoAnswer
+from drumlin.brake.brake import Brake
+from drumlin.brake.file import vary
+from drumlin.fem.analysis.self_locking import (
+    FRICTION_AT_WHICH_RIGHT_ANGLED_CORNER_LOCKS,
+    _limit_by_repeated_solves_of_brake,
+    self_locking_friction_of_shoe_groups,
+)
+from drumlin.fem.error_control.levels import REFINEMENT_LEVELS_FROM_COARSE_TO_FINE
+from drumlin.fem.preparation.prepare import make_prepared_model
+
+BRAKES = Path(__file__).parents[1] / "studies" / "brakes"
+ELEMENTS = 8
+
+
+def with_spring(rate: float) -> Brake:
+    """The double-shoe brake with a spring at the tip of the left shoe; `rate` is in N/m."""
+    spring = {
+        "shoe": "left",
+        "point": {"x": -0.058, "y": 0.1},
+        "end": {"x": 0.0, "y": 0.1},
+        "preload": 100.0,
+    }
+    return vary(drumlin.example("double_shoe"), {"spring": [spring | {"rate": rate}]})
+
+
+def over_pressure(brake: Brake, share: float) -> Brake:
+    """A brake whose friction falls to a share of its coefficient from 0 to 2 MPa."""
+    table = {"pressure": [0.0, 2e6], "mu": [brake.friction, share * brake.friction]}
+    return vary(brake, {"friction": table})
+
+
+def limits(brake: Brake, most: float = 3.0) -> list[float]:
+    """The self-locking friction of each group, on a coarse mesh."""
+    return [found.friction for found in drumlin.self_locking(brake, elements=ELEMENTS, most=most)]
+
+
+def test_a_soft_spring_changes_no_limit_and_a_stiff_one_raises_it():
+    (plain,) = (limit for limit in limits(drumlin.example("double_shoe")) if math.isfinite(limit))
+    (soft,), (stiff,) = limits(with_spring(1.0)), limits(with_spring(1e7))
+    assert soft == pytest.approx(plain, rel=1e-6)
+    assert stiff > 1.05 * plain
+
+
+def test_repeated_solves_end_just_below_the_limit_with_springs_as_nodes():
+    """The solver of a brake ends where the shoe would lock under the last pull of its spring."""
+    brake = with_spring(1e4)
+    scene = make_prepared_model(brake, elements=ELEMENTS)
+    repeated = _limit_by_repeated_solves_of_brake(scene, brake, 3.0, math.inf)
+    (exact,) = self_locking_friction_of_shoe_groups(scene, brake, 3.0).values()
+    assert not exact.pressure_stays_finite
+    assert 0.999 * exact.friction < repeated.friction < exact.friction
+
+
+@pytest.mark.parametrize("name", ["uni_servo", "s_cam"])
+def test_anchors_and_cams_lock_alike_with_a_number_and_a_table_that_is_nearly_constant(name):
+    brake = drumlin.read_brake(BRAKES / f"{name}.toml")
+    assert limits(over_pressure(brake, 1 - 1e-9)) == pytest.approx(limits(brake), rel=1e-5)
+
+
+def test_a_cam_with_falling_friction_has_equilibria_up_to_its_limit_only():
+    brake = over_pressure(drumlin.read_brake(BRAKES / "s_cam.toml"), 0.7)
+    (limit,) = limits(brake)
+    scale = limit / brake.friction
+    below, above = (brake.brake_with_multiplied_friction(scale * by) for by in (0.9999, 1.0001))
+    assert drumlin.solve(below, elements=ELEMENTS, model_error=False).torque > 0
+    with pytest.raises(NoAnswer):
+        drumlin.solve(above, elements=ELEMENTS, model_error=False)
+
+
+def test_a_corner_of_the_lining_locks_at_half_of_pi_on_ever_finer_elements():
+    """mu_lock - pi/2 falls as 1/log(1/h) with the size h of the elements at the corner."""
+    brake = drumlin.read_brake(BRAKES / "crane.toml")
+    inverse, sizes = [], []
+    for level in REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[:3]:
+        scene = make_prepared_model(brake, level)
+        found = self_locking_friction_of_shoe_groups(scene, brake, 2.0)[(0,)]
+        assert found.pressure_stays_finite
+        least = found.least_friction_on_finer_elements
+        assert least == FRICTION_AT_WHICH_RIGHT_ANGLED_CORNER_LOCKS == math.pi / 2
+        inverse.append(1 / (found.friction - least))
+        xy = scene.bodies[0].line.xy
+        sizes.append(float(np.linalg.norm(xy[:, 1] - xy[:, 0])))
+    growth = np.diff(inverse) / np.diff(np.log(1 / np.array(sizes)))
+    assert np.ptp(growth) < 0.1 * growth.mean()
