@@ -15,6 +15,7 @@ from drumlin_studies.width_calibration import (
     LEAST_TRUE_ERROR_IN_FIT_BY_QUANTITY,
     LEAST_TRUE_ERROR_IN_FIT_OVER_ITS_UNCERTAINTY,
     SEEDS_FOR_FIT_TO_ERRORS_OF_SECTION_MESH,
+    SEEDS_FOR_FIT_TO_ERRORS_OF_STEPS,
     SEEDS_FOR_FIT_TO_ERRORS_OF_WIDTH_DEGREE,
     EstimatedAndTrueErrorOfSolidShoe,
     fit_safety_factors_of_width_errors,
@@ -55,6 +56,10 @@ def test_the_factors_are_those_of_the_kept_rows(kept):
             own = {seed for one, two, seed in brakes if (one, two) == (part, kind)}
             assert own <= set(seeds)
             assert len(own) >= 0.9 * len(seeds)
+    # Some brakes have one width, or a truth that takes too long.
+    steps = [(kind, seed) for part, kind, seed in brakes if part == "pieces"]
+    assert all(seed in SEEDS_FOR_FIT_TO_ERRORS_OF_STEPS[kind] for kind, seed in steps)
+    assert len(steps) >= 0.5 * sum(map(len, SEEDS_FOR_FIT_TO_ERRORS_OF_STEPS.values()))
 
 
 def test_the_errors_that_were_observed_are_stated(kept):
