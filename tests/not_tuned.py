@@ -122,6 +122,8 @@ NOT_TUNED: dict[str, dict[str, str]] = {
         "LEAST_FALL": "bound of the work of one solve; the errors that remain are stated",
         "WIDTH_ERROR_SHARE_OF_TOLERANCE": DEFINITION,
         "NUMBER_OF_COMPARED_STEPS": "one step with another degree and one with other pieces",
+        "ASSUMED_FALL_OF_ERROR_IN_TWO_STEPS": "the fitted factors change with it, and stated "
+        "errors stay",
         "MOST_FUNCTIONS_WITHOUT_FALL": "bound of the work of one solve; the errors that remain "
         "are stated",
         "ASSUMED_WIDTH_ERROR_EXPONENT": "power for the strongest singularity at a corner",
