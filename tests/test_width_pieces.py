@@ -5,6 +5,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from drumlin.brake.file import vary
+from drumlin.fem.error_control.adapt import TolerancesOfPressureAndTorque
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.solve import solve
 from drumlin.fem.width import pieces as width_pieces
@@ -13,6 +15,7 @@ from drumlin.fem.width.ladder import (
     errors_of_degrees_across_width,
     errors_of_finer_pieces_across_width,
     hp_elements_to_compare_width_degrees,
+    solve_brake_with_widths_to_tolerance,
 )
 from drumlin.fem.width.pieces import (
     coarsest_pieces_across_widths,
@@ -27,6 +30,7 @@ from drumlin_studies.solid_error import (
     FUNCTIONS_THAT_DRAW_BRAKES_BY_SOLID_KIND,
     functions_across_width_on_fine_pieces,
 )
+from held_shoes import BODY, brake_of
 from sections import t_section
 
 
@@ -59,6 +63,34 @@ def test_the_pressures_of_all_pieces_add_up_to_the_mean_over_the_width(wide_web)
 def test_pieces_with_more_than_their_share_of_the_error_are_split(differences, allowed, ends):
     found = width_pieces._ends_of_finer_pieces((0.0, 1.0, 2.0, 4.0), np.array(differences), allowed)
     assert found == pytest.approx(ends)
+
+
+def test_a_shoe_without_contact_is_not_split():
+    ends = (0.0, 1.0, 2.0, 4.0)
+    assert width_pieces._ends_of_finer_pieces(ends, np.zeros(3), 1e-2) == ends
+
+
+def test_pieces_beyond_the_lining_are_split_like_its_worst_piece():
+    brake = brake_of("abutment", 1, body=BODY | {"width": 0.12})
+    plane = solve(brake, model_error=False)
+    section = hp_elements_to_compare_width_degrees(brake, plane)
+    first = coarsest_pieces_across_widths(brake)
+    second = pieces_of_next_step(brake, first, [], 1e-2)
+    scene = prepare_model_with_widths_on_given_elements(brake, section.divisions, second)
+    answers = [section.solved[2].response, solve_prepared_model(scene, brake, start=plane)]
+    (shoe,) = brake.shoes
+    half = first.ends[shoe.name][-1]
+    assert half == pytest.approx(0.06)
+    third = pieces_of_next_step(brake, second, answers, 1e-9)
+    outer = [end for end in third.ends[shoe.name] if end > 0.5 * shoe.lining.width]
+    assert len(outer) == 2
+
+
+def test_a_first_shoe_without_contact_leaves_the_errors_of_the_other_one(flexible):
+    brake = vary(flexible, {"shoe[0].actuation.force": -50.0})
+    found = solve_brake_with_widths_to_tolerance(brake, TolerancesOfPressureAndTorque(1e-2, 1e-2))
+    assert found.shoes[0].torque == 0.0
+    assert 0.0 < found.error["torque"] < 1e-2
 
 
 def test_the_second_step_has_the_same_pieces_and_shoes_of_one_shape_have_the_same(brake):

@@ -407,7 +407,7 @@ def reference_solution_for_solid_solve(
         if one of the solves has no answer
     """
     number = [level.degree for level in REFINEMENT_LEVELS_FROM_COARSE_TO_FINE].index(
-        found.shoes[0].order
+        max(shoe.order for shoe in found.shoes)
     )
     finer = REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[
         min(number + 1, len(REFINEMENT_LEVELS_FROM_COARSE_TO_FINE) - 1)

@@ -110,7 +110,8 @@ def solve_on_levels_and_hand_out_first(
     )
     for solved in levels:
         # Only the first level has elements of its degree.
-        if solved.response.shoes[0].order == REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[0].degree:
+        division = next(iter(solved.prepared_model.divisions.values()))
+        if division.degree == REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[0].degree:
             use(response_with_power_laws_at_corners(brake, solved.response))
         yield solved
 

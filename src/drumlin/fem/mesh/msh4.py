@@ -178,6 +178,8 @@ def _indices_of_nodes(tags: Ints, tags_in_order: Ints, index: Ints) -> Ints:
 
     `tags_in_order` and `index` are those of `_sorted_node_tags_with_indices`.
     """
+    if not len(tags_in_order):
+        raise ValueError("$Nodes has no nodes")
     place = np.minimum(np.searchsorted(tags_in_order, tags), len(tags_in_order) - 1)
     unknown = tags_in_order[place] != tags
     if unknown.any():
@@ -200,7 +202,13 @@ def _read_elements_of_each_entity(
         rows = _next_lines_of_block(rest, count, "$Elements")
         if not rows:
             continue
-        found = np.loadtxt(rows, dtype=np.int64, comments=None, ndmin=2)
+        try:
+            found = np.loadtxt(rows, dtype=np.int64, comments=None, ndmin=2)
+        except ValueError as error:
+            raise ValueError(
+                "$Elements has a line with a wrong number of numbers, or with a word that is no "
+                "whole number"
+            ) from error
         yield ((second, first) if old else (first, second)), kind, found
 
 

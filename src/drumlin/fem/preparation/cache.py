@@ -112,14 +112,15 @@ class CacheOfCondensedBodies:
 
 def memory_bytes_of_condensed_body(body: ShoeSubstructure | RingSubstructure) -> int:
     """The approximate memory [bytes] of the matrices of a condensed body."""
-    # A body has at most six dense (n, n) matrices of doubles: four stand for its stiffness on the
-    # contact nodes, which a meshed body has only if an analysis needs it. Its sparse matrices take
-    # some 400 bytes for each displacement.
+    # A body has at most eleven dense (n, n) matrices of doubles: two for the closures of the gap,
+    # five for the coupling with the drum, and four that stand for its stiffness on the contact
+    # nodes, which a meshed body has only if an analysis needs it. Its sparse matrices take some 400
+    # bytes for each displacement.
     n = len(body.line.nodes)
     inner = body.condensed.inner
     factors = inner.factors if isinstance(inner, UncondensedBodySystem) else None
     kept = 0 if factors is None else factors.memory
-    return 8 * (4 + 2) * n**2 + 400 * 2 * int(body.basis.N) + kept
+    return 8 * (4 + 2 + 5) * n**2 + 400 * 2 * int(body.basis.N) + kept
 
 
 def digest_of_mesh_file_of_shoe(shoe: Shoe) -> str | None:

@@ -33,7 +33,8 @@ MOST_CONDENSATION_PLANS = 32
 """Number of plans for the condensation of columns that are kept for later columns.
 
 A brake needs two plans for its columns under the lining and two for the columns beside it, for each
-degree of its elements and each degree across the width. A plan takes up to 30 MB.
+degree of its elements, each degree across the width and each set of pieces across the width. A plan
+takes up to 30 MB, and mostly far less.
 """
 LARGEST_COUPLING_ELIMINATED_AT_ONCE = 20_000
 """Number of kept times number of eliminated unknowns up to which a column is not divided in halves.

@@ -194,9 +194,10 @@ MOST_FUNCTIONS_WITHOUT_FALL = 4
 """Largest number of degrees or steps of finer pieces in a row whose error of p does not fall.
 
 A fall is an error of less than LEAST_FALL times the smallest one before. Four steps belong to two
-sets of pieces. With fewer steps some brakes end before the pieces that lower the error: on "free"
-510030 of `drumlin_studies.solid_error` the errors of the first five steps are 1.5, 0.8, 0.9, 0.7
-and 0.2 %.
+sets of pieces. For degrees two would be enough, because one of two degrees is even and the other
+odd; the limit is the same for simplicity. With fewer steps some brakes end before the pieces that
+lower the error: on "free" 510030 of `drumlin_studies.solid_error` the errors of the first five
+steps are 1.5, 0.8, 0.9, 0.7 and 0.2 %.
 """
 SECTION_ERROR_SHARE_OF_TOLERANCE = 0.5
 """Fraction of the tolerance for the error of the section's hp elements.
@@ -326,6 +327,10 @@ class RelativeErrorsOfSolidModel(NamedTuple):
         """The smallest tolerance that these errors meet: largest pressure error, torque error."""
         return TolerancesOfPressureAndTorque(self.largest_pressure_error, self.torque)
 
+    def largest_error_over_tolerance(self, tolerance: TolerancesOfPressureAndTorque) -> float:
+        """The larger one of the errors of p and of the torque, each relative to its tolerance."""
+        return max(self.largest_pressure_error / tolerance.pressure, self.torque / tolerance.torque)
+
     def is_within_error_tolerance(self, tolerance: TolerancesOfPressureAndTorque) -> bool:
         """Whether the errors of the torque and of each shoe's pressure are within a tolerance."""
         return self.largest_pressure_error <= tolerance.pressure and self.torque <= tolerance.torque
@@ -400,8 +405,8 @@ class WidthError(NamedTuple):
 
     The model has the hp elements on which degrees are compared. If the error is `provisional`, it
     follows from the answer with the next functions of z alone, with larger safety factors.
-    `pieces` are the pieces of the width on which the polynomials have the degree; None for the
-    first pieces of a shoe.
+    `pieces` are the pieces of the width on which the polynomials have the degree; None if degrees
+    are compared, on the first pieces.
     """
 
     degree: int
@@ -420,7 +425,7 @@ class WidthError(NamedTuple):
         """The functions of z in words."""
         text = f"degree {self.degree} across the width"
         if self.pieces is not None:
-            text += f" in {self.pieces.largest_number_of_pieces} pieces"
+            text += f" in {self.pieces.largest_number_of_pieces} pieces of half the width"
         return text
 
     @property
@@ -486,9 +491,10 @@ def solve_brake_with_widths_and_keep_model(
     ----------
     brake : the brake
     tolerance : allowed relative errors of the pressure, averaged over the width, and of the torque
-    must : whether NoAnswer is raised if the tolerance is not reached; if False, the best answer is
-        returned, with a warning in its notes
-    across : degree across the width; None for the smallest degree that meets the tolerance
+    must : whether NoAnswer is raised if the tolerance is not reached; if False, the answer of
+        `cheapest_choice_within_tolerance` is returned, with a warning in its notes
+    across : degree across the width. If it is None, the smallest degree that meets the tolerance is
+        found, or finer pieces of the width if parts have several widths.
     penalty : factor alpha of the contact stiffness alpha E/t (lining modulus E, thickness t)
     cache : substructures of earlier solves
 
@@ -615,8 +621,9 @@ def cheapest_choice_within_tolerance(
 ) -> SolidChoice:
     """The first functions of z, and the coarsest elements for them, whose errors meet a tolerance.
 
-    If no functions meet the tolerance, the error of p is made small. Of all choices whose error is
-    at most 1/LEAST_FALL times the smallest one, the result has the fewest unknowns.
+    If no functions meet the tolerance, the larger one of the errors of p and of the torque, each
+    relative to its tolerance, is made small. Of all choices for which it is at most 1/LEAST_FALL
+    times the smallest one, the result has the fewest unknowns.
 
     Parameters
     ----------
@@ -651,9 +658,11 @@ def cheapest_choice_within_tolerance(
         is_enough = not can_sections_meet_tolerance and best.error.is_within_error_tolerance(enough)
         if is_enough or functions_without_fall == MOST_FUNCTIONS_WITHOUT_FALL:
             break
-    smallest = min(choice.error.largest_pressure_error for choice in choices)
+    smallest = min(choice.error.largest_error_over_tolerance(tolerance) for choice in choices)
     good = [
-        choice for choice in choices if LEAST_FALL * choice.error.largest_pressure_error <= smallest
+        choice
+        for choice in choices
+        if LEAST_FALL * choice.error.largest_error_over_tolerance(tolerance) <= smallest
     ]
     return min(good, key=lambda choice: choice.unknowns)
 
@@ -836,7 +845,9 @@ def errors_of_solved_cross_section_meshes(
         moved = _relative_differences_from_better_response(brake, step.response, last)
         error = moved.sum_of_these_and_other_errors(stated).errors_times_factors(factors)
         size = largest_number_of_unknowns(step) / largest_number_of_unknowns(climb.levels[0])
-        level = by_degree[step.response.shoes[0].order]
+        # A shoe without contact has a response without elements, but always a division.
+        division = next(iter(step.prepared_model.divisions.values()))
+        level = by_degree[division.degree]
         sections.append(SectionLevelWithItsError(level, error, size))
     return sections
 
@@ -849,9 +860,9 @@ def has_shoe_with_parts_of_different_widths(brake: Brake) -> bool:
 def _message_on_unreached_error_tolerance(
     tolerance: TolerancesOfPressureAndTorque, choice: SolidChoice
 ) -> str:
-    """The text which says that the finest elements and highest degree miss a tolerance.
+    """The text which says that the chosen elements and functions of z miss a tolerance.
 
-    The text also says whether the elements or the degree have the larger error of p.
+    The text also says whether the elements or the functions have the larger error of p.
     """
     error, parts = choice.error, (choice.section.error, choice.width.error)
     section, width = (part.largest_pressure_error for part in parts)

@@ -42,7 +42,8 @@ on finer pieces an answer with as many unknowns is more accurate where the error
 PLACE_OF_CUT_IN_FIRST_PIECE = 0.6
 """Distance from the mid-plane at which the first piece is split, relative to the piece's end.
 
-The first piece reaches from the mid-plane to the side of a web. Beside this side the pressure
+The first piece reaches from the mid-plane to the side of the narrowest part, mostly a web. Beside
+this side the pressure
 changes most, so that the outer one of the two new pieces is the shorter one. On four random brakes
 ("free" 510030 and 510038, "built" 510030 and 510041 of `drumlin_studies.solid_error`) the cut lay
 at 0.6, and other places were not tried. The error is stated in any case.
@@ -153,8 +154,9 @@ def _relative_pressure_difference_in_each_piece(
     """The difference between two pressures of a shoe in each of its `count` pieces: (count,).
 
     It is the L2 norm over theta of the part of the mean over the width that the difference in the
-    piece makes up, divided by the L2 norm of the mean pressure `after`. The value is 0 in pieces
-    without a friction surface. Both responses have the same elements and the same pieces.
+    piece makes up, divided by the L2 norm of the mean pressure `after`. A piece of the body beyond
+    the lining's side has the largest value of the lining's pieces. All values are 0 for a shoe
+    without contact. Both responses have the same elements and the same pieces.
     """
     found = np.zeros(count)
     if before.surface is None or after.surface is None:
@@ -163,6 +165,9 @@ def _relative_pressure_difference_in_each_piece(
     for piece, part in enumerate(parts):
         moved = replace(after, pressure=after.pressure - part)
         found[piece] = relative_distance_of_pressures(moved, after)
+    # Pieces of a body beyond the lining's side have no pressure of their own, although the pressure
+    # depends on them. They are split like the lining's worst piece.
+    found[len(parts) :] = found[: len(parts)].max()
     return found
 
 
@@ -193,10 +198,12 @@ def _ends_of_finer_pieces(
     """The ends of the pieces after all pieces with a large difference are split.
 
     A piece is split if its difference exceeds its share of `largest_difference`, which is the same
-    for all pieces. The piece with the largest difference is always split.
+    for all pieces. The piece with the largest difference is always split. The pieces of a shoe
+    without contact, which have no differences, are not split.
     """
     share = largest_difference / len(differences)
-    is_split = (differences > share) | (differences == differences.max())
+    is_largest = (differences == differences.max()) & (differences > 0)
+    is_split = (differences > share) | is_largest
     found = list(ends)
     for piece, (start, end) in enumerate(pairwise(ends)):
         if is_split[piece]:
