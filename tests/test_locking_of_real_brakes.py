@@ -7,11 +7,12 @@ import numpy as np
 import pytest
 
 import drumlin
-from drumlin.base.errors import NoAnswer
+from drumlin.base.errors import AnswerBeyondModel, NoAnswer
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import vary
 from drumlin.fem.analysis.self_locking import (
     FRICTION_AT_WHICH_RIGHT_ANGLED_CORNER_LOCKS,
+    _limit_by_repeated_solves,
     _limit_by_repeated_solves_of_brake,
     self_locking_friction_of_shoe_groups,
 )
@@ -92,3 +93,53 @@ def test_a_corner_of_the_lining_locks_at_half_of_pi_on_ever_finer_elements():
         sizes.append(float(np.linalg.norm(xy[:, 1] - xy[:, 0])))
     growth = np.diff(inverse) / np.diff(np.log(1 / np.array(sizes)))
     assert np.ptp(growth) < 0.1 * growth.mean()
+
+
+@pytest.mark.parametrize("end", [-0.06, 0.0])
+def test_a_spring_without_preload_raises_the_limit_alike_on_either_side(end):
+    """Compressed on one side or extended on the other side, it resists the shoe's motion."""
+    spring = {"shoe": "left", "point": {"x": -0.032, "y": 0.121}, "end": {"x": end, "y": 0.121}}
+    spring |= {"preload": 0.0, "rate": 2e6}
+    brake = vary(drumlin.example("double_shoe"), {"spring": [spring]})
+    (found,) = limits(brake)
+    assert found == pytest.approx(limits(brake_with_spring_on_other_side(brake))[0], rel=1e-6)
+    assert found > 1.01 * 1.181
+
+
+def brake_with_spring_on_other_side(brake: Brake) -> Brake:
+    """The brake with the fixed end of its spring on the other side of the spring's point."""
+    (spring,) = brake.springs
+    other = 2 * spring.point.x - spring.end.x
+    return vary(brake, {"spring[0].end.x": other})
+
+
+def test_the_friction_at_the_corner_decides_whether_it_locks():
+    crane = drumlin.read_brake(BRAKES / "crane.toml")
+    own = vary(crane, {"shoe.lining.friction": 2 * crane.friction})
+    found = min(drumlin.self_locking(own, elements=ELEMENTS), key=lambda limit: limit.friction)
+    assert found.bounded
+    assert found.least_friction_on_finer_elements == pytest.approx(math.pi / 4)
+
+
+@pytest.mark.parametrize("most", [0.0, -1.0, math.nan, math.inf])
+def test_a_largest_friction_that_is_no_friction_is_refused(most):
+    with pytest.raises(drumlin.BadInput, match=r"most = \S+: must be greater than 0 and finite"):
+        drumlin.self_locking(drumlin.example("double_shoe"), most=most)
+
+
+def test_a_brake_without_friction_has_no_limit():
+    brake = vary(drumlin.example("double_shoe"), {"friction": 0.0})
+    with pytest.raises(drumlin.BadInput, match="friction = 0: self-locking needs"):
+        drumlin.self_locking(brake, elements=ELEMENTS)
+
+
+def test_a_spring_that_goes_slack_is_not_taken_for_self_locking():
+    pressures = {0.1: 1.0, 0.2: 1.0}
+
+    def peak_pressure(friction: float) -> float:
+        if friction > max(pressures):
+            raise AnswerBeyondModel("spring[0]: goes slack")
+        return 1.0
+
+    with pytest.raises(NoAnswer, match=r"not known: above 0\.2, spring\[0\]: goes slack"):
+        _limit_by_repeated_solves(peak_pressure, 3.0)

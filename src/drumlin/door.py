@@ -817,9 +817,9 @@ class SelfLockingFrictionOfGroup(NamedTuple):
     bounded : True if the pressure stays finite as friction rises to mu_lock; False if the pressure
         grows without bound
     least_friction_on_finer_elements : friction coefficient to which mu_lock may fall as the
-        elements become smaller. It is smaller than `friction` if `bounded` is True and `friction`
-        is above pi/2: above pi/2 a right-angled corner of a lining may dig into the drum, and
-        mu_lock falls with the logarithm of the element size
+        elements become smaller. It is smaller than `friction` if `bounded` is True and the friction
+        at a lining's corner is above pi/2: above pi/2 a right-angled corner of a lining may dig
+        into the drum, and mu_lock falls with the logarithm of the element size
     """
 
     shoes: tuple[str, ...]
@@ -851,14 +851,15 @@ def self_locking(
     -------
     tuple of SelfLockingFrictionOfGroup
         one for each group of shoes whose forces depend on each other: all shoes on an elastic ring,
-        on a cam or on struts; any other shoe is a group of its own
+        on a cam or on struts, and all shoes of a brake that has a spring with a rate; any other
+        shoe is a group of its own
 
     Raises
     ------
     BadInput
-        for an option out of range
+        for an option out of range, and for a brake without friction
     NoAnswer
-        for a group without equilibrium
+        for a group without equilibrium, and where a spring goes slack or a shoe turns too far
 
     Examples
     --------
@@ -873,6 +874,8 @@ def self_locking(
 
     on_mesh = _solver_options_given_by_user(elements=elements, kind=kind)
     require_positive_penalty(penalty)
+    if most is not None and not 0 < most < math.inf:
+        raise BadInput(f"most = {most:g}: must be greater than 0 and finite")
     whole = _brake_itself_or_read_from_file(brake)
     whole.check_shoes_can_be_meshed()
     # `self_locking_friction_of_shoe_groups` returns indices of shoes, the user gets their names.

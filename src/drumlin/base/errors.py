@@ -109,6 +109,13 @@ class AnswerLostToRoundOff(NoAnswer):
     """
 
 
+class AnswerBeyondModel(NoAnswer):
+    """The model does not hold for the answer: a spring goes slack, or a shoe turns too far.
+
+    The brake may have an equilibrium nevertheless.
+    """
+
+
 class StoppedBySignal(BaseException):
     """The exception for a signal of the operating system that asks the process to end.
 

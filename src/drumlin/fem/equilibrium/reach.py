@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from drumlin.base.arrays import Floats
-from drumlin.base.errors import NoAnswer
+from drumlin.base.errors import AnswerBeyondModel, NoAnswer
 from drumlin.brake.brake import Shoe
 
 LARGEST_SHOE_TURN_BEFORE_CONTACT = 0.2
@@ -82,7 +82,7 @@ def require_small_shoe_turns_in_contact_solution(
 def _require_small_turn_of_shoe(shoe: Shoe, turn: float) -> None:
     """Raise NoAnswer for a turn [rad] beyond LARGEST_SHOE_TURN_BEFORE_CONTACT."""
     if turn > LARGEST_SHOE_TURN_BEFORE_CONTACT:
-        raise NoAnswer(
+        raise AnswerBeyondModel(
             f"shoe {shoe.name!r}: it would have to turn by {math.degrees(turn):.3g} deg "
             f"to touch the {shoe.surface.name}; small displacements hold up to "
             f"{math.degrees(LARGEST_SHOE_TURN_BEFORE_CONTACT):.3g} deg"

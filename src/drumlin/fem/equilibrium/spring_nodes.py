@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from drumlin.base.arrays import Floats, Ints
-from drumlin.base.errors import NoAnswer
+from drumlin.base.errors import AnswerBeyondModel
 from drumlin.brake.brake import Brake
 from drumlin.brake.further_loads import brake_with_loads_assigned_to_shoes
 from drumlin.contact.active_set import ContactSolution
@@ -57,7 +57,7 @@ class SpringNodes(NamedTuple):
                 # The pull of a spring without preload has the sign of its pull in `solve`.
                 verb = ("pushes", "pull") if signs[i] < 0 else ("pulls", "push")
                 cause = "by its preload" if preload else "in solve, without a preload,"
-                raise NoAnswer(
+                raise AnswerBeyondModel(
                     f"spring[{i}]: goes slack: it {verb[0]} {cause} and would have to {verb[1]}"
                 )
         return tuple(pulls.tolist())

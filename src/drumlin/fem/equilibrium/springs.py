@@ -13,7 +13,7 @@ from typing import TypeVar
 import numpy as np
 
 from drumlin.base.arrays import Floats
-from drumlin.base.errors import NoAnswer
+from drumlin.base.errors import AnswerBeyondModel, NoAnswer
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.further_loads import ForceAtPoint, brake_with_loads_assigned_to_shoes
 from drumlin.fem.preparation.bodies import ShoeSubstructure, unit_load_factors_of_force_at_point
@@ -185,7 +185,7 @@ def _check_springs_are_not_slack(preloads: Floats, pulls: Floats) -> None:
     for i, (preload, pull) in enumerate(zip(preloads.tolist(), pulls.tolist(), strict=True)):
         if pull * preload < 0:
             verb = ("pushes", "pull") if preload < 0 else ("pulls", "push")
-            raise NoAnswer(
+            raise AnswerBeyondModel(
                 f"spring[{i}]: goes slack: it {verb[0]} by its preload and would have to {verb[1]}"
             )
 
