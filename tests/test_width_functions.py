@@ -153,9 +153,6 @@ def test_breaks_are_at_the_sides_of_the_parts(brake, flexible):
     assert piece_ends_across_half_width_of_shoe(table.shoes[0]) == pytest.approx(
         (0.0, 2.5e-3, 10.5e-3, 20e-3)
     )
-    assert piece_ends_across_half_width_of_shoe(table.shoes[0], beside=False) == pytest.approx(
-        (0.0, 2.5e-3, 20e-3)
-    )
     # The overhang of 1.44 thicknesses is short: its break is at a quarter of it.
     short = vary(table, {"shoe.body.width": 17e-3})
     assert piece_ends_across_half_width_of_shoe(short.shoes[0]) == pytest.approx(

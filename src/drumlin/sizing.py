@@ -663,11 +663,10 @@ def _find_only_trial_with_wanted_torque_from_first_level(
     this fails, and if the elements of the first level could decide what is found: then the whole
     range must be searched on all levels.
     """
-    of_error_control = {"elements", "kind", "tolerance"} & question.options.keys()
     has_mesh_file = any(shoe.mesh for shoe in question.brake.shoes)
     if question.model != "fem" or question.does_key_keep_one_sign:
         return None
-    if of_error_control or has_mesh_file or not set(question.options) <= {"penalty"}:
+    if has_mesh_file or not set(question.options) <= {"penalty"}:
         return None
     coarse = replace(question, on_first_level=True, trials={}, last_model={})
     try:

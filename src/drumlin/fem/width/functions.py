@@ -284,7 +284,7 @@ def has_parts_of_different_widths(shoe: Shoe) -> bool:
     return max(halves) > min(halves) * (1 + SAME_HALF_WIDTH_TOLERANCE)
 
 
-def piece_ends_across_half_width_of_shoe(shoe: Shoe, *, beside: bool = True) -> tuple[float, ...]:
+def piece_ends_across_half_width_of_shoe(shoe: Shoe) -> tuple[float, ...]:
     """The breaks (m + 1,) [m] that divide the half width of a shoe into pieces.
 
     They are 0 at the mid-plane, the half widths of the parts, and in most shoes whose lining
@@ -293,14 +293,12 @@ def piece_ends_across_half_width_of_shoe(shoe: Shoe, *, beside: bool = True) -> 
     Parameters
     ----------
     shoe : a parametric shoe
-    beside : whether there are breaks beside the web, the widest part that is narrower than the
-        lining
     """
     halves = half_widths_of_parts(shoe)
     lining = halves["lining"]
     places = list(halves.values())
     inner = [half for half in places if half < lining * (1 - SAME_HALF_WIDTH_TOLERANCE)]
-    if beside and inner:
+    if inner:
         thickness = shoe.lining.thickness
         overhang = (lining - max(inner)) / thickness
         places += [
