@@ -63,6 +63,9 @@ from drumlin.fem.equilibrium.spring_nodes import (
     spring_nodes_of_brake,
 )
 from drumlin.fem.model import DEFAULT_PENALTY_FACTOR, solve_prepared_model
+from drumlin.fem.preparation.bodies import (
+    substructure_with_flexibility_of_condensed_stiffness,
+)
 from drumlin.fem.preparation.scene import PreparedModel
 
 MAX_HALVINGS_OF_ROTATION_INCREMENT = 4
@@ -367,6 +370,9 @@ def _apply_actuation_forces_to_resting_groups(
     """
     if brake.friction == 0 or scene.brake.friction == 0:
         raise BadInput(f"friction = {brake.friction:g}: must be greater than 0 for a holding brake")
+    # Tractions at rest need the condensed stiffness, so that all flexibilities come from it.
+    bodies = map(substructure_with_flexibility_of_condensed_stiffness, scene.bodies)
+    scene = replace(scene, bodies=tuple(bodies))
     springs = None
     if any(spring.rate for spring in brake.springs):
         require_no_shoe_on_anchors(brake, "hold with a spring rate")

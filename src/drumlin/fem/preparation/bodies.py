@@ -30,6 +30,7 @@ from drumlin.fem.substructure.expansion import (
     FreeStrainFunctionByLayer,
     nodal_forces_of_thermal_expansion,
 )
+from drumlin.fem.substructure.flexibility import ContactFlexibility
 from drumlin.fem.substructure.interface import (
     ContactCouplingMatrices,
     ContactLine,
@@ -210,15 +211,7 @@ def make_shoe_substructure(
     """
     line = division.line
     coupling = contact_coupling_matrices_of_shoe(line, shoe)
-    flexibility = condensed.flexibility_under_contact_loads(
-        coupling.N, coupling.T if friction else None
-    )
-    # The nodal forces of free thermal strains have no resultant, and the frame alone supports the
-    # body in a statically determinate way. So heat causes no reaction, and the computed reaction is
-    # round-off, which is set to zero.
-    if HEAT_LOAD_NAME in condensed.columns.column_slice_of_each_load:
-        heat = condensed.columns.column_slice_of_each_load[HEAT_LOAD_NAME]
-        flexibility.reaction_to_load[:, heat] = 0.0
+    flexibility = _flexibility_of_coupled_body(condensed, coupling, friction=friction)
     x, y = line.xy - shoe.pin_position_in_shoe_frame[:, None]
     return kind(
         mesh=division.mesh,
@@ -231,6 +224,40 @@ def make_shoe_substructure(
         mesh_read_from_file=division.mesh_read_from_file,
         **flexibility._asdict(),
     )
+
+
+def _flexibility_of_coupled_body(
+    condensed: CondensedBody | MeshedBody, coupling: ContactCouplingMatrices, *, friction: bool
+) -> ContactFlexibility:
+    """The flexibility of a body under the loads of its coupling with the drum or the plane."""
+    flexibility = condensed.flexibility_under_contact_loads(
+        coupling.N, coupling.T if friction else None
+    )
+    # The nodal forces of free thermal strains have no resultant, and the frame alone supports the
+    # body in a statically determinate way. So heat causes no reaction, and the computed reaction is
+    # round-off, which is set to zero.
+    if HEAT_LOAD_NAME in condensed.columns.column_slice_of_each_load:
+        heat = condensed.columns.column_slice_of_each_load[HEAT_LOAD_NAME]
+        flexibility.reaction_to_load[:, heat] = 0.0
+    return flexibility
+
+
+def substructure_with_flexibility_of_condensed_stiffness(
+    body: ShoeSubstructure,
+) -> ShoeSubstructure:
+    """A shoe's substructure whose flexibility follows from the condensed stiffness.
+
+    On a mesh the flexibility is summed during the elimination of the nodes, and differs from that
+    of the condensed stiffness by round-off. Analyses that need both must take both from the
+    stiffness: a pair of shoes that floats at rest has an equilibrium only if they agree to the last
+    digits. Substructures of other bodies are returned as they are.
+    """
+    if not isinstance(body.condensed, MeshedBody):
+        return body
+    flexibility = _flexibility_of_coupled_body(
+        body.condensed.condensed, body.coupling, friction=body.gap_closure_by_friction is not None
+    )
+    return replace(body, **flexibility._asdict())
 
 
 def substructure_with_load_of_changed_shape(
