@@ -314,11 +314,15 @@ def test_the_truth_of_a_solve_agrees_with_a_direct_one_within_its_uncertainty():
     assert found.shoes[0].order == REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[0].degree
     reference = reference_solution_for_solid_solve(brake, found)
     direct = response_with_fine_pieces_across_width(brake, REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[1])
-    far = relative_distance_of_plane_stress_from_width_solution(brake, found, direct).brake
-    for name, error in relative_distance_of_plane_stress_from_width_solution(
-        brake, reference.truth, direct
-    ).brake.items():
-        assert error < 0.5 * far[name], name
+    distance = partial(relative_distance_of_plane_stress_from_width_solution, brake)
+    far = distance(found, direct).brake
+    unsure = [
+        distance(other, reference.truth).brake
+        for other in (reference.lower, reference.truth_with_lower_degree_step)
+    ]
+    for name, error in distance(reference.truth, direct).brake.items():
+        # The torque of this solve happens to be as exact as the truth.
+        assert error < max(0.5 * far[name], sum(one[name] for one in unsure)), name
 
 
 def test_a_contact_that_is_longer_beside_the_web_has_small_elements_under_the_web():
