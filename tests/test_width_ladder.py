@@ -45,6 +45,8 @@ from drumlin.fem.width.prepare import (
 from drumlin_studies.solid_error import (
     FIRST_WORDS_OF_TIMEOUT_REASON,
     FUNCTIONS_THAT_DRAW_BRAKES_BY_SOLID_KIND,
+    LEAST_JUDGED_TRUE_ERROR,
+    LEAST_JUDGED_TRUE_ERROR_OVER_TRUTH_UNCERTAINTY,
     NAMES_OF_STATED_ERRORS_COMPARED_WITH_TRUE,
     SolidErrorRow,
     functions_across_width_on_fine_pieces,
@@ -321,8 +323,10 @@ def test_the_truth_of_a_solve_agrees_with_a_direct_one_within_its_uncertainty():
         for other in (reference.lower, reference.truth_with_lower_degree_step)
     ]
     for name, error in distance(reference.truth, direct).brake.items():
-        # The torque of this solve happens to be as exact as the truth.
-        assert error < max(0.5 * far[name], sum(one[name] for one in unsure)), name
+        # The torque of this solve happens to be as exact as the truth. Errors below the largest
+        # one that the judge ignores do not matter.
+        ignored = LEAST_JUDGED_TRUE_ERROR_OVER_TRUTH_UNCERTAINTY * sum(one[name] for one in unsure)
+        assert error < max(0.5 * far[name], ignored + LEAST_JUDGED_TRUE_ERROR), name
 
 
 def test_a_contact_that_is_longer_beside_the_web_has_small_elements_under_the_web():
