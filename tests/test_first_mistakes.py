@@ -107,7 +107,7 @@ ROW_OF_MISTAKE = {
     "misspelt table": "unknown key",
     "no unit": "has no unit",
     "wrong unit": " such as '",
-    "high friction": "self-locking",
+    "high friction": "self-locking, ",
     "no friction": "is missing",
     "short lining": "must be greater than",
     "short body": "must lie within",
