@@ -391,6 +391,16 @@ def test_a_section_that_leaves_little_of_the_tolerance_leaves_it_to_the_width():
     assert used == [2, 3, 4]
 
 
+def test_a_torque_far_off_counts_as_much_as_a_pressure_where_the_tolerance_is_missed():
+    first, second = made_up_degrees([5.1e-3, 3e-3], used=[])
+    coarse = first._replace(error=first.error._replace(torque=0.3))
+    fine = second._replace(error=second.error._replace(torque=1.01e-2))
+    choice = cheapest_choice_within_tolerance(
+        SECTIONS[:1], iter([coarse, fine]), TolerancesOfPressureAndTorque(1e-2, 1e-2)
+    )
+    assert choice.width is fine
+
+
 def test_degrees_end_where_their_error_no_longer_falls():
     widths = made_up_degrees([4e-2, 2e-2, 1.9e-2, 1.8e-2, 1.7e-2, 1.7e-2, 1e-3], used := [])
     choice = cheapest_choice_within_tolerance(
