@@ -539,6 +539,23 @@ def test_columns_of_the_first_level_end_where_a_short_contact_ends(seed):
     assert max(np.abs(ends - first).min(), np.abs(ends - last).min()) <= 0.02 * (last - first)
 
 
+def test_a_level_that_is_solved_alone_finds_the_ends_of_a_short_contact_for_its_pressure():
+    """The first level solved alone has 1.4 % of error in p, compared with the third level.
+
+    It is 4.9 % if the passes end when the contact's ends move by less than 4 % of the contact.
+    """
+    brake = draw_random_brake(108, "small contact")
+    three = levels.REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[:3]
+    alone, *_, third = (
+        solved.response.shoes[0]
+        for chosen in (three[:1], three)
+        for solved in solve_brake_on_finer_and_finer_mesh_levels(
+            brake, solve_prepared_model, levels=chosen
+        )
+    )
+    assert relative_distance_of_pressures(alone, third) <= 0.02
+
+
 @pytest.mark.parametrize(
     ("length", "thickness", "backing", "E", "mu"),
     [(0.1901, 0.2205, 0.2733, 1.95e9, 0.011), (0.0628, 0.1235, 0.1191, 1.6e9, 0.246)],
