@@ -1,5 +1,8 @@
 """Solid shoes as CalculiX decks: their contents, and CalculiX's answers where it is installed."""
 
+import json
+from dataclasses import asdict
+
 import numpy as np
 import pytest
 
@@ -10,6 +13,7 @@ from drumlin.fem import solid as solid_shoes
 from drumlin.peers import solid_deck
 from drumlin.peers.deck import CalculixDeckParameters
 from drumlin.response.norms import relative_distance_of_pressures, relative_error_of_number
+from drumlin_studies import solid_peer
 from picking import picked
 from sections import t_section
 
@@ -180,3 +184,45 @@ def test_calculix_answers_alike(flexible, section):
         np.testing.assert_allclose(
             b.hinge_reaction, a.hinge_reaction, atol=2e-3 * np.linalg.norm(a.hinge_reaction)
         )
+
+
+def row_of_both_programs(distance, step, reason=""):
+    apart = {"torque": distance, "pressure": distance}
+    return solid_peer.SolidPeerRow(
+        "built",
+        1,
+        reason,
+        stated={"torque": 1e-3, "pressure": 1e-2},
+        distances=(apart,) if not reason else (),
+        steps=({"torque": step, "pressure": step},),
+        seconds=1.0,
+        peer_seconds=(4.0,),
+    )
+
+
+def test_programs_agree_within_the_stated_error_and_the_last_step():
+    rows = [
+        row_of_both_programs(2e-3, 5e-4),
+        row_of_both_programs(2e-3, 2e-3),
+        row_of_both_programs(0.0, 0.0, "no answer"),
+    ]
+    assert [row.do_programs_agree("torque") for row in rows[:2]] == [False, True]
+    assert all(row.do_programs_agree("pressure") for row in rows[:2])
+    first, _, torque, pressure, last = solid_peer.table_lines_of_distances_from_calculix(rows)
+    assert first == "2 of 3 brakes are solved by both programs"
+    assert torque.split() == ["torque", "1", "0.200", "0.20", "0.125", "0.20"]
+    assert pressure.split()[:2] == ["pressure", "2"] and "4.0 times" in last
+
+
+@needs_calculix
+@pytest.mark.slow
+def test_calculix_agrees_on_a_random_shoe_with_table_and_web(tmp_path):
+    row = solid_peer.compare_random_solid_brake_with_calculix("built", 510062, 300.0)
+    assert not row.reason
+    assert row.do_programs_agree("torque") and row.do_programs_agree("pressure")
+    assert max(row.distances[-1].values()) < 5e-3
+    path = tmp_path / "rows.jsonl"
+    path.write_text(json.dumps(asdict(row)) + "\n", encoding="utf-8")
+    assert solid_peer.read_solid_peer_rows(path) == [row]
+    gone = solid_peer.compare_random_solid_brake_with_calculix("built", 510062, 0.1)
+    assert gone.reason.startswith("given up after 0.1 s") and not gone.distances
