@@ -111,14 +111,9 @@ def report(result: Result, folder: Path) -> Path:
                     found.law.model: found.law.shoes[i],
                 }
                 panels.append((f"{shoe.name}, {found.brake.direction_as_text_in_tables}", of))
-        figures.save_figure_for_page_and_column(
-            lambda width, panels=panels, surface=brake.surface: (
-                figures.draw_pressure_along_lining_of_each_shoe(
-                    panels, surface=surface, width=width
-                )
-            ),
-            folder / file,
-            ("svg", "png") if file == SHOWN else ("svg",),
+        endings = ("svg", "png") if file == SHOWN else ("svg",)
+        figures.save_pressure_figure_for_page_and_column(
+            panels, folder / file, endings, brake.surface
         )
         figure = Figure(figsize=(4.5, 4.5), layout="constrained")
         draw_brake(figure.subplots(), brake)

@@ -155,12 +155,7 @@ def draw_figures(result: Result, folder: Path) -> None:
     # The first panels, of one rotation, are the picture at the top of README.
     one_rotation = stiff[: len(result.comparisons[0].brake.shoes)]
     for name, drawn in (("pressure", stiff), ("pressure_one_rotation", one_rotation)):
-        figures.save_figure_for_page_and_column(
-            lambda width, drawn=drawn: figures.draw_pressure_along_lining_of_each_shoe(
-                drawn, width=width
-            ),
-            folder / name,
-        )
+        figures.save_pressure_figure_for_page_and_column(drawn, folder / name)
     figures.save_figure(
         figures.draw_pressure_along_lining_of_each_shoe(flexible), folder / "pressure_flexible.svg"
     )

@@ -451,6 +451,25 @@ def draw_pressure_along_lining_of_each_shoe(
     return figure
 
 
+def save_pressure_figure_for_page_and_column(
+    panels: Sequence[PressurePanel],
+    path: Path,
+    endings: Sequence[str] = ("svg", "png"),
+    surface: FrictionSurface = FRICTION_SURFACE_OF_DRUM,
+) -> None:
+    """Write the figure of the pressures along the linings for a page and for a column.
+
+    The parameters are those of `draw_pressure_along_lining_of_each_shoe` and of
+    `save_figure_for_page_and_column`.
+    """
+
+    def draw(width: float) -> Figure:
+        """The figure with a width [inches]."""
+        return draw_pressure_along_lining_of_each_shoe(panels, surface=surface, width=width)
+
+    save_figure_for_page_and_column(draw, path, endings)
+
+
 def _upper_end_of_pressure_axis(panels: Sequence[PressurePanel]) -> float:
     """The upper end [MPa] of the pressure axis: 1.12 times the largest peak, 1 without pressure."""
     peaks: list[float] = []
