@@ -267,7 +267,7 @@ def _draw_stress_and_colour_bar(
     top = rounded_up_to_end_of_colour_bar(highest)
     colours = ScalarMappable(Normalize(0, top), "viridis")
     (left, right), (bottom, above) = axes.get_xlim(), axes.get_ylim()
-    shown_width = axes.get_window_extent().width / axes.get_figure(root=True).dpi  # type: ignore[union-attr]
+    shown_width = axes.get_window_extent().width / axes.figure.dpi
     pixel = (right - left) / (shown_width * PIXELS_PER_INCH)
     shape = (math.ceil((above - bottom) / pixel), math.ceil((right - left) / pixel))
     fine = np.full(
