@@ -187,5 +187,7 @@ def test_extras_and_classifiers_say_what_is_tried():
     # The Makefile names the versions with which the locked libraries are tried.
     tried = (ROOT / "Makefile").read_text().split("TESTED = ")[1].splitlines()[0]
     assert "(3, 11) <= sys.version_info[:2] <= (3, 14)" in tried
-    for minor in range(11, 15):
-        assert f"Programming Language :: Python :: 3.{minor}" in project["classifiers"]
+    # Python 3.14 has its locked libraries, but nobody has run the tests with it yet.
+    for minor, is_tried in ((11, True), (12, True), (13, True), (14, False)):
+        classifier = f"Programming Language :: Python :: 3.{minor}"
+        assert (classifier in project["classifiers"]) == is_tried

@@ -9,6 +9,7 @@ import pytest
 from matplotlib import image
 from matplotlib.figure import Figure
 from matplotlib.text import Text
+from PIL import Image
 
 import drumlin
 from conftest import ROOT
@@ -35,9 +36,10 @@ from drumlin_studies.post_brake_rows import TorqueErrorMapOverStiffnessGroups
 from drumlin_studies.stated_true_figure import plot_stated_over_true_errors
 
 KEPT = ROOT / "reports" / "reference"
-LEAST_TEXT = 6.5
-# Matplotlib draws exponents and indices at 0.7 of the size of their formula.
-LEAST_EXPONENT = 6.5
+# Elsevier's "Artwork sizing": 7 points for normal text, at least 6 for exponents and indices.
+LEAST_TEXT = 7.0
+LEAST_EXPONENT = 6.0
+WIDTHS = (figures.FULL_WIDTH, figures.COLUMN_WIDTH)
 
 
 def number_or_text(value):
@@ -76,6 +78,8 @@ def check_legible(figure):
     """The figure is as wide as a column or a page, and its texts are large, whole and apart."""
     width = figure.get_figwidth() * 25.4
     assert width == pytest.approx(85) or width == pytest.approx(170)
+    # The figure and its caption fit on a page of A4.
+    assert figure.get_figheight() * 25.4 <= 235 + 1e-9
     # save_figure does the same.
     figures.number_logarithmic_axes_plainly(figure)
     texts = texts_in(figure)
@@ -104,7 +108,7 @@ def study_module(name):
     return import_study_and_find_folder_above_studies(name)[0]
 
 
-def draw_map_of_plane_stress():
+def draw_map_of_plane_stress(width=figures.FULL_WIDTH):
     rows = stored("plane_stress/maps.csv")
     study = study_module("plane_stress")
     charts = []
@@ -117,31 +121,31 @@ def draw_map_of_plane_stress():
         }
         labels = ("web width / lining width", "table thickness [mm]")
         charts.append(PlaneStressErrorMap(name, labels, np.array(x), np.array(y), values))
-    return study.figures.draw_error_maps(charts)
+    return study.figures.draw_error_maps(charts, width)
 
 
-def draw_ladder():
+def draw_ladder(width=figures.FULL_WIDTH):
     found = {}
     for row in stored("plane_stress/ladder.csv"):
         own = {key: row.get(key, np.nan) for key in TimeAndErrors._fields}
         found.setdefault(row["brake"], []).append(TimeAndErrors(**own))
-    return study_module("plane_stress").figures.draw_error_over_time(found)
+    return study_module("plane_stress").figures.draw_error_over_time(found, width)
 
 
-def draw_limits():
+def draw_limits(width=figures.FULL_WIDTH):
     study = study_module("plane_stress")
     brakes = {"T-section": read_brake(ROOT / "studies" / "plane_stress" / "brake.toml")}
     usual = study.marked_values(brakes)
-    return study.draw_plane_stress_limits(stored("plane_stress/limits.csv"), usual)
+    return study.draw_plane_stress_limits(stored("plane_stress/limits.csv"), usual, width)
 
 
-def draw_work_precision():
+def draw_work_precision(width=figures.FULL_WIDTH):
     study = study_module("error_vs_runtime")
     rows = [
         row for row in stored("error_vs_runtime/results.csv") if row["brake"] == "double_shoe/brake"
     ]
     floors = {"torque_error": 1e-9, "pressure_error": 1e-5}
-    return study.draw_error_over_time("internal double-shoe brake", rows, floors)
+    return study.draw_error_over_time("internal double-shoe brake", rows, floors, width)
 
 
 def draw_solid():
@@ -155,7 +159,7 @@ def draw_left_out():
     return study_module("error_vs_runtime").draw_predicted_changes(rows)
 
 
-def draw_map_of_post_brake():
+def draw_map_of_post_brake(width=figures.FULL_WIDTH):
     study = study_module("post_brake")
     x = np.geomspace(0.3, 300, 7)
     error = np.linspace(-0.5, 0.5, 49).reshape(7, 7)
@@ -164,44 +168,76 @@ def draw_map_of_post_brake():
         [TorqueErrorMapOverStiffnessGroups(f"{name}, {lining}", x, x, error) for name in names]
         for lining in ("soft lining", "wooden block")
     ]
-    return study.figures.draw_error_maps(rows, [(2.0, 15.0), (15.0, 90.0)])
+    return study.figures.draw_error_maps(rows, [(2.0, 15.0), (15.0, 90.0)], width)
 
 
-def draw_histograms():
+def draw_histograms(width=figures.FULL_WIDTH):
     random = np.random.default_rng(7)
     values = {name: random.normal(1.0, 0.1, 200) for name in QUANTITIES_SHOWN_OVER_RANDOM_BRAKES}
     brakes = SimpleNamespace(
         values_of_quantity_for_random_brakes=lambda _, name: values[name],
     )
     nominal = dict.fromkeys(QUANTITIES_SHOWN_OVER_RANDOM_BRAKES, 1.0)
-    return study_module("misfit").figures.draw_histograms(brakes, nominal)
+    return study_module("misfit").figures.draw_histograms(brakes, nominal, width)
 
 
-def draw_stated_true():
-    return plot_stated_over_true_errors(stored("verification/stated_true.csv")[::20])
+def draw_stated_true(width=figures.FULL_WIDTH):
+    return plot_stated_over_true_errors(stored("verification/stated_true.csv")[::20], width)
 
 
 @pytest.mark.parametrize(
     "draw",
     [
         draw_solid,
+        pytest.param(draw_left_out, marks=pytest.mark.slow),
+    ],
+)
+def test_figures_of_one_width_are_legible_at_it(draw):
+    check_legible(draw())
+
+
+@pytest.mark.parametrize("width", WIDTHS)
+@pytest.mark.parametrize(
+    "draw",
+    [
+        draw_limits,
         *(
             pytest.param(draw, marks=pytest.mark.slow)
             for draw in (
-                draw_limits,
                 draw_histograms,
                 draw_map_of_plane_stress,
                 draw_ladder,
                 draw_work_precision,
-                draw_left_out,
                 draw_map_of_post_brake,
                 draw_stated_true,
             )
         ),
     ],
 )
-def test_kept_figures_are_legible_at_their_width_in_print(draw):
-    check_legible(draw())
+def test_kept_figures_are_legible_on_a_page_and_in_a_column(draw, width):
+    """Each figure for a page has a version for a column, with one panel in a row."""
+    figure = draw(width)
+    assert figure.get_figwidth() == width
+    check_legible(figure)
+
+
+def width_in_print(picture):
+    """The width [mm] for which a kept PNG file is drawn, as the file itself states it."""
+    with Image.open(picture) as opened:
+        said = opened.text.get("Description", "")
+    found = re.fullmatch(r"drawn for print at a width of (\d+) mm", said)
+    return int(found[1]) if found else None
+
+
+def test_every_kept_picture_is_drawn_for_a_column_or_has_a_version_for_it():
+    pictures = sorted(KEPT.glob("**/*.png"))
+    assert len(pictures) > 15
+    widths = {}
+    for picture in pictures:
+        widths[picture.relative_to(KEPT).with_suffix("").as_posix()] = width_in_print(picture)
+    assert set(widths.values()) == {85, 170}, widths
+    for name, width in widths.items():
+        assert width == 85 or widths.get(f"{name}{figures.END_OF_COLUMN_FILE_NAME}") == 85, name
 
 
 def test_small_or_cut_text_is_found():
@@ -284,8 +320,12 @@ def test_a_picture_of_stresses_is_legible_and_shows_the_pressure_of_the_response
     assert title == brake.title and motion.startswith(f"{brake.motion_as_text}; displacements × ")
     (legend,) = figure.legends
     labels = [one.get_text() for one in legend.get_texts()]
+    # The legend gives the arrows of pressure their length.
+    longest = _pressure_arrows(brake, response, _friction_surface_of_brake(brake).size)
+    stated = f"(longest arrows: {1e-6 * longest.pressure_of_longest:.2g} MPa or more)"
+    assert any(one.endswith(f"on the lining\n{stated}") for one in labels)
     assert ("force of actuation or link" in labels) == (name == "brakes/uni_servo")
-    arrows = _pressure_arrows(brake, response, _friction_surface_of_brake(brake).size)
+    arrows = longest.places
     tips, pushes = arrows[:, 1], arrows[:, 1] - arrows[:, 0]
     lengths = np.linalg.norm(pushes, axis=1)
     # The response's p(theta) at the tips; the longest tenth of the arrows is cut.
@@ -300,6 +340,7 @@ def test_a_picture_of_stresses_is_legible_and_shows_the_pressure_of_the_response
         found_at_tips.append(found)
     p = np.array(found_at_tips)
     uncut = lengths < 0.999 * lengths.max()
+    assert p[~uncut].min() >= longest.pressure_of_longest * (1 - 1e-9) > p[uncut].max() * 0.999
     assert uncut.sum() > 0.8 * len(p)
     np.testing.assert_allclose(lengths[uncut] / p[uncut], (lengths / p)[uncut][0], rtol=1e-6)
     # The drum pushes an internal lining inwards, the plane pushes a lining upwards.
@@ -325,8 +366,16 @@ def test_a_long_title_is_whole_above_the_picture_and_its_last_line_stands_alone(
     assert drawn_box(text)[1] >= axes.get_window_extent().y1
 
 
+def test_a_factor_stays_with_its_word_in_a_narrow_title():
+    last = "drum turns counter-clockwise; displacements × 50"
+    lines = figures.title_folded_into_lines("a title", last, figures.COLUMN_WIDTH).split("\n")
+    assert lines == ["a title", "drum turns counter-clockwise;", "displacements × 50"]
+
+
 def test_the_title_of_a_picture_of_solid_shoes_is_whole():
-    title = figures.title_folded_into_lines("a wide shoe of a brake " * 5, "displacements × 50")
+    title = figures.title_folded_into_lines(
+        "a wide shoe of a brake " * 5, "displacements × 50", figures.COLUMN_WIDTH
+    )
     assert title.count("\n") >= 2 and title.endswith("\ndisplacements × 50")
     figure = figure_around_pixels(np.zeros((40, 80, 3), np.uint8), title, 10.0, beyond=True)
     check_legible(figure)

@@ -1,6 +1,7 @@
 """Figures of stated against true errors, and of true errors against the number of unknowns."""
 
 import math
+import textwrap
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -10,9 +11,12 @@ from matplotlib.figure import Figure
 
 from drumlin.base.arrays import Floats
 from drumlin.report.figures import (
+    FULL_WIDTH,
+    LARGEST_HEIGHT,
     MATPLOTLIB_SETTINGS_FOR_PRINT,
     draw_legend_below_figure,
     make_figure_for_print,
+    number_of_panels_side_by_side,
 )
 from drumlin.report.palette import BLUE, GREEN, INK, PURPLE, RED
 
@@ -38,18 +42,29 @@ PALE_POINTS_NOTE = (
 """Note above a figure that explains its pale points and its errors of 100 %."""
 
 
-def plot_stated_over_true_errors(rows: Sequence[Mapping[str, Any]]) -> Figure:
+LETTERS_IN_COLUMN = 52
+"""Letters of a line of the note in a figure that is as wide as a column."""
+
+
+def plot_stated_over_true_errors(
+    rows: Sequence[Mapping[str, Any]], width: float = FULL_WIDTH
+) -> Figure:
     """Figure of the ratio of stated to true error, plotted against the true error.
 
     The figure has a panel for each quantity, a point for each brake and tolerance, and a mark for
     each tolerance.
 
-    rows : rows of `stated_true.row_of_stated_and_true_errors`.
+    Parameters
+    ----------
+    rows : rows of `stated_true.row_of_stated_and_true_errors`
+    width : width of the figure [inches], FULL_WIDTH or COLUMN_WIDTH
     """
     with mpl.rc_context(MATPLOTLIB_SETTINGS_FOR_PRINT):
-        figure = make_figure_for_print(5.0)
+        columns = number_of_panels_side_by_side(width, 2)
+        figure = make_figure_for_print(5.0 if columns == 2 else LARGEST_HEIGHT, width)
         drawn = None
-        for axes, name in zip(figure.subplots(2, 2).flat, PANEL_TITLES_BY_QUANTITY, strict=True):
+        grid = figure.subplots(4 // columns, columns)
+        for axes, name in zip(grid.flat, PANEL_TITLES_BY_QUANTITY, strict=True):
             if _plot_error_points_and_return_whether_any_exist(axes, rows, name):
                 drawn = axes
             axes.axhline(1.0, color=INK, lw=1)
@@ -58,7 +73,10 @@ def plot_stated_over_true_errors(rows: Sequence[Mapping[str, Any]]) -> Figure:
             axes.set_ylabel("stated over true error")
         if drawn is not None:
             draw_legend_below_figure(figure, drawn)
-        figure.suptitle(PALE_POINTS_NOTE, fontsize="medium")
+        note = PALE_POINTS_NOTE
+        if columns == 1:
+            note = "\n".join(textwrap.fill(line, LETTERS_IN_COLUMN) for line in note.split("\n"))
+        figure.suptitle(note, fontsize="medium")
     return figure
 
 

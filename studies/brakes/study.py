@@ -111,11 +111,10 @@ def report(result: Result, folder: Path) -> Path:
                     found.law.model: found.law.shoes[i],
                 }
                 panels.append((f"{shoe.name}, {found.brake.direction_as_text_in_tables}", of))
-        drawn_pressures = figures.draw_pressure_along_lining_of_each_shoe(
-            panels, surface=brake.surface
+        endings = ("svg", "png") if file == SHOWN else ("svg",)
+        figures.save_pressure_figure_for_page_and_column(
+            panels, folder / file, endings, brake.surface
         )
-        for ending in ("svg", "png") if file == SHOWN else ("svg",):
-            figures.save_figure(drawn_pressures, folder / f"{file}.{ending}")
         figure = Figure(figsize=(4.5, 4.5), layout="constrained")
         draw_brake(figure.subplots(), brake)
         figures.save_figure(figure, folder / f"{file}_drawing.svg")

@@ -152,14 +152,10 @@ def draw_figures(result: Result, folder: Path) -> None:
     for comparison in result.comparisons:
         panels[comparison.case] += panel_title_and_responses_of_each_shoe(comparison)
     stiff, flexible = panels.values()
-    pressures = figures.draw_pressure_along_lining_of_each_shoe(stiff)
-    figures.save_figure_as_files(pressures, folder / "pressure")
     # The first panels, of one rotation, are the picture at the top of README.
     one_rotation = stiff[: len(result.comparisons[0].brake.shoes)]
-    figures.save_figure(
-        figures.draw_pressure_along_lining_of_each_shoe(one_rotation),
-        folder / "pressure_one_rotation.png",
-    )
+    for name, drawn in (("pressure", stiff), ("pressure_one_rotation", one_rotation)):
+        figures.save_pressure_figure_for_page_and_column(drawn, folder / name)
     figures.save_figure(
         figures.draw_pressure_along_lining_of_each_shoe(flexible), folder / "pressure_flexible.svg"
     )

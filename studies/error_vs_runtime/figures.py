@@ -7,7 +7,13 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
 
-from drumlin.report.figures import MATPLOTLIB_SETTINGS_FOR_PRINT, make_figure_for_print
+from drumlin.report.figures import (
+    FULL_WIDTH,
+    LARGEST_HEIGHT,
+    MATPLOTLIB_SETTINGS_FOR_PRINT,
+    make_figure_for_print,
+    number_of_panels_side_by_side,
+)
 from drumlin.report.palette import (
     BLUE,
     BROWN,
@@ -85,16 +91,20 @@ CHANGES = (("shoes", "torques of the shoes"), ("pressure", "pressure (L2), worst
 
 
 def draw_error_over_time(
-    title: str, rows: Sequence[Mapping[str, Any]], floors: Mapping[str, float]
+    title: str,
+    rows: Sequence[Mapping[str, Any]],
+    floors: Mapping[str, float],
+    width: float = FULL_WIDTH,
 ) -> Figure:
     """Errors of torque and p over the time of a cold solve.
 
     Errors below the uncertainty of the reference are shaded. A marker is a solve, a colour a family
-    of methods.
+    of methods. `width` [inches] is FULL_WIDTH or COLUMN_WIDTH.
     """
     with mpl.rc_context(MATPLOTLIB_SETTINGS_FOR_PRINT):
-        figure = make_figure_for_print(4.6)
-        grid = figure.subplots(1, 2)
+        columns = number_of_panels_side_by_side(width, 2)
+        figure = make_figure_for_print(4.6 if columns == 2 else LARGEST_HEIGHT, width)
+        grid = figure.subplots(2 // columns, columns, squeeze=False).ravel()
         for axes, (key, label) in zip(grid, PANELS.items(), strict=True):
             _draw_error_panel(axes, rows, key, floors[key])
             axes.set_ylabel(label)
@@ -143,7 +153,11 @@ def draw_error_over_time(
             )
         words = "uncertainty of the reference"
         handles.append(mpl.patches.Patch(color=COLOR_OF_SHADED_AREAS, label=words))
-        figure.legend(handles=handles, loc="outside lower center", ncols=3)
+        figure.legend(
+            handles=handles,
+            loc="outside lower center",
+            ncols=number_of_panels_side_by_side(width, 3),
+        )
     return figure
 
 

@@ -26,7 +26,11 @@ from drumlin.comparison import table_as_csv_text
 from drumlin.fem.error_control.levels import REFINEMENT_LEVELS_FROM_COARSE_TO_FINE
 from drumlin.fem.preparation.meshes import DEFAULT_ELEMENTS_ALONG_LINING
 from drumlin.fem.solve import solve
-from drumlin.report.figures import save_figure, save_figure_as_files
+from drumlin.report.figures import (
+    save_figure,
+    save_figure_as_files,
+    save_figure_for_page_and_column,
+)
 from drumlin.report.page import software_versions, write_html_page
 from drumlin.verification import triangles
 from drumlin.verification.reference import (
@@ -250,8 +254,10 @@ def _write_brake_files(result: Result, name: str, folder: Path) -> str:
     stem = name.replace("/", "_")
     title = result.references[name]["title"]
     own_rows = method_rows_of_brake_with_given_name(result.rows, name)
-    picture = draw_error_over_time(title, own_rows, result.floors[name])
-    save_figure_as_files(picture, folder / f"work_precision_{stem}")
+    save_figure_for_page_and_column(
+        partial(draw_error_over_time, title, own_rows, result.floors[name]),
+        folder / f"work_precision_{stem}",
+    )
     write_reference_file(result.references[name], folder / "values" / f"{stem}.json")
     return f"work_precision_{stem}.svg"
 

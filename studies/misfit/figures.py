@@ -9,12 +9,14 @@ from matplotlib.figure import Figure
 
 from drumlin.base.arrays import Floats
 from drumlin.report.figures import (
+    FULL_WIDTH,
     MATPLOTLIB_SETTINGS_FOR_PRINT,
     SMALL_TEXT_SIZE,
     draw_legend_below_figure,
     draw_triangles_where_curve_leaves_axes,
     evenly_spaced_pressure_curve_of_shoe,
     make_figure_for_print,
+    number_of_panels_side_by_side,
 )
 from drumlin.report.palette import BLUE, COLOR_OF_AXES_AND_NOTES, GREEN, INK, OCHRE, PURPLE, RED
 from drumlin.response.response import Response
@@ -176,15 +178,20 @@ def draw_torque_over_turn(
 
 
 def draw_histograms(
-    drawn: ResultsOfRandomBrakesWithTolerances, nominal: Mapping[str, float]
+    drawn: ResultsOfRandomBrakesWithTolerances,
+    nominal: Mapping[str, float],
+    width: float = FULL_WIDTH,
 ) -> Figure:
     """Distributions of each quantity over new and worn-in brakes, a panel for each quantity.
 
     Above them stand the 5th, 50th and 95th percentile, and the law's value of the nominal brake.
+    `width` [inches] is FULL_WIDTH or COLUMN_WIDTH.
     """
     with mpl.rc_context(MATPLOTLIB_SETTINGS_FOR_PRINT):
-        figure = make_figure_for_print(2.6)
-        grid = figure.subplots(1, len(QUANTITIES_SHOWN_OVER_RANDOM_BRAKES), squeeze=False)[0]
+        panels = len(QUANTITIES_SHOWN_OVER_RANDOM_BRAKES)
+        columns = number_of_panels_side_by_side(width, panels)
+        figure = make_figure_for_print(1.8 * panels / columns + 0.8, width)
+        grid = figure.subplots(panels // columns, columns, squeeze=False).ravel()
         for axes, (name, label) in zip(
             grid, QUANTITIES_SHOWN_OVER_RANDOM_BRAKES.items(), strict=True
         ):
@@ -221,7 +228,8 @@ def draw_histograms(
             lw=2,
             label="5th, 50th and 95th percentile",
         )
-        grid[0].set_ylabel("probability density")
+        for axes in grid[::columns]:
+            axes.set_ylabel("probability density")
         draw_legend_below_figure(figure, grid[-1])
     return figure
 

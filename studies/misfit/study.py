@@ -4,6 +4,7 @@ import math
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -335,15 +336,17 @@ def report(result: Result, folder: Path) -> Path:
         "pressure": figures.draw_pressures_of_radii(result.law, result.family),
         "map": figures.draw_ratio_maps(result.sides, result.ratios),
         "turn": figures.draw_torque_over_turn(result.angles, result.turns, result.law.torque),
-        "distribution": figures.draw_histograms(drawn, nominal_values),
         "shares": figures.draw_sobol_indices(result.shares),
         "run_in": figures.draw_percentiles_over_distance(
             np.array(DISTANCES), result.healed, nominal_values
         ),
     }
     for name, figure in made.items():
-        endings = ("svg", "png") if name in {"distribution", "map"} else ("svg",)
+        endings = ("svg", "png") if name == "map" else ("svg",)
         drawing.save_figure_as_files(figure, folder / name, endings)
+    drawing.save_figure_for_page_and_column(
+        partial(figures.draw_histograms, drawn, nominal_values), folder / "distribution"
+    )
     spreads = misfit_rows.rows_with_mean_and_percentiles_of_quantities(drawn)
     ranked = misfit_rows.rows_of_sobol_indices_by_tolerance(result.tolerances, result.shares)
     for name, lines in (("single", result.single), ("spread", spreads), ("shares", ranked)):

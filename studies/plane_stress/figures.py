@@ -12,9 +12,12 @@ from matplotlib.figure import Figure
 from drumlin.base.arrays import Floats
 from drumlin.base.texts import number_as_text
 from drumlin.report.figures import (
+    FULL_WIDTH,
+    LARGEST_HEIGHT,
     MATPLOTLIB_SETTINGS_FOR_PRINT,
     SMALL_TEXT_SIZE,
     make_figure_for_print,
+    number_of_panels_side_by_side,
 )
 from drumlin.report.palette import (
     BLUE,
@@ -38,26 +41,40 @@ PANELS = {
     "torque": "torque",
     "pressure": "mean p over the width (L2)",
     "uneven": "spread of p across the width",
-    "corrected_torque": "torque, corrected for the width",
+    "corrected_torque": "torque with --finite-width",
 }
 
 
-def draw_error_maps(charts: Sequence[PlaneStressErrorMap]) -> Figure:
-    """Maps of errors of the worst shoe, two panels side by side, for a page of 170 mm.
+def draw_error_maps(charts: Sequence[PlaneStressErrorMap], width: float = FULL_WIDTH) -> Figure:
+    """Maps of errors of the worst shoe, two panels side by side on a page and one in a column.
 
     One bar gives the colours of all panels; the fields give the numbers.
+
+    Parameters
+    ----------
+    charts : the maps
+    width : width of the figure [inches], FULL_WIDTH or COLUMN_WIDTH
     """
     with mpl.rc_context(MATPLOTLIB_SETTINGS_FOR_PRINT | {"axes.grid": False}):
-        rows = len(charts) * len(PANELS) // 2
-        figure = make_figure_for_print(2.1 * rows + 0.6)
-        grid = figure.subplots(rows, 2, squeeze=False)
+        columns = number_of_panels_side_by_side(width, 2)
+        rows = len(charts) * len(PANELS) // columns
+        figure = make_figure_for_print(min(2.1 * rows + 0.6, LARGEST_HEIGHT), width)
+        grid = figure.subplots(rows, columns, squeeze=False)
         panels = [(chart, key) for chart in charts for key in PANELS]
         for axes, (chart, key) in zip(grid.flat, panels, strict=True):
             drawn = _draw_map_panel(axes, chart, key, f"{chart.name}: {PANELS[key]}")
+            # In a column, only the lowest panel of a chart labels the horizontal axis.
+            if columns == 1 and key != list(PANELS)[-1]:
+                axes.set_xlabel("")
+                axes.tick_params(labelbottom=False)
+            if columns == 1:
+                axes.set_ylabel(axes.get_ylabel().replace(" [", "\n["))
         bar = figure.colorbar(
             drawn, ax=list(grid.flat), location="bottom", aspect=40, extend="min", pad=0.01
         )
-        bar.set_label("numbers in the fields, and colours by their size [%]")
+        # A column is too narrow for the label on one line.
+        gap = " " if columns > 1 else "\n"
+        bar.set_label(f"numbers in the fields,{gap}and colours by their size [%]")
         bar.set_ticks(COLOUR_BAR_ERRORS, labels=list(map("{:g}".format, COLOUR_BAR_ERRORS)))
         bar.minorticks_off()
     return figure
@@ -99,20 +116,27 @@ def _draw_map_panel(axes: Axes, chart: PlaneStressErrorMap, key: str, title: str
 
 
 def draw_face_pressures(
-    three: ResponsesBySolidAndPlaneStress, worn: PressuresOfWornSolidLinings
+    three: ResponsesBySolidAndPlaneStress,
+    worn: PressuresOfWornSolidLinings,
+    width: float = FULL_WIDTH,
 ) -> Figure:
-    """Pressure on the faces of the linings, new and worn in, with one scale."""
+    """Pressure on the faces of the linings, new and worn in, with one scale.
+
+    `width` [inches] is FULL_WIDTH or COLUMN_WIDTH.
+    """
     with mpl.rc_context(MATPLOTLIB_SETTINGS_FOR_PRINT | {"axes.grid": False}):
         new = three.solid.shoes
-        figure = make_figure_for_print(1.7 * len(new) + 0.5)
-        grid = figure.subplots(len(new), 2, squeeze=False)
+        columns = number_of_panels_side_by_side(width, 2)
+        rows = 2 * len(new) // columns
+        figure = make_figure_for_print(min(1.7 * rows + 0.5, LARGEST_HEIGHT), width)
+        grid = figure.subplots(rows, columns, squeeze=False)
         # The singular pressure at the ends of the linings is outside the scale.
         zones = [
             length_of_edge_zone_left_out_of_peak_search(shoe, three.brake.size)
             for shoe in three.brake.shoes
         ]
         top = max(_largest_face_pressure(shoe, zone) for shoe, zone in zip(new, zones, strict=True))
-        for row, a, b in zip(grid, new, worn.last, strict=True):
+        for row, a, b in zip(grid.reshape(-1, 2), new, worn.last, strict=True):
             for axes, shoe, state in ((row[0], a, "new"), (row[1], b, "worn in")):
                 assert shoe.surface is not None
                 drawn = axes.pcolormesh(
@@ -129,7 +153,10 @@ def draw_face_pressures(
                 axes.set_title(f"{shoe.name}, friction {helps}, {state}")
                 axes.set_xlabel("angle on the drum θ [deg]")
                 axes.set_ylabel("across the width z [mm]")
-        figure.colorbar(drawn, ax=list(grid.flat), label="pressure p [MPa]", shrink=0.8)
+        # A column has no room for the bar beside the panels and their titles.
+        side = "right" if columns > 1 else "bottom"
+        bar = figure.colorbar(drawn, ax=list(grid.flat), location=side, shrink=0.8)
+        bar.set_label("pressure p [MPa]")
     return figure
 
 
@@ -214,15 +241,20 @@ WAYS = {
 COLORS = {"plane stress": BLUE, "plane stress, corrected": SKY}
 
 
-def draw_error_over_time(found: Mapping[str, Sequence[TimeAndErrors]]) -> Figure:
-    """Error over processor time, a row for each brake.
+def draw_error_over_time(
+    found: Mapping[str, Sequence[TimeAndErrors]], width: float = FULL_WIDTH
+) -> Figure:
+    """Error over processor time, a row for each brake, or in a column two rows.
 
     Full marks are errors against the solid truth, hollow marks against the truth in plane stress.
+    `width` [inches] is FULL_WIDTH or COLUMN_WIDTH.
     """
     with mpl.rc_context(MATPLOTLIB_SETTINGS_FOR_PRINT):
-        figure = make_figure_for_print(2.5 * len(found) + 0.5)
-        grid = figure.subplots(len(found), 2, squeeze=False)
-        for row, (brake, rungs) in zip(grid, found.items(), strict=True):
+        columns = number_of_panels_side_by_side(width, 2)
+        rows = 2 * len(found) // columns
+        figure = make_figure_for_print(min(2.5 * rows + 0.5, LARGEST_HEIGHT), width)
+        grid = figure.subplots(rows, columns, squeeze=False)
+        for row, (brake, rungs) in zip(grid.reshape(-1, 2), found.items(), strict=True):
             for axes, key, title in zip(
                 row, ("pressure", "torque"), ("p (L2)", "torque"), strict=True
             ):
@@ -247,7 +279,10 @@ def draw_error_over_time(found: Mapping[str, Sequence[TimeAndErrors]]) -> Figure
             for axes in grid.flat
             for line, text in zip(*axes.get_legend_handles_labels(), strict=True)
         }
-        figure.legend(named.values(), named.keys(), loc="outside lower center", ncols=3)
+        legend_columns = number_of_panels_side_by_side(width, 3)
+        figure.legend(
+            named.values(), named.keys(), loc="outside lower center", ncols=legend_columns
+        )
     return figure
 
 

@@ -1,5 +1,6 @@
 """The figure of the ranges in which plane stress is right to 1, 5 and 20 %."""
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -10,7 +11,13 @@ from matplotlib.figure import Figure
 
 from drumlin.brake.brake import Brake
 from drumlin.fem.width.ladder import has_shoe_with_parts_of_different_widths
-from drumlin.report.figures import MATPLOTLIB_SETTINGS_FOR_PRINT, make_figure_for_print
+from drumlin.report.figures import (
+    FULL_WIDTH,
+    LARGEST_HEIGHT,
+    MATPLOTLIB_SETTINGS_FOR_PRINT,
+    make_figure_for_print,
+    number_of_panels_side_by_side,
+)
 from drumlin.report.palette import BLUE, ERROR_SCALE_COLORS, INK
 from drumlin_studies.plane_stress_limits import (
     LIMITS_OF_PLANE_STRESS_ERROR,
@@ -41,7 +48,9 @@ def marked_values(brakes: Mapping[str, Brake]) -> dict[str, dict[str, float]]:
 
 
 def draw_plane_stress_limits(
-    rows: Sequence[Mapping[str, Any]], usual: Mapping[str, Mapping[str, float]]
+    rows: Sequence[Mapping[str, Any]],
+    usual: Mapping[str, Mapping[str, float]],
+    width: float = FULL_WIDTH,
 ) -> Figure:
     """Errors of plane stress over each varied quantity, on bands that end at the limits.
 
@@ -49,18 +58,22 @@ def draw_plane_stress_limits(
     ----------
     rows : from `rows_of_plane_stress_limits`
     usual : values of the brakes that are varied, by quantity and brake; a drawn one has a full mark
+    width : width of the figure [inches], FULL_WIDTH or COLUMN_WIDTH
     """
     names = list(dict.fromkeys(row["varied"] for row in rows))
     with mpl.rc_context(MATPLOTLIB_SETTINGS_FOR_PRINT):
-        figure = make_figure_for_print(5.2)
-        columns = (len(names) + 1) // 2
-        grid = figure.subplots(2, columns, sharey=True, squeeze=False)
+        columns = number_of_panels_side_by_side(width, (len(names) + 1) // 2)
+        lines = math.ceil(len(names) / columns)
+        figure = make_figure_for_print(min(2.2 * lines + 0.8, LARGEST_HEIGHT), width)
+        grid = figure.subplots(lines, columns, sharey=True, squeeze=False)
         for axes, name in zip(grid.flat, names, strict=False):
             own = [row for row in rows if row["varied"] == name]
             _draw_limits_of_quantity(axes, own, usual.get(name, {}))
             axes.set_xlabel(name)
         for axes in grid[:, 0]:
-            axes.set_ylabel("error of plane stress [%]")
+            axes.set_ylabel(
+                "error of plane stress [%]" if columns > 1 else "error of\nplane stress [%]"
+            )
         for axes in grid.flat[len(names) :]:
             axes.set_visible(False)
         handles: list[Any] = []
@@ -74,7 +87,8 @@ def draw_plane_stress_limits(
         handles.append(
             mpl.lines.Line2D([], [], color=INK, marker="o", ls="", ms=5, label="the brake itself")
         )
-        figure.legend(handles=handles, loc="outside lower center", ncols=2)
+        legend_columns = number_of_panels_side_by_side(width, 2)
+        figure.legend(handles=handles, loc="outside lower center", ncols=legend_columns)
     return figure
 
 

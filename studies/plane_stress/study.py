@@ -236,28 +236,18 @@ def post_brake_on_rigid_drum() -> Brake:
     return vary(brake, changes)
 
 
-ENDINGS = {
-    "limits": ("svg", "png"),
-    "map": ("svg", "png"),
-    "ladder": ("svg", "png"),
-    "face": ("svg", "png"),
-}
-"""File formats of figures that are not only SVG."""
-
-
 def report(result: Result, folder: Path) -> Path:
     """Write page, figures, tables and fields, and return the path of the page."""
-    made = {
-        "limits": draw_plane_stress_limits(result.limits, result.marked),
-        "map": figures.draw_error_maps(result.maps),
-        "face": figures.draw_face_pressures(result.three, result.worn),
-        "curves": figures.draw_error_curves(result.curves),
-        "worn": figures.draw_unevenness_over_distance(result.worn),
-        "ladder": figures.draw_error_over_time(result.ladder),
-    }
-    for name, figure in made.items():
-        endings = ENDINGS.get(name, ("svg",))
-        drawing.save_figure_as_files(figure, folder / name, endings)
+    # These pictures are kept with the repository, and each has a version for a column.
+    for name, draw in {
+        "limits": partial(draw_plane_stress_limits, result.limits, result.marked),
+        "map": partial(figures.draw_error_maps, result.maps),
+        "face": partial(figures.draw_face_pressures, result.three, result.worn),
+        "ladder": partial(figures.draw_error_over_time, result.ladder),
+    }.items():
+        drawing.save_figure_for_page_and_column(draw, folder / name)
+    drawing.save_figure(figures.draw_error_curves(result.curves), folder / "curves.svg")
+    drawing.save_figure(figures.draw_unevenness_over_distance(result.worn), folder / "worn.svg")
     brake, response = result.three.brake, result.three.solid
     write_fields_to_vtu_file(
         folder / "solid.vtu",

@@ -15,10 +15,13 @@ from drumlin.brake.beam_axis import make_beam_axis
 from drumlin.brake.brake import Brake
 from drumlin.report.figures import (
     FORMULA_TEXT_SIZE,
+    FULL_WIDTH,
+    LARGEST_HEIGHT,
     MATPLOTLIB_SETTINGS_FOR_PRINT,
     SMALL_TEXT_SIZE,
     draw_legend_below_figure,
     make_figure_for_print,
+    number_of_panels_side_by_side,
     title_of_model_in_figures,
 )
 from drumlin.report.palette import (
@@ -224,7 +227,9 @@ def _curve_in_mm(curve: AbscissasAndOrdinatesOfCurve) -> AbscissasAndOrdinatesOf
 
 
 def draw_error_maps(
-    rows: Sequence[Sequence[TorqueErrorMapOverStiffnessGroups]], mark: Sequence[tuple[float, float]]
+    rows: Sequence[Sequence[TorqueErrorMapOverStiffnessGroups]],
+    mark: Sequence[tuple[float, float]],
+    width: float = FULL_WIDTH,
 ) -> Figure:
     """Maps of errors. A cell is one pair of solutions with its error in %.
 
@@ -234,14 +239,17 @@ def draw_error_maps(
         The maps of each row.
     mark : sequence of pairs
         In each row the place of the study's own brake.
+    width : float
+        Width of the figure [inches], FULL_WIDTH or COLUMN_WIDTH.
     """
     with mpl.rc_context(MATPLOTLIB_SETTINGS_FOR_PRINT):
-        columns = len(rows[0])
-        figure = make_figure_for_print(2.5 * len(rows) + 0.3)
-        grid = figure.subplots(len(rows), columns, squeeze=False, sharex=True, sharey=True)
+        columns = number_of_panels_side_by_side(width, len(rows[0]))
+        lines = len(rows) * len(rows[0]) // columns
+        figure = make_figure_for_print(min(2.5 * lines + 0.3, LARGEST_HEIGHT), width)
+        grid = figure.subplots(lines, columns, squeeze=False, sharex=True, sharey=True)
         shades = ListedColormap(ERROR_SCALE_COLORS)
         norm = BoundaryNorm([0, 1, 2, 3, 4], 4)
-        for line, panels, place in zip(grid, rows, mark, strict=True):
+        for line, panels, place in zip(grid.reshape(len(rows), -1), rows, mark, strict=True):
             for axes, one in zip(line, panels, strict=True):
                 # The colour of a cell tells its region of errors; cells without an answer stay
                 # white.
@@ -273,12 +281,14 @@ def draw_error_maps(
                 axes.set_xscale("log")
                 axes.set_yscale("log")
                 axes.grid(False)
-                # The model and the lining stand in two lines, since the panels are narrow.
-                # The gap is for the mark at the upper edge.
-                axes.set_title("\n".join(one.title.rsplit(", ", 1)), pad=11)
+                # On a page, the model and the lining stand in two lines, since the panels are
+                # narrow. The gap is for the mark at the upper edge.
+                title = one.title if columns == 1 else "\n".join(one.title.rsplit(", ", 1))
+                axes.set_title(title, pad=11)
                 axes.label_outer()
+        for axes in grid[:, 0]:
             label = r"ring: $k R^4/EI_\mathrm{r}$ [–]"
-            line[0].set_ylabel(label, fontsize=FORMULA_TEXT_SIZE)
+            axes.set_ylabel(label, fontsize=FORMULA_TEXT_SIZE)
         for axes in grid[-1]:
             axes.set_xlabel(r"beam: $k R^4/EI$ [–]", fontsize=FORMULA_TEXT_SIZE)
         words = ("within 1 %", "within 5 %", "within 20 %", "beyond 20 %")
@@ -286,7 +296,8 @@ def draw_error_maps(
         for shade, word in zip(ERROR_SCALE_COLORS, words, strict=True):
             handles.append(mpl.patches.Patch(color=shade, label=word))
         own = mpl.lines.Line2D([], [], marker="<", label="the study's own brake", **OWN_BRAKE_MARK)
-        figure.legend(handles=[*handles, own], loc="outside lower center", ncols=5)
+        legend_columns = 5 if columns > 1 else 2
+        figure.legend(handles=[*handles, own], loc="outside lower center", ncols=legend_columns)
     return figure
 
 

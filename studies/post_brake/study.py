@@ -178,10 +178,6 @@ def draw_figures(result: Result, folder: Path) -> None:
     """Write the figures."""
     brake = result.comparison.brake
     made = {
-        "pressure": drawing.draw_pressure_along_lining_of_each_shoe(
-            panel_title_and_responses_of_each_shoe(result.comparison)
-        ),
-        "map": figures.draw_error_maps(result.maps, result.place),
         "beams": figures.draw_beam_deflections(brake, result.beams),
         "rim": figures.draw_rim_displacements(*result.rims),
         "clearance": figures.draw_torque_over_radius_error(result.offsets),
@@ -191,8 +187,16 @@ def draw_figures(result: Result, folder: Path) -> None:
         },
     }
     for name, figure in made.items():
-        endings = ("svg", "png") if name in {"pressure", "map"} else ("svg",)
-        drawing.save_figure_as_files(figure, folder / name, endings)
+        drawing.save_figure(figure, folder / f"{name}.svg")
+    # These pictures are kept with the repository, and each has a version for a column.
+    panels = panel_title_and_responses_of_each_shoe(result.comparison)
+    drawing.save_figure_for_page_and_column(
+        lambda width: drawing.draw_pressure_along_lining_of_each_shoe(panels, width=width),
+        folder / "pressure",
+    )
+    drawing.save_figure_for_page_and_column(
+        partial(figures.draw_error_maps, result.maps, result.place), folder / "map"
+    )
 
 
 def results_data(result: Result) -> dict[str, Any]:

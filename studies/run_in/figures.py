@@ -14,10 +14,13 @@ from drumlin.lining_wear.archard import interpolate_wear_state_at_distance
 from drumlin.lining_wear.linings import WornLining
 from drumlin.lining_wear.run_in import peak_nodal_pressure_of_wear_state
 from drumlin.report.figures import (
+    FULL_WIDTH,
+    LARGEST_HEIGHT,
     MATPLOTLIB_SETTINGS_FOR_PRINT,
     draw_legend_below_figure,
     draw_triangles_where_curve_leaves_axes,
     make_figure_for_print,
+    number_of_panels_side_by_side,
 )
 from drumlin.report.palette import BLUE, COLOR_OF_AXES_AND_NOTES, INK, RED
 from drumlin_studies.run_in_limits import (
@@ -41,17 +44,25 @@ class Series(NamedTuple):
 
 
 def draw_pressures_over_distance(
-    one: WearRunUntilPressureSettles, curves: Sequence[float]
+    one: WearRunUntilPressureSettles, curves: Sequence[float], width: float = FULL_WIDTH
 ) -> Figure:
-    """Pressure over angle and sliding distance, a row for each lining.
+    """Pressure over angle and sliding distance, a row for each lining, or in a column two rows.
 
-    curves : sliding distances of the curves [1/(k K)]; a picture beside them shows all distances.
+    Parameters
+    ----------
+    one : the run
+    curves : sliding distances of the curves [1/(k K)]; a picture beside or below them shows all
+        distances
+    width : width of the figure [inches], FULL_WIDTH or COLUMN_WIDTH
     """
     setup, states = one.setup, one.states
     with mpl.rc_context(MATPLOTLIB_SETTINGS_FOR_PRINT):
-        rows = len(setup.surfaces)
-        figure = make_figure_for_print(2.2 * rows + 0.5)
-        grid = figure.subplots(rows, 2, squeeze=False, width_ratios=(1.0, 1.0))
+        columns = number_of_panels_side_by_side(width, 2)
+        rows = 2 * len(setup.surfaces) // columns
+        figure = make_figure_for_print(min(2.2 * rows + 0.5, LARGEST_HEIGHT), width)
+        placed = figure.subplots(rows, columns, squeeze=False)
+        # A row holds the curves and the picture of a lining, wherever these are placed.
+        grid = placed.reshape(-1, 2)
         # The scale of pressure ends above the peak of the new brake.
         top = 1.15 * peak_nodal_pressure_of_wear_state(setup, states[0])
         shades = mpl.colormaps["viridis_r"](np.linspace(0.12, 1.0, len(curves)))
@@ -79,7 +90,7 @@ def draw_pressures_over_distance(
             left.set_title(f"{surface.name} shoe")
             _draw_pressure_map(right, one, surface, top)
             right.set_title(f"{surface.name} shoe, over the distance")
-        for axes in grid[-1]:
+        for axes in grid[-1] if columns > 1 else placed.flat:
             axes.set_xlabel("angle on the drum θ [deg]")
         # The legend is taken from the panel with the most different labels.
         named = max(grid[:, 0], key=lambda axes: len(set(axes.get_legend_handles_labels()[1])))
@@ -89,7 +100,10 @@ def draw_pressures_over_distance(
             )
         draw_legend_below_figure(figure, named)
         bar = mpl.cm.ScalarMappable(mpl.colors.Normalize(0, top * 1e-6), "viridis")
-        figure.colorbar(bar, ax=grid[:, 1].tolist(), label="pressure p [MPa]", shrink=0.8)
+        # A column has no room for the bar beside the panels.
+        beside = grid[:, 1].tolist() if columns > 1 else list(placed.flat)
+        side = "right" if columns > 1 else "bottom"
+        figure.colorbar(bar, ax=beside, location=side, label="pressure p [MPa]", shrink=0.8)
     return figure
 
 

@@ -3,6 +3,7 @@
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -237,8 +238,10 @@ def draw_figures(
     """
     main = result.main
     for key, one in (("stiff", main), ("flexible", result.flexible)):
-        pressures = figures.draw_pressures_over_distance(one, CURVES[key])
-        drawing.save_figure_as_files(pressures, folder / f"pressure_{key}")
+        drawing.save_figure_for_page_and_column(
+            partial(figures.draw_pressures_over_distance, one, CURVES[key]),
+            folder / f"pressure_{key}",
+        )
     marks = []
     for part in OPEN_CURVES:
         marks.append(float(f"{least.sliding_distances_of_run_states()[-1] * part:.1g}"))

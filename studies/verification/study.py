@@ -3,6 +3,7 @@
 import math
 import time
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -227,7 +228,9 @@ def report(result: Result, folder: Path) -> Path:
             series[kind] = [(r["elements"], r["pressure"]) for r in rows]
         figure = figures.draw_errors_over_element_numbers(series, "error of p in L2")
         figures.save_figure(figure, folder / f"orders_{i + 1}.svg")
-    figures.save_figure(plot_stated_over_true_errors(result.judged), folder / "stated_true.svg")
+    figures.save_figure_for_page_and_column(
+        partial(plot_stated_over_true_errors, result.judged), folder / "stated_true"
+    )
     write_text(folder / "stated_true.csv", table_as_csv_text(result.judged))
     write_text(folder / "corners.csv", table_as_csv_text(result.corners))
     figures.save_figure(

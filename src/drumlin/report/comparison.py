@@ -5,6 +5,7 @@ The reports of studies use some functions of this module, too.
 
 import json
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -103,9 +104,10 @@ def draw_stress_fields(
     bodies = stress_and_displacement_fields_of_shoes_and_ring(scene, brake, response)
     if "vtu" in endings:
         write_fields_to_vtu_file(folder / f"{name}.vtu", bodies)
-    picture = draw_stress_in_shoes_and_ring(brake, response, bodies)
     pictures = [ending for ending in endings if ending != "vtu"]
-    figures.save_figure_as_files(picture, folder / name, pictures)
+    figures.save_figure_for_page_and_column(
+        partial(draw_stress_in_shoes_and_ring, brake, response, bodies), folder / name, pictures
+    )
 
 
 def comparisons_as_json(comparisons: Sequence[ModelComparison[Any]], **more: Any) -> str:

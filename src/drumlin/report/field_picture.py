@@ -24,10 +24,12 @@ from drumlin.brake.fields import Point
 from drumlin.brake.support import SupportedShoe
 from drumlin.fem.analysis.fields import StressAndDisplacementFields
 from drumlin.report.figures import (
+    COLUMN_WIDTH,
     FULL_WIDTH,
     MATPLOTLIB_SETTINGS_FOR_PRINT,
     PIXELS_PER_INCH,
     height_of_title,
+    number_of_panels_side_by_side,
     title_folded_into_lines,
     write_title_above_picture,
 )
@@ -100,8 +102,11 @@ PRESSURE_SHAFT_WIDTH, FORCE_SHAFT_WIDTH = 0.0022, 0.0045
 ARROW_HEAD_WIDTH_OVER_SHAFT_WIDTH = 4
 """Width of an arrow's head, relative to the width of its shaft."""
 
-BAR_WIDTH, LEGEND_HEIGHT = 0.75, 0.45
-"""Width of the colour bar with its labels, and height of the legend [inches]."""
+BAR_WIDTH, COLOUR_BAR_WIDTH = 0.75, 0.14
+"""Widths of the colour bar with and without its labels [inches]."""
+
+LEGEND_HEIGHT_OF_PAGE, LEGEND_HEIGHT_OF_COLUMN = 0.6, 1.05
+"""Height [inches] of the legend in a picture for a page and for a column."""
 
 LEAST_HEIGHT, MOST_HEIGHT = 1.9, 7.5
 """Smallest and largest height of the brake in the picture [inches].
@@ -136,7 +141,10 @@ class _DrawnFrictionSurface(NamedTuple):
 
 
 def draw_stress_in_shoes_and_ring(
-    brake: Brake, response: Response, bodies: Sequence[StressAndDisplacementFields]
+    brake: Brake,
+    response: Response,
+    bodies: Sequence[StressAndDisplacementFields],
+    width: float = FULL_WIDTH,
 ) -> Figure:
     """Draw the von Mises stress on the deformed bodies, pressure, forces, pins and drum or plane.
 
@@ -145,6 +153,7 @@ def draw_stress_in_shoes_and_ring(
     brake : the brake
     response : response of the brake by finite elements
     bodies : displacements and stresses of all shoes, and of the drum ring if it is elastic
+    width : width of the picture [inches], FULL_WIDTH or COLUMN_WIDTH
     """
     surface = _friction_surface_of_brake(brake)
     size = MM_PER_M * surface.size
@@ -154,7 +163,8 @@ def draw_stress_in_shoes_and_ring(
     )
     line = MM_PER_M * surface.line
     deformed = [MM_PER_M * (body.points + factor * body.displacement) for body in bodies]
-    pressure = MM_PER_M * _pressure_arrows(brake, response, surface.size)
+    drawn = _pressure_arrows(brake, response, surface.size)
+    pressure = MM_PER_M * drawn.places
     forces = MM_PER_M * _force_arrows(brake_with_forces_of_response(brake, response), surface.size)
     pins = [MM_PER_M * point for point in _points_of_supports(brake)]
     radius = DRAWN_PIN_RADIUS_OVER_DRUM_RADIUS * size
@@ -162,8 +172,10 @@ def draw_stress_in_shoes_and_ring(
     places = [line, *deformed, pressure.reshape(-1, 2), forces.reshape(-1, 2), *discs]
     with mpl.rc_context(MATPLOTLIB_SETTINGS_FOR_PRINT):
         motion = f"{brake.motion_as_text}; displacements × {factor:g}"
-        title = title_folded_into_lines(brake.title, motion)
-        figure, axes, bar = _figure_that_shows_all_points(np.concatenate(places), size, title)
+        title = title_folded_into_lines(brake.title, motion, width)
+        figure, axes, bar = _figure_that_shows_all_points(
+            np.concatenate(places), size, title, width
+        )
         _draw_stress_and_colour_bar(axes, bar, bodies, deformed)
         for body in bodies:
             outline = MM_PER_M * body.points[_edges_of_outline(body)]
@@ -176,14 +188,15 @@ def draw_stress_in_shoes_and_ring(
         for x, y in pins:
             axes.add_patch(Circle((x, y), radius, color=INK, zorder=6))
         write_title_above_picture(figure, title)
-        _write_legend(figure, surface.name, "actuation or link" if brake.links else "actuation")
+        force = "actuation or link" if brake.links else "actuation"
+        _write_legend(figure, surface.name, drawn.pressure_of_longest, force)
     return figure
 
 
 def _figure_that_shows_all_points(
-    places: Floats, size: float, title: str
+    places: Floats, size: float, title: str, figure_width: float = FULL_WIDTH
 ) -> tuple[Figure, Axes, Axes]:
-    """A figure of FULL_WIDTH, its axes with limits around all places, and the colour bar's axes.
+    """A figure of a width, its axes with limits around all places, and the colour bar's axes.
 
     The height of the figure follows from the places, so that no part of it stays empty.
 
@@ -192,7 +205,11 @@ def _figure_that_shows_all_points(
     places : points (n, 2) [mm] that the axes must show, with a margin for the heads of arrows
     size : the drum's radius [mm]; on a plane, half the length of the brake [mm]
     title : lines of the title, for which the figure has room above the axes
+    figure_width : width of the figure [inches], FULL_WIDTH or COLUMN_WIDTH
     """
+    room = figure_width - BAR_WIDTH
+    in_column = figure_width == COLUMN_WIDTH
+    legend_height = LEGEND_HEIGHT_OF_COLUMN if in_column else LEGEND_HEIGHT_OF_PAGE
     low, high = places.min(axis=0), places.max(axis=0)
     # Half of a head's width is in proportion to the width of the axes with both margins.
     head = 0.5 * ARROW_HEAD_WIDTH_OVER_SHAFT_WIDTH * FORCE_SHAFT_WIDTH
@@ -200,19 +217,20 @@ def _figure_that_shows_all_points(
     low, high = low - margin, high + margin
     width, height = high - low
     # Flat brakes get room above and below, since the colour bar needs some height.
-    lacking = max(LEAST_HEIGHT / (FULL_WIDTH - BAR_WIDTH) * width - height, 0.0)
+    lacking = max(LEAST_HEIGHT / room * width - height, 0.0)
     low[1], high[1], height = low[1] - lacking / 2, high[1] + lacking / 2, height + lacking
-    shown_height = min((FULL_WIDTH - BAR_WIDTH) * height / width, MOST_HEIGHT)
+    shown_height = min(room * height / width, MOST_HEIGHT)
     shown_width = shown_height * width / height
-    total = shown_height + height_of_title(title) + LEGEND_HEIGHT
-    figure = Figure(figsize=(FULL_WIDTH, total))
-    left = 0.5 * (FULL_WIDTH - BAR_WIDTH - shown_width) / FULL_WIDTH
-    bottom, relative = LEGEND_HEIGHT / total, shown_height / total
-    axes = figure.add_axes((left, bottom, shown_width / FULL_WIDTH, relative))
+    total = shown_height + height_of_title(title) + legend_height
+    figure = Figure(figsize=(figure_width, total))
+    left = 0.5 * (room - shown_width) / figure_width
+    bottom, relative = legend_height / total, shown_height / total
+    axes = figure.add_axes((left, bottom, shown_width / figure_width, relative))
     axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
     axes.set_axis_off()
-    right = left + (shown_width + 0.12) / FULL_WIDTH
-    bar = figure.add_axes((right, bottom + 0.2 * relative, 0.14 / FULL_WIDTH, 0.6 * relative))
+    right = left + (shown_width + 0.12) / figure_width
+    bar_width = COLOUR_BAR_WIDTH / figure_width
+    bar = figure.add_axes((right, bottom + 0.2 * relative, bar_width, 0.6 * relative))
     return figure, axes, bar
 
 
@@ -249,7 +267,8 @@ def _draw_stress_and_colour_bar(
     top = rounded_up_to_end_of_colour_bar(highest)
     colours = ScalarMappable(Normalize(0, top), "viridis")
     (left, right), (bottom, above) = axes.get_xlim(), axes.get_ylim()
-    pixel = (right - left) / (axes.get_position().width * FULL_WIDTH * PIXELS_PER_INCH)
+    shown_width = axes.get_window_extent().width / axes.figure.dpi
+    pixel = (right - left) / (shown_width * PIXELS_PER_INCH)
     shape = (math.ceil((above - bottom) / pixel), math.ceil((right - left) / pixel))
     fine = np.full(
         (SAMPLES_PER_PIXEL_SIDE * shape[0], SAMPLES_PER_PIXEL_SIDE * shape[1]), np.nan, np.float32
@@ -394,8 +413,21 @@ def _force_arrows(brake: Brake, size: float) -> Floats:
     return np.array(arrows).reshape(-1, 2, 2)
 
 
-def _pressure_arrows(brake: Brake, response: Response, size: float) -> Floats:
-    """Tail and tip (n, 2, 2) [m] of arrows of the pressure, evenly spread over the contact.
+class _PressureArrows(NamedTuple):
+    """Arrows of the pressure.
+
+    Attributes
+    ----------
+    places : tail and tip (n, 2, 2) [m]
+    pressure_of_longest : least pressure [Pa] of an arrow of the largest length; nan without arrows
+    """
+
+    places: Floats
+    pressure_of_longest: float
+
+
+def _pressure_arrows(brake: Brake, response: Response, size: float) -> _PressureArrows:
+    """Arrows of the pressure, evenly spread over the contact.
 
     `size` [m] is the drum's radius, or, on a plane, half the length of the brake.
     """
@@ -416,31 +448,41 @@ def _pressure_arrows(brake: Brake, response: Response, size: float) -> Floats:
             pushes.append(-shoe.sign_internal_plus_external_minus * p[:, None] * radial)
     tip, push = np.concatenate(tips), np.concatenate(pushes)
     if not len(tip):
-        return np.zeros((0, 2, 2))
+        return _PressureArrows(np.zeros((0, 2, 2)), math.nan)
     lengths = np.linalg.norm(push, axis=1)
     top = float(np.percentile(lengths, PERCENTAGE_OF_PROPORTIONAL_ARROWS))
     scale = LONGEST_PRESSURE_ARROW_OVER_RADIUS * size / np.maximum(lengths, top)
-    return np.stack([tip - scale[:, None] * push, tip], axis=1)
+    return _PressureArrows(np.stack([tip - scale[:, None] * push, tip], axis=1), top)
 
 
-def _write_legend(figure: Figure, surface: str, force: str) -> None:
+def length_of_arrows_in_words(pressure_of_longest: float) -> str:
+    """What the longest arrows of a picture stand for, by the least of their pressures [Pa]."""
+    return f"longest arrows: {1e-6 * pressure_of_longest:.2g} MPa or more"
+
+
+def _write_legend(figure: Figure, surface: str, pressure_of_longest: float, force: str) -> None:
     """Write below the picture what its symbols mean.
 
     Parameters
     ----------
     figure : the figure
     surface : "drum" or "plane"
+    pressure_of_longest : least pressure [Pa] of an arrow of the largest length; nan without arrows
     force : what exerts the forces on the shoes, such as "actuation"
     """
     arrow: dict[str, Any] = {"marker": ">", "markevery": [1], "ms": 4}
+    pressed = f"pressure of the {surface} on the lining"
+    if math.isfinite(pressure_of_longest):
+        pressed += f"\n({length_of_arrows_in_words(pressure_of_longest)})"
     handles = [
-        Line2D([], [], color=RED, lw=1, label=f"pressure of the {surface} on the lining", **arrow),
+        Line2D([], [], color=RED, lw=1, label=pressed, **arrow),
         Line2D([], [], color=INK, lw=1.4, label=f"force of {force}", **arrow),
         Line2D([], [], color=INK, ls="", marker="o", ms=6, label="pin or foot"),
         Line2D([], [], color="black", lw=1.2, label=surface),
         Line2D([], [], color=COLOR_OF_AXES_AND_NOTES, lw=0.8, label="undeformed outline"),
     ]
-    figure.legend(handles=handles, loc="lower center", ncols=3)
+    columns = number_of_panels_side_by_side(figure.get_figwidth(), 3)
+    figure.legend(handles=handles, loc="lower center", ncols=columns)
 
 
 def rounded_up_to_end_of_colour_bar(value: float) -> float:

@@ -6,7 +6,7 @@ The drawing functions return a figure. `save_figure` writes it into a file.
 import math
 import warnings
 from bisect import bisect_right
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -30,9 +30,16 @@ COLUMN_WIDTH, FULL_WIDTH = 85 / 25.4, 170 / 25.4
 TEXT_SIZE, SMALL_TEXT_SIZE = 8.0, 7.0
 """Sizes [points] of text in a figure that is printed at its own width.
 
-Journals ask for at least 6 to 7 points. Numbers in the cells of a coloured table have the small
+Elsevier's page "Artwork sizing" asks for a printed size of 7 points for normal text, and of at
+least 6 points for exponents and indices. Numbers in the cells of a coloured table have the small
 size.
 """
+
+LARGEST_HEIGHT = 235 / 25.4
+"""Largest height [inches] of a figure that fits with its caption on a page of A4."""
+
+END_OF_COLUMN_FILE_NAME = "_column"
+"""Last part of the name of a figure's version for a column, before the file's ending."""
 
 FORMULA_TEXT_SIZE = SMALL_TEXT_SIZE / 0.7
 """Size [points] of a label with exponents or indices, so that these have SMALL_TEXT_SIZE.
@@ -53,7 +60,7 @@ A line of text of TEXT_SIZE is 0.155 inches high with its spacing.
 """
 
 WIDEST_TITLE_LINE_OVER_FIGURE_WIDTH = 0.96
-"""Largest width of a line of a picture's title, relative to FULL_WIDTH.
+"""Largest width of a line of a picture's title, relative to the width of the picture.
 
 The title begins at 0.01 of the width. The rest is for the rounding of letters to pixels, which
 changes the width of a line by some 1 %.
@@ -125,6 +132,14 @@ def make_figure_for_print(height: float, width: float = FULL_WIDTH) -> Figure:
     return Figure(figsize=(width, height), layout="constrained")
 
 
+def number_of_panels_side_by_side(width: float, most: int) -> int:
+    """The panels in a row of a figure: `most` on a page, and one in a column, where text is large.
+
+    `width` [inches] is FULL_WIDTH or COLUMN_WIDTH.
+    """
+    return 1 if width == COLUMN_WIDTH else most
+
+
 class PlainLogFormatter(LogFormatter):
     """Numbers at the ticks of a logarithmic axis as plain text: 0.001, 10, 1e-7.
 
@@ -154,7 +169,7 @@ def number_logarithmic_axes_plainly(figure: Figure) -> None:
                 axis.set_minor_formatter(PlainLogFormatter())
 
 
-def save_figure(figure: Figure, path: Path) -> Path:
+def save_figure(figure: Figure, path: Path, *, pixels_per_inch: float = PIXELS_PER_INCH) -> Path:
     """Write a figure into a file whole or not at all; returns `path`.
 
     Logarithmic axes get plain numbers, because exponents are too small in print.
@@ -177,7 +192,7 @@ def save_figure(figure: Figure, path: Path) -> Path:
         warnings.catch_warnings(),
     ):
         warnings.filterwarnings("ignore", "Glyph .* missing from")
-        figure.savefig(partial, dpi=PIXELS_PER_INCH, metadata=metadata)
+        figure.savefig(partial, dpi=pixels_per_inch, metadata=metadata)
     return path
 
 
@@ -191,20 +206,45 @@ def save_figure_as_files(
         figure.set_layout_engine("none")
 
 
-def title_folded_into_lines(title: str, last: str) -> str:
-    """A picture's title, folded into lines that fit into FULL_WIDTH, and `last` on lines below it.
+def save_figure_for_page_and_column(
+    draw: Callable[[float], Figure], path: Path, endings: Sequence[str] = ("svg", "png")
+) -> None:
+    """Write a figure for a page of 170 mm, and beside it one for a column of 85 mm.
 
-    Lines are folded at blanks, and within a word only if the word is wider than a line.
+    The figure for the column has the panels below each other. A figure for the page that a journal
+    shrinks to a column would have letters of 4 points.
+
+    Parameters
+    ----------
+    draw : draws the figure for a width [inches], FULL_WIDTH or COLUMN_WIDTH
+    path : path of the files without ending; END_OF_COLUMN_FILE_NAME follows the name of the second
+    endings : endings of the files
     """
-    return "\n".join(_lines_no_wider_than_page(title) + _lines_no_wider_than_page(last))
+    save_figure_as_files(draw(FULL_WIDTH), path, endings)
+    in_column = path.with_name(f"{path.name}{END_OF_COLUMN_FILE_NAME}")
+    save_figure_as_files(draw(COLUMN_WIDTH), in_column, endings)
 
 
-def _lines_no_wider_than_page(text: str) -> list[str]:
-    """The lines of a text in bold letters of TEXT_SIZE, none wider than a figure allows."""
+def title_folded_into_lines(title: str, last: str, width: float = FULL_WIDTH) -> str:
+    """A picture's title, folded into lines that fit into a width, and `last` on lines below it.
+
+    Lines are folded at blanks, and within a word only if the word is wider than a line. A factor
+    such as "× 50" stays with the word before it. `width` [inches] is the width of the picture.
+    """
+    unbroken = last.replace(" × ", "\N{NO-BREAK SPACE}×\N{NO-BREAK SPACE}")
+    lines = _lines_no_wider_than(title, width) + _lines_no_wider_than(unbroken, width)
+    return "\n".join(lines).replace("\N{NO-BREAK SPACE}×\N{NO-BREAK SPACE}", " × ")
+
+
+def _lines_no_wider_than(text: str, width: float) -> list[str]:
+    """The lines of a text in bold letters of TEXT_SIZE, none wider than a figure allows.
+
+    `width` [inches] is the width of the figure.
+    """
     # At 72 pixels per inch the renderer's widths are points.
     renderer = RendererAgg(1, 1, 72)
     font = FontProperties(weight="bold", size=TEXT_SIZE)
-    widest = WIDEST_TITLE_LINE_OVER_FIGURE_WIDTH * FULL_WIDTH * 72
+    widest = WIDEST_TITLE_LINE_OVER_FIGURE_WIDTH * width * 72
 
     def width_of_first_letters(count: int) -> float:
         """The width [points] of the first letters of the text that is left."""
@@ -250,7 +290,8 @@ def draw_legend_below_figure(figure: Figure, axes: Axes, **more: Any) -> None:
     # A column of the legend is as wide as a sample of the curve's line and some 22 letters. This
     # is 2.2 inches at 10 points.
     width = 0.22 * mpl.rcParams["font.size"]
-    columns = min(len(handle_of), max(2, int(figure.get_figwidth() / width)))
+    least = number_of_panels_side_by_side(figure.get_figwidth(), 2)
+    columns = min(len(handle_of), max(least, int(figure.get_figwidth() / width)))
     options = {"loc": "outside lower center", "ncols": columns} | more
     figure.legend(handle_of.values(), handle_of.keys(), **options)
 
@@ -365,6 +406,7 @@ def draw_pressure_along_lining_of_each_shoe(
     columns: int = 2,
     *,
     surface: FrictionSurface = FRICTION_SURFACE_OF_DRUM,
+    width: float = FULL_WIDTH,
 ) -> Figure:
     """Draw the contact pressure along the lining, in a panel for each shoe.
 
@@ -377,13 +419,16 @@ def draw_pressure_along_lining_of_each_shoe(
     panels : title and responses of each panel
     columns : number of panels side by side
     surface : friction surface, drum or plane
+    width : width of the figure [inches], FULL_WIDTH or COLUMN_WIDTH; a figure of one panel has
+        COLUMN_WIDTH in any case
     """
     with mpl.rc_context(MATPLOTLIB_SETTINGS_FOR_PRINT):
-        columns = min(columns, len(panels))
+        columns = min(number_of_panels_side_by_side(width, columns), len(panels))
         rows = math.ceil(len(panels) / columns)
         # Two panels side by side fill a page of 170 mm, and one panel a column of 85 mm.
         width = FULL_WIDTH if columns > 1 else COLUMN_WIDTH
-        figure = make_figure_for_print(2.1 * rows + 0.3, width)
+        height = min(2.1 * rows + 0.3, LARGEST_HEIGHT)
+        figure = make_figure_for_print(height, width)
         grid = figure.subplots(rows, columns, squeeze=False, sharey=True)
         few = max(len(responses) for _, responses in panels) <= 2
         top = _upper_end_of_pressure_axis(panels)
@@ -404,6 +449,25 @@ def draw_pressure_along_lining_of_each_shoe(
             figure, max(used, key=lambda axes: len(set(axes.get_legend_handles_labels()[1])))
         )
     return figure
+
+
+def save_pressure_figure_for_page_and_column(
+    panels: Sequence[PressurePanel],
+    path: Path,
+    endings: Sequence[str] = ("svg", "png"),
+    surface: FrictionSurface = FRICTION_SURFACE_OF_DRUM,
+) -> None:
+    """Write the figure of the pressures along the linings for a page and for a column.
+
+    The parameters are those of `draw_pressure_along_lining_of_each_shoe` and of
+    `save_figure_for_page_and_column`.
+    """
+
+    def draw(width: float) -> Figure:
+        """The figure with a width [inches]."""
+        return draw_pressure_along_lining_of_each_shoe(panels, surface=surface, width=width)
+
+    save_figure_for_page_and_column(draw, path, endings)
 
 
 def _upper_end_of_pressure_axis(panels: Sequence[PressurePanel]) -> float:

@@ -17,13 +17,15 @@ from drumlin.report.field_picture import (
     LONGEST_PRESSURE_ARROW_OVER_RADIUS,
     PERCENTAGE_OF_PLANE_NODES_WITHIN_COLOUR_BAR,
     PERCENTAGE_OF_PROPORTIONAL_ARROWS,
+    length_of_arrows_in_words,
     rounded_up_to_end_of_colour_bar,
 )
-from drumlin.report.figures import save_figure, title_folded_into_lines
+from drumlin.report.figures import COLUMN_WIDTH, save_figure, title_folded_into_lines
 from drumlin.report.palette import RED
 from drumlin.report.render import draw_picture_in_new_process, draw_picture_named_by_arguments
 from drumlin.report.rendered_figure import (
     COLOR_OF_DRAWN_RIM,
+    PIXELS_PER_INCH_OF_RENDERED_FIGURE,
     STRESS_ARRAY_NAME,
     RimRadii,
     figure_around_pixels,
@@ -96,17 +98,19 @@ def draw_plane_fields_in_this_process(
         show_scalar_bar=False,
     )
     plotter.add_mesh(outline, color="#888888", line_width=2)
-    _add_pressure_arrows(plotter, grid, size)
+    longest = _add_pressure_arrows_and_return_pressure_of_longest(plotter, grid, size)
     plotter.view_xy()
     plotter.enable_parallel_projection()
     plotter.reset_camera()
     pixels = pixels_without_white_margins(np.asarray(plotter.screenshot(return_img=True)))
     drum = "" if rim is None else " and drum"
-    lines = title_folded_into_lines(
-        title, f"displacements × {factor:g}; undeformed outline{drum} grey"
-    )
+    legend = f"displacements × {factor:g}; undeformed outline{drum} grey"
+    if longest is not None:
+        legend += f"; pressure on the lining orange, {length_of_arrows_in_words(longest)}"
+    lines = title_folded_into_lines(title, legend, COLUMN_WIDTH)
     beyond = float(grid.point_data[STRESS_ARRAY_NAME].max()) > top
-    save_figure(figure_around_pixels(pixels, lines, top, beyond=beyond), picture)
+    figure = figure_around_pixels(pixels, lines, top, beyond=beyond)
+    save_figure(figure, picture, pixels_per_inch=PIXELS_PER_INCH_OF_RENDERED_FIGURE)
 
 
 def _outlines_of_bodies(grid: Any) -> Any:
@@ -119,16 +123,19 @@ def _outlines_of_bodies(grid: Any) -> Any:
     )
 
 
-def _add_pressure_arrows(plotter: Any, grid: Any, size: float) -> None:
+def _add_pressure_arrows_and_return_pressure_of_longest(
+    plotter: Any, grid: Any, size: float
+) -> float | None:
     """Add arrows of the pressures on the lining; the longest ones are shortened to one length.
 
     `size` [m] is half the length of the drawn bodies, to which the arrows' lengths are relative.
+    The result is the least pressure [Pa] of an arrow of the largest length, or None without arrows.
     """
     import pyvista as pv  # noqa: PLC0415
 
     touching = np.flatnonzero(np.asarray(grid.point_data["pressure [Pa]"]) > 0)
     if not len(touching):
-        return
+        return None
     points = np.asarray(grid.points)[touching]
     cells = np.round(points / (SIDE_OF_SQUARE_WITH_ONE_PRESSURE_ARROW * size))
     chosen = touching[np.unique(cells, axis=0, return_index=True)[1]]
@@ -140,6 +147,7 @@ def _add_pressure_arrows(plotter: Any, grid: Any, size: float) -> None:
     cloud["arrow"], cloud["size"] = arrows, np.linalg.norm(arrows, axis=1)
     tip = pv.Arrow(tip_length=0.25, tip_radius=0.05, shaft_radius=0.016)
     plotter.add_mesh(cloud.glyph(orient="arrow", scale="size", geom=tip), color=RED, lighting=False)
+    return top
 
 
 def main() -> int:

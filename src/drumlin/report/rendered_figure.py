@@ -14,13 +14,16 @@ from matplotlib.figure import Figure
 
 from drumlin.brake.brake import Brake
 from drumlin.report.field_picture import (
+    BAR_WIDTH,
+    COLOUR_BAR_WIDTH,
     LEAST_HEIGHT,
     MOST_HEIGHT,
     draw_colour_bar_of_stress,
 )
 from drumlin.report.figures import (
-    FULL_WIDTH,
+    COLUMN_WIDTH,
     MATPLOTLIB_SETTINGS_FOR_PRINT,
+    PIXELS_PER_INCH,
     height_of_title,
     write_title_above_picture,
 )
@@ -28,8 +31,11 @@ from drumlin.report.figures import (
 STRESS_ARRAY_NAME = "von Mises stress [MPa]"
 """The name of the stresses [MPa] in the grid of pyvista."""
 
-RELATIVE_WIDTH_OF_RENDERED_PIXELS = 0.86
-"""Width of the pixels of pyvista in the picture, relative to the width of the picture."""
+PIXELS_PER_INCH_OF_RENDERED_FIGURE = 2 * PIXELS_PER_INCH
+"""Resolution of a picture of pyvista, in pixels per inch of the printed figure.
+
+A picture for a column has with it as many pixels as other figures have for a page.
+"""
 
 DRAWN_RIM_THICKNESS_OVER_RADIUS = 0.025
 """Thickness of the grey band that stands for a rigid drum, relative to the drum's radius.
@@ -79,7 +85,9 @@ def pixels_without_white_margins(pixels: Any) -> Any:
 
 
 def figure_around_pixels(pixels: Any, title: str, top: float, *, beyond: bool) -> Figure:
-    """A figure of FULL_WIDTH with an image (rows, columns, 3), its title and its colour bar.
+    """A figure of COLUMN_WIDTH with an image (rows, columns, 3), its title and its colour bar.
+
+    The text is large enough for a column, so that no second version is needed.
 
     Parameters
     ----------
@@ -88,7 +96,7 @@ def figure_around_pixels(pixels: Any, title: str, top: float, *, beyond: bool) -
     top : upper end of the colour bar [MPa]
     beyond : whether some stresses are larger than `top`
     """
-    room = RELATIVE_WIDTH_OF_RENDERED_PIXELS * FULL_WIDTH
+    room = COLUMN_WIDTH - BAR_WIDTH
     rows, columns = pixels.shape[:2]
     height = min(room * rows / columns, MOST_HEIGHT)
     width = height * columns / rows
@@ -96,16 +104,16 @@ def figure_around_pixels(pixels: Any, title: str, top: float, *, beyond: bool) -
     shown = max(height, LEAST_HEIGHT)
     total = shown + height_of_title(title)
     with mpl.rc_context(MATPLOTLIB_SETTINGS_FOR_PRINT):
-        figure = Figure(figsize=(FULL_WIDTH, total))
-        left, bottom = 0.5 * (room - width) / FULL_WIDTH, 0.5 * (shown - height) / total
-        axes = figure.add_axes((left, bottom, width / FULL_WIDTH, height / total))
+        figure = Figure(figsize=(COLUMN_WIDTH, total))
+        left, bottom = 0.5 * (room - width) / COLUMN_WIDTH, 0.5 * (shown - height) / total
+        axes = figure.add_axes((left, bottom, width / COLUMN_WIDTH, height / total))
         axes.imshow(pixels, aspect="auto")
         axes.set_axis_off()
         bar = figure.add_axes(
             (
-                RELATIVE_WIDTH_OF_RENDERED_PIXELS + 0.02,
+                (room + 0.08) / COLUMN_WIDTH,
                 0.2 * shown / total,
-                0.02,
+                COLOUR_BAR_WIDTH / COLUMN_WIDTH,
                 0.6 * shown / total,
             )
         )

@@ -12,10 +12,11 @@ import numpy as np
 from drumlin.base.round_numbers import largest_round_number_not_above_value
 from drumlin.brake.brake import Brake
 from drumlin.report.field_picture import rounded_up_to_end_of_colour_bar
-from drumlin.report.figures import save_figure, title_folded_into_lines
+from drumlin.report.figures import COLUMN_WIDTH, save_figure, title_folded_into_lines
 from drumlin.report.render import draw_picture_in_new_process, draw_picture_named_by_arguments
 from drumlin.report.rendered_figure import (
     COLOR_OF_DRAWN_RIM,
+    PIXELS_PER_INCH_OF_RENDERED_FIGURE,
     STRESS_ARRAY_NAME,
     RimRadii,
     figure_around_pixels,
@@ -91,9 +92,9 @@ def draw_solid_shoes_in_this_process(
     plotter.reset_camera()
     pixels = pixels_without_white_margins(np.asarray(plotter.screenshot(return_img=True)))
     drum = "" if rim is None else "; drum grey"
-    lines = title_folded_into_lines(title, f"displacements × {factor:g}{drum}")
+    lines = title_folded_into_lines(title, f"displacements × {factor:g}{drum}", COLUMN_WIDTH)
     figure = figure_around_pixels(pixels, lines, top, beyond=float(stress.max()) > top)
-    save_figure(figure, picture)
+    save_figure(figure, picture, pixels_per_inch=PIXELS_PER_INCH_OF_RENDERED_FIGURE)
 
 
 def _deformed_surfaces_of_both_halves(grid: Any, factor: float) -> list[Any]:
