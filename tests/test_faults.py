@@ -156,6 +156,48 @@ def test_a_sound_mesh_is_answered_and_that_of_an_impossible_one_is_a_fault(suffi
     assert "has none" in describe_fault_of_run(sound._replace(must_fail=True), end)
 
 
+ANSWER_IN_JSON = b'{"torque": 1.0, "seconds": {"mesh": 0.1}}'
+
+
+@pytest.mark.parametrize(
+    ("status", "answer", "fault"),
+    [
+        (0, b'{"torque": 1.0, "seconds": {"mesh": 0.7}}', ""),
+        (0, b'{"torque": 1.0000001, "seconds": {"mesh": 0.1}}', "another answer"),
+        (2, ANSWER_IN_JSON, "another answer"),
+    ],
+)
+def test_a_mesh_under_another_suffix_may_only_have_its_own_answer(
+    status, answer, fault, monkeypatch
+):
+    """The undamaged files are solved too, and all numbers but the run times are compared."""
+    undamaged = {"b.toml": b"", "m.inp": b"*NODE"}
+    given = input_with_mesh_file("renamed", b"*NODE", ".msh", must_fail=False)
+    given = given._replace(undamaged_files=undamaged)
+
+    def run(other):
+        assert dict(other.files) == undamaged
+        return GOOD._replace(status=status, written={"r.json": answer})
+
+    monkeypatch.setattr(endings, "run_input_in_this_process", run)
+    said = describe_fault_of_run(given, GOOD._replace(written={"r.json": ANSWER_IN_JSON}))
+    assert said.startswith(fault) and bool(said) == bool(fault)
+
+
+def test_only_a_whole_mesh_under_another_suffix_may_have_an_answer():
+    """An input that may be answered holds exactly the bytes of the undamaged mesh."""
+    made = [
+        trials.make_numbered_input_of_generator("impossible meshes", number)
+        for number in range(400)
+    ]
+    answered = [given for given in made if not given.must_fail]
+    assert len(answered) > 3 and all("another format" in given.kind for given in answered)
+    for given in answered:
+        (mesh,) = (data for name, data in given.files.items() if name != "b.toml")
+        assert mesh in given.undamaged_files.values()
+    assert not any(given.undamaged_files for given in made if given.must_fail)
+
+
 def test_an_answer_that_cannot_be_true_is_found(monkeypatch):
     brake = read_drum_or_plane_brake(ROOT / "studies" / f"{BRAKE}.toml")
     answer = solve(brake, "fem", elements=6)

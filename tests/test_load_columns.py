@@ -204,13 +204,13 @@ def test_a_shoe_is_coupled_with_all_its_columns(brake, level):
     )
     # A further column changes the round-off of the other columns on a mesh.
     np.testing.assert_allclose(
-        coupled.gap_closure_by_load[:, :3],
-        body.gap_closure_by_load,
+        coupled.flexibility.gap_closure_by_load[:, :3],
+        body.flexibility.gap_closure_by_load,
         rtol=0,
-        atol=1e-12 * np.abs(body.gap_closure_by_load).max(),
+        atol=1e-12 * np.abs(body.flexibility.gap_closure_by_load).max(),
     )
     u = displacement(warm, heat=1.0)[:, body.line.nodes].T.ravel()
-    closed = coupled.gap_closure_by_load[:, 3]
+    closed = coupled.flexibility.gap_closure_by_load[:, 3]
     assert closed == pytest.approx(coupled.coupling.N @ u, abs=1e-8 * np.abs(closed).max())
     assert unit_load_factors_under_all_loads(coupled, shoe, 10.0)[3] == 1.0
     assert unit_load_factors_under_all_loads(coupled, shoe, 10.0)[:3] == pytest.approx(

@@ -68,8 +68,8 @@ def test_a_further_force_on_hp_elements_is_what_one_factorisation_leaves(brake, 
         make_prepared_model(brake, REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[1]).bodies[0],
     )
     assert body.load_matrix_columns_by_load_name == TWO
-    assert body.gap_closure_by_load.shape == (len(body.line.nodes), 4)
-    assert body.load_point_motion_by_load.shape == (4, 4)
+    assert body.flexibility.gap_closure_by_load.shape == (len(body.line.nodes), 4)
+    assert body.flexibility.load_point_motion_by_load.shape == (4, 4)
     _, ties, loads, _ = body.condensed.assemble_equations_of_whole_body()
     named = {ACTUATION_LOAD_NAME: loads[:, :3], FURTHER: loads[:, 3:]}
     other = condense_body_to_contact_and_hinge_face(
@@ -87,7 +87,9 @@ def test_the_frame_bears_a_further_force(brake, further):
         brake.shoes[0],
         make_prepared_model(brake, REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[1]).bodies[0],
     )
-    held = body.reaction_to_load @ TWO.column_factors_of_all_loads({FURTHER: np.array([1.0])})
+    held = body.flexibility.reaction_to_load @ TWO.column_factors_of_all_loads(
+        {FURTHER: np.array([1.0])}
+    )
     x = body.basis.doflocs[0, body.basis.sets["actuation"][0]]
     assert held == pytest.approx([0.0, -1.0, -(x - shoe.pin_position_in_shoe_frame[0])], abs=1e-8)
 

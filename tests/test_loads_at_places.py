@@ -114,7 +114,7 @@ def test_a_force_bends_a_curved_cantilever_where_it_acts(level: Any) -> None:
     body, shoe = prepared_body(brake, level, 64), brake.shoes[0]
     columns = body.condensed.columns.column_slice_of_each_load[FURTHER_FORCE_LOAD_NAME]
     along = shoe.frame.convert_vectors_to_shoe_frame(np.array([math.cos(at), math.sin(at)]))
-    found = along @ body.load_point_motion_by_load[columns, columns] @ along
+    found = along @ body.flexibility.load_point_motion_by_load[columns, columns] @ along
     angle, radius = at + 1.1, R - 0.001 - thickness / 2
     stiffness = 2.1e11 * width * thickness**3 / 12
     wanted = radius**3 / stiffness * (angle / 2 - math.sin(2 * angle) / 4)
@@ -181,10 +181,12 @@ def test_the_work_of_the_loads_is_the_energy_of_the_body(level: Any, loads: Any)
             u = u.T.ravel()
             work = float(forces[:, k] @ u)
             assert u @ (K @ u) == pytest.approx(work, rel=1e-9)
-            assert body.load_point_motion_by_load[column, column] == pytest.approx(work, rel=1e-9)
+            assert body.flexibility.load_point_motion_by_load[column, column] == pytest.approx(
+                work, rel=1e-9
+            )
             fx, fy = forces[:, k].reshape(-1, 2).T
             given = np.array([fx.sum(), fy.sum(), x @ fy - y @ fx])
-            held = body.reaction_to_load[:, column]
+            held = body.flexibility.reaction_to_load[:, column]
             np.testing.assert_allclose(held, -given, atol=1e-9 * np.abs(given).max())
 
 

@@ -47,7 +47,10 @@ from drumlin.response.resultants import gauss_lobatto_points
 from drumlin_studies import mesh_degrees
 from drumlin_studies.mesh_cost import (
     TOLERANCE_OF_MESH_FILE_SOLVE,
+    CostAndErrorsOfMeshFileSolve,
     costs_of_solves_on_mesh_file,
+    solve_without_mesh_file_for_true_errors,
+    text_of_peer_at_error_of_drumlin,
     write_mesh_and_return_brakes_of_main_example,
 )
 from drumlin_studies.mesh_degrees import (
@@ -721,12 +724,27 @@ def test_levels_end_when_no_level_reduces_the_error_that_misses_its_tolerance():
     assert helps((2e-2, 2e-4), (1e-3, 9e-5))
 
 
+def test_a_peer_is_timed_on_the_fastest_mesh_that_has_the_error_of_drumlin():
+    """A mesh that is too coarse does not count, and a slower one that is finer does not either."""
+    aim = CostAndErrorsOfMeshFileSolve("drumlin", 0.5, 1e-3, 1e-6, 3e-3)
+    rows = [
+        CostAndErrorsOfMeshFileSolve("coarse", 1.0, 2e-3, 1e-5),
+        CostAndErrorsOfMeshFileSolve("fine", 4.0, 9e-4, 1e-5),
+        CostAndErrorsOfMeshFileSolve("finer", 9.0, 1e-4, 1e-5),
+    ]
+    said = text_of_peer_at_error_of_drumlin("Peer", "pressure", rows, aim, aim.pressure)
+    assert said == "Peer: 0.1 % of the pressure in 4.00 s, 8.0 times as long (fine)"
+    said = text_of_peer_at_error_of_drumlin("Peer", "torque", rows, aim, aim.torque)
+    assert said == "Peer: 0.0001 % of the torque is not reached in 9 s, nearest 0.001 %"
+
+
 @pytest.mark.slow
 def test_cost_on_a_mesh_file_has_errors_that_the_mesh_explains(tmp_path):
     """The answer with a stated error is nearer than one on the elements of the file's degree."""
     pytest.importorskip("gmsh")
     alone, filed = write_mesh_and_return_brakes_of_main_example(tmp_path / "shoe.msh", 4.4e-3)
-    rows = {row.way: row for row in costs_of_solves_on_mesh_file(alone, filed)}
+    known = solve_without_mesh_file_for_true_errors(alone)
+    rows = {row.way: row for row in costs_of_solves_on_mesh_file(filed, known)}
     split, whole = rows["drumlin, stated error"], rows["drumlin, file's degree"]
     assert split.pressure < split.stated < TOLERANCE_OF_MESH_FILE_SOLVE
     assert 2 * split.pressure < whole.pressure < 0.1

@@ -78,6 +78,27 @@ def _make_public_function_that_rewords_errors(
     return call_function_and_reword_errors
 
 
+def _make_public_function_that_solves(
+    function: Callable[FunctionArguments, FunctionResult],
+) -> Callable[FunctionArguments, FunctionResult]:
+    """Make a public function that solves brakes with one thread for linear algebra.
+
+    A number of threads that the user has set by an environment variable stays.
+    """
+
+    @wraps(function)
+    def call_function_with_one_thread(
+        *arguments: FunctionArguments.args, **options: FunctionArguments.kwargs
+    ) -> FunctionResult:
+        """Call the function while the BLAS has one thread."""
+        from drumlin.base.threads import one_blas_thread_unless_user_set_number
+
+        with one_blas_thread_unless_user_set_number():
+            return function(*arguments, **options)
+
+    return _make_public_function_that_rewords_errors(call_function_with_one_thread)
+
+
 def _check_integers_of_arguments_have_few_digits(
     names: Sequence[str], arguments: Sequence[object], options: Mapping[str, object]
 ) -> None:
@@ -164,7 +185,7 @@ def _value_of_function_option_in_si(option: str, value: float | str, unit: str) 
     )
 
 
-@_make_public_function_that_rewords_errors
+@_make_public_function_that_solves
 def solve(
     brake: BrakeOrPath,
     model: str = "fem",
@@ -286,7 +307,7 @@ def _response_with_notes_and_self_locking(
     return replace(response, notes=notes, self_locking=locking)
 
 
-@_make_public_function_that_rewords_errors
+@_make_public_function_that_solves
 def compare(
     brake: BrakeOrPath,
     case: str = "",
@@ -346,7 +367,7 @@ def compare(
     return side_by_side(_brake_itself_or_read_from_file(brake), case, repeats, models, **options)
 
 
-@_make_public_function_that_rewords_errors
+@_make_public_function_that_solves
 def size(
     brake: BrakeOrPath,
     key: str,
@@ -458,7 +479,7 @@ def size(
     return size_brake(question, answer)
 
 
-@_make_public_function_that_rewords_errors
+@_make_public_function_that_solves
 def sweep(
     brake: BrakeOrPath,
     vary: Mapping[str, object] | None = None,
@@ -541,7 +562,7 @@ def sweep(
     )
 
 
-@_make_public_function_that_rewords_errors
+@_make_public_function_that_solves
 def wear(
     brake: BrakeOrPath,
     model: str = "fem",
@@ -677,7 +698,7 @@ class HoldingRun(NamedTuple):
         return [f"holds up to {moment}, at {rotation_or_sliding_distance_as_text(held)}", slips]
 
 
-@_make_public_function_that_rewords_errors
+@_make_public_function_that_solves
 def hold(
     brake: BrakeOrPath,
     model: str = "fem",
@@ -752,7 +773,7 @@ def hold(
     return HoldingRun(held, tuple(states))
 
 
-@_make_public_function_that_rewords_errors
+@_make_public_function_that_solves
 def sensitivity(
     brake: BrakeOrPath,
     model: str = "fem",
@@ -828,7 +849,7 @@ class SelfLockingFrictionOfGroup(NamedTuple):
     least_friction_on_finer_elements: float
 
 
-@_make_public_function_that_rewords_errors
+@_make_public_function_that_solves
 def self_locking(
     brake: BrakeOrPath,
     *,
@@ -896,7 +917,7 @@ def self_locking(
     )
 
 
-@_make_public_function_that_rewords_errors
+@_make_public_function_that_solves
 def reference(brake: BrakeOrPath, output: Path | str | None = None) -> ReferenceValuesOfBrake:
     """Compute reference values of a brake with uncertainties; this takes minutes.
 
@@ -974,7 +995,7 @@ class CheckResult(NamedTuple):
         return text_lines_on_errors_of_pressure_table(self.verdicts, self.tolerance, self.surface)
 
 
-@_make_public_function_that_rewords_errors
+@_make_public_function_that_solves
 def check(
     brake: BrakeOrPath,
     result: Path | str,
@@ -1044,7 +1065,7 @@ def check(
     return CheckResult(tuple(verdicts), tolerance, name, source.brake.surface)
 
 
-@_make_public_function_that_rewords_errors
+@_make_public_function_that_solves
 def fields(
     brake: BrakeOrPath,
     output: Path | str | None = None,

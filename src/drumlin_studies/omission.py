@@ -244,11 +244,12 @@ def _prepared_model_without_deformation_by_friction(
             # about the pin.
             modes = np.stack([[1 + 0 * x, 0 * x], [0 * x, 1 + 0 * x], [-y, x]])
             rigid = modes.transpose(0, 2, 1).reshape(3, -1)
-            made[id(body)] = replace(
-                body,
-                gap_closure_by_friction=np.zeros_like(body.gap_closure_by_pressure),
+            by_pressure = body.flexibility.gap_closure_by_pressure
+            flexibility = body.flexibility._replace(
+                gap_closure_by_friction=np.zeros_like(by_pressure),
                 reaction_to_friction=-rigid @ body.coupling.T.T,
             )
+            made[id(body)] = replace(body, flexibility=flexibility)
         # Shoes of equal shape still share one condensed body.
         bodies.append(made[id(body)])
     ring = scene.ring

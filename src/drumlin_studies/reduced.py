@@ -210,14 +210,14 @@ def _add_elastic_shoe_flexibility_to_rigid_body(
     )
     couple = np.concatenate([bar.bending, np.zeros(2 * len(bar.along))])[:, None]
     loaded = np.hstack([load, couple])
-    return replace(
-        body,
-        gap_closure_by_pressure=body.gap_closure_by_pressure - pressed.T @ pressed,
-        gap_closure_by_friction=None
-        if body.gap_closure_by_friction is None
-        else body.gap_closure_by_friction - pressed.T @ dragged,
-        gap_closure_by_load=body.gap_closure_by_load - pressed.T @ loaded,
+    flexibility = body.flexibility
+    by_friction = flexibility.gap_closure_by_friction
+    changed = flexibility._replace(
+        gap_closure_by_pressure=flexibility.gap_closure_by_pressure - pressed.T @ pressed,
+        gap_closure_by_friction=None if by_friction is None else by_friction - pressed.T @ dragged,
+        gap_closure_by_load=flexibility.gap_closure_by_load - pressed.T @ loaded,
     )
+    return replace(body, flexibility=changed)
 
 
 class _ShoeAsBar(NamedTuple):

@@ -5,10 +5,11 @@
 
 import os
 
-# A solve factorises many small dense matrices. Several BLAS threads make this slower, most of all
-# where several processes share the cores. The number of threads must be set before numpy is loaded.
-# It is set for this process alone. A number that the user has set stays.
-os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+from drumlin.base.threads import variables_for_one_blas_thread_unless_user_set_number
+
+# The number of threads must be set before numpy is loaded. It is set for this process alone. A
+# number that the user has set stays.
+os.environ.update(variables_for_one_blas_thread_unless_user_set_number())
 # Without this setting pydantic searches all installed packages for plugins, which takes 30 ms.
 os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
 

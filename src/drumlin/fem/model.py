@@ -37,7 +37,6 @@ from drumlin.fem.mesh.from_file import notes_on_mesh_file
 from drumlin.fem.preparation.bodies import (
     force_resultant_of_unit_load_factors,
     moment_of_loads_besides_actuation_about_pin,
-    support_reaction_of_shoe,
     unit_load_factors_under_all_loads,
 )
 from drumlin.fem.preparation.cache import cache_key_of_shoe_shape
@@ -731,11 +730,9 @@ def _spring_point_displacements_of_shoe_along_pulls(solution: _ShoePartOfGroupSo
     if not any(spring.rate for spring in brake.springs):
         return np.zeros(len(brake.springs))
     load = unit_load_factors_under_all_loads(body, shoe, solution.force)
-    elastic = body.load_point_motion_by_load @ load - body.gap_closure_by_load.T @ p
-    if body.load_point_motion_by_friction is not None:
-        drag = brake.signed_friction_stress_over_pressure_in_shoe_frame(shoe)
-        dragging = group.friction_stress_over_friction_coefficient_of_shoe(k, p)
-        elastic = elastic + drag * (body.load_point_motion_by_friction @ dragging)
+    drag = brake.signed_friction_stress_over_pressure_in_shoe_frame(shoe)
+    friction = drag * group.friction_stress_over_friction_coefficient_of_shoe(k, p)
+    elastic = body.flexibility.motion_of_load_points(p, friction, load)
     pin_motion = group.rigid_body_modes_of_shoes[k].pin_motion @ solution.coordinates
     return displacements_of_spring_points_along_pulls(brake, shoe, body, elastic, pin_motion)
 
@@ -793,7 +790,7 @@ def _forces_on_shoe_due_to_pressure_and_actuation(
         )
         reaction = -np.append(contact[:2] + push, about_pin)
     else:
-        reaction = support_reaction_of_shoe(body, p, dragging, drag, load)
+        reaction = body.flexibility.support_reaction(p, drag * dragging, load)
     twist = float(reaction[2]) if shoe.kind_of_support in {"guide", "anchor"} else 0.0
     return _ForcesOnShoeInShoeFrame(normal, contact, push, moment, reaction[:2], twist)
 
@@ -1073,14 +1070,9 @@ def _shoe_changes_by_penalty_and_round_off(
         weight = area
     # The support reaction changes only because the pressures change; the actuation stays the same.
     no_load = np.zeros((body.load_matrix_columns_by_load_name.number_of_load_columns, 1))
-    dragging = (changes * ratios).T
-    reactions = support_reaction_of_shoe(
-        body,
-        changes.T,
-        dragging,
-        group.brake.signed_friction_stress_over_pressure_in_shoe_frame(shoe),
-        no_load,
-    )
+    drag = group.brake.signed_friction_stress_over_pressure_in_shoe_frame(shoe)
+    friction = drag * (changes * ratios).T
+    reactions = body.flexibility.support_reaction(changes.T, friction, no_load)
     top = float(p[weight > 0].max(initial=0.0))
     at_top = (weight > 0) & (p == top)
     by_quantity = [

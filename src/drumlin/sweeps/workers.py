@@ -13,7 +13,6 @@ import multiprocessing
 import os
 import pickle
 import signal
-import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -23,6 +22,10 @@ from typing import Any, NamedTuple
 
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.base.garbage import search_memory_for_garbage_seldom
+from drumlin.base.threads import (
+    one_blas_thread_unless_user_set_number,
+    variables_for_one_blas_thread_unless_user_set_number,
+)
 
 OLDEST_ALLOWED_DASK_VERSION = "2025.4"
 """The oldest version of Dask whose scheduler can list all its workers."""
@@ -59,13 +62,6 @@ DASK_LOGGERS = ("distributed", "tornado", "asyncio")
 """Names of the loggers of Dask and its libraries, which are silenced.
 
 If a cluster is lost, their messages would fill the screen.
-"""
-
-WORKER_THREAD_LIMIT_VARIABLES = {"OPENBLAS_NUM_THREADS": "1"}
-"""Environment variables of each worker, which limit its threads for linear algebra to one.
-
-A solve factorises many small dense matrices. More threads make each of them slower, above all where
-several processes share the cores.
 """
 
 ShowLineToUser = Callable[[str], None]
@@ -298,11 +294,7 @@ def _limit_threads_of_new_processes() -> Iterator[None]:
     A new process inherits the environment variables of this process, which are changed meanwhile.
     """
     with _lock_for_changing_environment_variables:
-        added = {
-            name: value
-            for name, value in WORKER_THREAD_LIMIT_VARIABLES.items()
-            if name not in os.environ
-        }
+        added = variables_for_one_blas_thread_unless_user_set_number()
         os.environ.update(added)
         try:
             yield
@@ -552,14 +544,11 @@ class _DaskPool(Executor):
 def call_pickled_function(work: bytes) -> Any:
     """Unpack a pickled function with its arguments, call it, and return its result.
 
-    Dask workers run this function. The number of threads is limited first, because unpacking loads
-    numpy, which reads the limit only while it is loaded.
+    Dask workers run this function. The worker's BLAS has one thread meanwhile.
     """
-    if "numpy" not in sys.modules:
-        for name, value in WORKER_THREAD_LIMIT_VARIABLES.items():
-            os.environ.setdefault(name, value)
-    fn, args, kwargs = pickle.loads(work)
-    return fn(*args, **kwargs)
+    with one_blas_thread_unless_user_set_number():
+        fn, args, kwargs = pickle.loads(work)
+        return fn(*args, **kwargs)
 
 
 @contextmanager

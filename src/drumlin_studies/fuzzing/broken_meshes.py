@@ -44,11 +44,12 @@ def valid_mesh_files_by_suffix() -> dict[str, bytes]:
         return {path.suffix: path.read_bytes() for path in paths} | {"brake": data_as_toml(data)}
 
 
-def brake_file_that_refers_to_mesh_file(brake_file: bytes, name: str) -> bytes:
-    """The brake file, changed so that its first shoe takes its mesh from the file `name`."""
-    data = tomllib.loads(brake_file.decode())
-    data["shoe"][0]["mesh"] = name
-    return data_as_toml(data)
+def files_of_brake_with_valid_mesh_file(suffix: str) -> dict[str, bytes]:
+    """A brake file "b.toml" and the valid mesh file of its shoe with a suffix, by name."""
+    files = valid_mesh_files_by_suffix()
+    data = tomllib.loads(files["brake"].decode())
+    data["shoe"][0]["mesh"] = f"m{suffix}"
+    return {"b.toml": data_as_toml(data), f"m{suffix}": files[suffix]}
 
 
 def input_with_mesh_file(
@@ -67,11 +68,7 @@ def input_with_mesh_file(
     must_fail : bool
         Whether drumlin must refuse the input.
     """
-    name = f"m{suffix}"
-    files = {
-        "b.toml": brake_file_that_refers_to_mesh_file(valid_mesh_files_by_suffix()["brake"], name),
-        name: mesh,
-    }
+    files = files_of_brake_with_valid_mesh_file(suffix) | {f"m{suffix}": mesh}
     words = ["solve", "b.toml", "--json", "r.json"]
     return FilesAndCommandLineOfBrokenInput(kind, files, words, must_fail=must_fail)
 
@@ -105,15 +102,22 @@ def _input_with_mesh_suffix_of_other_format(rng: random.Random) -> FilesAndComma
     """An input whose mesh file has the suffix of another format, or is no mesh at all."""
     suffix, other = rng.sample(SUFFIXES_OF_BROKEN_MESH_FILES, 2)
     noise = bytes(rng.randrange(256) for _ in range(99))
+    mesh_of_other_format = valid_mesh_files_by_suffix()[other]
     text = rng.choice(
         [
-            valid_mesh_files_by_suffix()[other],
+            mesh_of_other_format,
             content_of_brake_file(rng.choice(NAMES_OF_VALID_BRAKE_FILES_TO_BREAK)),
             b"",
             noise,
         ]
     )
-    return input_with_mesh_file(f"mesh {suffix}: another format", text, suffix)
+    kind = f"mesh {suffix}: another format"
+    if text is not mesh_of_other_format:
+        return input_with_mesh_file(kind, text, suffix)
+    # A reader may know the format by the content. The answer must then be that of the right suffix.
+    undamaged_files = files_of_brake_with_valid_mesh_file(other)
+    given = input_with_mesh_file(kind, text, suffix, must_fail=False)
+    return given._replace(undamaged_files=undamaged_files)
 
 
 def _input_with_wrong_mesh_counts(rng: random.Random) -> FilesAndCommandLineOfBrokenInput:

@@ -243,8 +243,9 @@ def _describe_fault_of_successful_run(
     """The fault of a run with exit status 0, as text, or "" if it ended well."""
     if not _JOURNAL_REPAIR_LINE_PATTERN.fullmatch(end.err):
         return f"an answer with {end.err[:200]!r} in stderr"
-    if given.must_fail:
-        return "an answer of an input that has none"
+    unexpected = _describe_unexpected_answer(given, end)
+    if unexpected:
+        return unexpected
     names = _shoe_names_like_non_finite_numbers(given)
     # The title of the brake and the names of shoes may be any text. They are left out of the search
     # for numbers that are not finite.
@@ -264,6 +265,35 @@ def _describe_fault_of_successful_run(
         ),
         "",
     )
+
+
+def _describe_unexpected_answer(
+    given: FilesAndCommandLineOfBrokenInput, end: EndOfCommandLineRun
+) -> str:
+    """Why the input has no answer, or another one than that of the run; "" if it may be right.
+
+    The undamaged files of the input, if there are any, are solved in this process. The JSON files
+    of both runs must be equal, apart from run times.
+    """
+    if given.must_fail:
+        return "an answer of an input that has none"
+    if not given.undamaged_files:
+        return ""
+    undamaged = given._replace(files=dict(given.undamaged_files), undamaged_files={})
+    right = run_input_in_this_process(undamaged)
+    data, right_data = _json_data_without_run_times(end), _json_data_without_run_times(right)
+    if right.status == 0 and data == right_data:
+        return ""
+    return "another answer than that of the undamaged files"
+
+
+def _json_data_without_run_times(end: EndOfCommandLineRun) -> dict[str, Any]:
+    """The data of the JSON files that a run has written, by name, without its run times."""
+    data = {name: json.loads(text) for name, text in end.written.items() if name.endswith(".json")}
+    return {
+        name: {key: value for key, value in answer.items() if key != "seconds"}
+        for name, answer in data.items()
+    }
 
 
 def _shoe_names_like_non_finite_numbers(given: FilesAndCommandLineOfBrokenInput) -> list[str]:

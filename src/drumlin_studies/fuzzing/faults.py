@@ -19,7 +19,8 @@ from drumlin.brake.brake import Brake
 from drumlin.brake.plane_brake import read_drum_or_plane_brake
 from drumlin.studies import FOLDER_OF_INSTALLED_OR_SOURCE_STUDIES_AND_MESHES
 from drumlin_studies.fuzzing.broken_meshes import (
-    brake_file_that_refers_to_mesh_file,
+    files_of_brake_with_valid_mesh_file,
+    input_with_mesh_file,
     valid_mesh_files_by_suffix,
 )
 from drumlin_studies.fuzzing.inputs import (
@@ -170,11 +171,14 @@ def make_input_with_broken_mesh(rng: random.Random) -> FilesAndCommandLineOfBrok
     files = valid_mesh_files_by_suffix()
     suffix = rng.choice([".msh", ".inp", ".vtu"])
     data = files[suffix]
+    undamaged_files: dict[str, bytes] = {}
     what = rng.randrange(6)
     if what == 0:
         data = data[: rng.randrange(len(data))]
     elif what == 1:
-        data = files[rng.choice([".msh", ".inp", ".vtu"])]
+        suffix_of_content = rng.choice([".msh", ".inp", ".vtu"])
+        data = files[suffix_of_content]
+        undamaged_files = files_of_brake_with_valid_mesh_file(suffix_of_content)
     elif what == 2:
         # One number of the file is replaced by another number.
         numbers = list(re.finditer(rb"[-+]?\d[\d.]*(?:e[-+]?\d+)?", data))
@@ -192,10 +196,8 @@ def make_input_with_broken_mesh(rng: random.Random) -> FilesAndCommandLineOfBrok
         data += rng.choice(WRONG_LINES_APPENDED_TO_INP_FILE)
     else:
         data = bytes_with_random_noise(rng, data, ODD_TEXTS_FOR_KEYS_AND_OPTIONS)
-    text = brake_file_that_refers_to_mesh_file(files["brake"], f"m{suffix}")
-    contents = {"b.toml": text, f"m{suffix}": data}
-    words = ["solve", "b.toml", "--json", "r.json"]
-    return FilesAndCommandLineOfBrokenInput(f"mesh: {suffix}", contents, words)
+    given = input_with_mesh_file(f"mesh: {suffix}", data, suffix, must_fail=False)
+    return given._replace(undamaged_files=undamaged_files)
 
 
 WRONG_LINES_APPENDED_TO_INP_FILE = (

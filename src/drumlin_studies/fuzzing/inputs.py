@@ -38,6 +38,10 @@ class FilesAndCommandLineOfBrokenInput(NamedTuple):
         Contents that written files must have after the run, by name; empty if they are not known.
     must_fail : bool
         Whether drumlin must refuse the input.
+    undamaged_files : mapping
+        Contents of the files without the damage, by name. drumlin may understand the damaged files,
+        but its answer must then be the answer of these files. Empty if no answer can be right, or
+        if any answer may be.
     """
 
     kind: str
@@ -45,6 +49,7 @@ class FilesAndCommandLineOfBrokenInput(NamedTuple):
     words: list[str]
     right: Mapping[str, bytes] = MappingProxyType({})
     must_fail: bool = False
+    undamaged_files: Mapping[str, bytes] = MappingProxyType({})
 
 
 class UnquotedTomlText(NamedTuple):

@@ -168,7 +168,7 @@ def _approaches_of_springs(
         body = group.substructures_of_shoes[k]
         load = unit_load_factors_under_all_loads(body, group.shoes[k], own.force)
         for j, factors in enumerate(springs.load_column_factors):
-            found[j] += float(factors[k] @ body.load_point_motion_by_load @ load)
+            found[j] += float(factors[k] @ body.flexibility.load_point_motion_by_load @ load)
     return np.asarray(found)
 
 

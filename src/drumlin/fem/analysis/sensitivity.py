@@ -810,9 +810,9 @@ class _TorqueSlopesOfShoe:
         work = free.test_modes @ np.array([*force, moment])
         tested = self.mode_signs * self.works * work
         return own.force * float(
-            own.gap_multipliers @ (body.gap_closure_by_load @ load)
+            own.gap_multipliers @ (body.flexibility.gap_closure_by_load @ load)
             - own.equilibrium_multipliers @ tested
-            + self._adjoint_load_of_springs() @ (body.load_point_motion_by_load @ load)
+            + self._adjoint_load_of_springs() @ (body.flexibility.load_point_motion_by_load @ load)
         )
 
     def torque_slopes_by_strut_force_point(self) -> list[Floats]:

@@ -57,21 +57,13 @@ class LoadsAndAdjointLoads(NamedTuple):
 
     def work_of_adjoint_loads_on_body(self, body: ShoeSubstructure) -> float:
         """The work [N m] of the adjoint loads on a body's displacements under the actual loads."""
-        p, drag = self.pressures, self.signed_friction
-        closed = (
-            body.gap_closure_by_pressure @ p + body.gap_closure_by_load @ self.load_column_factors
-        )
-        moved = (
-            body.load_point_motion_by_load @ self.load_column_factors
-            - body.gap_closure_by_load.T @ p
-        )
+        p, load, flexibility = self.pressures, self.load_column_factors, body.flexibility
+        friction = self.signed_friction * p
+        closed = flexibility.gap_closure_by_pressure @ p + flexibility.gap_closure_by_load @ load
         # A brake without friction has no torque, and so no slopes.
-        assert (
-            body.gap_closure_by_friction is not None
-            and body.load_point_motion_by_friction is not None
-        )
-        closed = closed + drag * (body.gap_closure_by_friction @ p)
-        moved = moved + drag * (body.load_point_motion_by_friction @ p)
+        assert flexibility.gap_closure_by_friction is not None
+        closed = closed + flexibility.gap_closure_by_friction @ friction
+        moved = flexibility.motion_of_load_points(p, friction, load)
         return float(self.gap_multipliers @ closed + self.adjoint_load_factors @ moved)
 
 

@@ -224,15 +224,14 @@ class ContactProblemsOfShoeGroup(ShoeGroupData):
                 @ shoe.resultant_of_loads_besides_actuation[:2]
             )
             borne = -float(of_loads) / self.largest_actuation_force
+        motion_by_load = body.flexibility.load_point_motion_by_load
         return EffectsOfActuationForceOnShoe(
             nodes=self.contact_node_slices_of_shoes[k],
             modes=self.rigid_body_mode_slices_of_shoes[k],
-            gap_by_force=-(body.gap_closure_by_load @ load),
+            gap_by_force=-(body.flexibility.gap_closure_by_load @ load),
             load_point_travel_by_pressure=tip,
-            load_point_travel_by_force=float(load @ body.load_point_motion_by_load @ load),
-            load_point_travel_by_further_loads=float(
-                load @ body.load_point_motion_by_load @ further
-            ),
+            load_point_travel_by_force=float(load @ motion_by_load @ load),
+            load_point_travel_by_further_loads=float(load @ motion_by_load @ further),
             work=modes.actuation_work,
             load_point_travel_by_modes=modes.load_point_travel,
             foot_force_by_pressure=bearing,
@@ -249,11 +248,11 @@ class ContactProblemsOfShoeGroup(ShoeGroupData):
         """
         body = self.substructures_of_shoes[k]
         drag = self._friction_coefficient_signed_by_drag_on_shoe(k, friction)
-        travel = -(load @ body.gap_closure_by_load.T)
+        travel = -(load @ body.flexibility.gap_closure_by_load.T)
         # A model that was prepared without friction does not know how friction moves the points of
         # loads.
-        if body.load_point_motion_by_friction is not None:
-            travel = travel + drag * (load @ body.load_point_motion_by_friction)
+        if body.flexibility.load_point_motion_by_friction is not None:
+            travel = travel + drag * (load @ body.flexibility.load_point_motion_by_friction)
         return np.asarray(travel)
 
     # The following method treats springs between shoes, or from a shoe to the frame.
@@ -285,11 +284,12 @@ class ContactProblemsOfShoeGroup(ShoeGroupData):
         nodes, modes = self.contact_node_slices_of_shoes[i], self.rigid_body_mode_slices_of_shoes[i]
         acting = self.actuation_of_each_shoe_by_one_newton[i].load_column_factors
         pulls = unit_pulls_on_shoe(self.brake, shoe)
+        motion_by_load = body.flexibility.load_point_motion_by_load
         for j, place, pull in pulls:
             load = unit_load_factors_of_force_at_point(body, shoe, place, pull)
             found.load_column_factors[j][i][:] = load
             found.resultants[j, i] = pull.resultant
-            found.gap_by_pull[nodes, j] = -(body.gap_closure_by_load @ load)
+            found.gap_by_pull[nodes, j] = -(body.flexibility.gap_closure_by_load @ load)
             found.work[modes, j] = work_of_force_on_test_modes(shoe, sense, pull)
             found.approach_by_motion[j, modes] = displacement_of_point_along_force_in_modes(
                 shoe, sense, pull
@@ -297,17 +297,15 @@ class ContactProblemsOfShoeGroup(ShoeGroupData):
             found.approach_by_pressure[j, nodes] = (
                 self._elastic_load_point_travel_per_nodal_pressure(i, load, friction)
             )
-            found.approach_by_force[j, i] = load @ body.load_point_motion_by_load @ acting
-            found.tip_travel_by_pull[i, j] = acting @ body.load_point_motion_by_load @ load
+            found.approach_by_force[j, i] = load @ motion_by_load @ acting
+            found.tip_travel_by_pull[i, j] = acting @ motion_by_load @ load
             if shoe.abutment is not None:
                 found.foot_force_by_pull[i, j] = -float(
                     shoe.unit_vector_of_smooth_abutment_force @ np.array(pull.force)
                 )
         for (one, *_), (other, *_) in product(pulls, repeat=2):
             loads = found.load_column_factors[one][i], found.load_column_factors[other][i]
-            found.approach_by_pull[one, other] += (
-                loads[0] @ body.load_point_motion_by_load @ loads[1]
-            )
+            found.approach_by_pull[one, other] += loads[0] @ motion_by_load @ loads[1]
 
     # The following methods treat supports that push and cannot pull.
 
@@ -336,7 +334,7 @@ class ContactProblemsOfShoeGroup(ShoeGroupData):
                 nodes, body = self.contact_node_slices_of_shoes[k], self.substructures_of_shoes[k]
                 force = self.shoes[k].actuation.force
                 acting = unit_load_factors_under_all_loads(body, self.shoes[k], force)
-                travel = load @ body.load_point_motion_by_load @ acting
+                travel = load @ body.flexibility.load_point_motion_by_load @ acting
                 opening[j] += travel / self.largest_actuation_force
                 by_pressure[j, nodes] = self._elastic_load_point_travel_per_nodal_pressure(
                     k, load, friction
@@ -345,12 +343,12 @@ class ContactProblemsOfShoeGroup(ShoeGroupData):
                 by_motion[j, modes] = self.work_of_support_push_on_shoe_modes(
                     k, side.push_of_one_newton
                 )
-                gap[nodes, j] = -(body.gap_closure_by_load @ load)
+                gap[nodes, j] = -(body.flexibility.gap_closure_by_load @ load)
         by_force = np.zeros((count, count))
         for i, j in product(range(count), repeat=2):
             for k in loads[i].keys() & loads[j].keys():
-                body = self.substructures_of_shoes[k]
-                by_force[i, j] += loads[i][k] @ body.load_point_motion_by_load @ loads[j][k]
+                flexibility = self.substructures_of_shoes[k].flexibility
+                by_force[i, j] += loads[i][k] @ flexibility.load_point_motion_by_load @ loads[j][k]
         return OneSidedSupportMatrices(opening, by_pressure, by_force, by_motion, gap, sizes)
 
     def _mode_amounts_that_move_shoe_about_one_metre(self, shoe: Shoe) -> Floats:
@@ -452,8 +450,8 @@ def _shoe_compliance_with_penalty(
     stiffness : contact stiffness of the penalty per area [Pa/m]
     """
     pressed, dragged, M = (
-        body.gap_closure_by_pressure,
-        body.gap_closure_by_friction,
+        body.flexibility.gap_closure_by_pressure,
+        body.flexibility.gap_closure_by_friction,
         body.coupling.M,
     )
     A = np.empty(M.shape)

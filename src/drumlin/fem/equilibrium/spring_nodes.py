@@ -129,10 +129,9 @@ def spring_border_at_friction(
     for k, body in enumerate(group.substructures_of_shoes):
         own_force = group.shoes[k].actuation.force
         acting = unit_load_factors_under_all_loads(body, group.shoes[k], own_force) / size
+        motion = body.flexibility.load_point_motion_by_load @ acting
         for row, j in enumerate(numbers.tolist()):
-            opening[row] += float(
-                springs.load_column_factors[j][k] @ body.load_point_motion_by_load @ acting
-            )
+            opening[row] += float(springs.load_column_factors[j][k] @ motion)
     of_pulls = springs.approach_by_pull[np.ix_(numbers, numbers)]
     return SpringBorder(
         gap_by_force=springs.gap_by_pull[:, numbers] * signs,

@@ -307,7 +307,7 @@ class ShoeGroupData:
             unit_load_factors_under_all_loads(body, self.shoes[k], own_force)
             / self.largest_actuation_force
         )
-        q = gap - body.gap_closure_by_load @ acting
+        q = gap - body.flexibility.gap_closure_by_load @ acting
         # Without friction at an abutment the contact modes are the test modes.
         if modes.contact_modes is modes.test_modes:
             closure = self.gap_closures_of_test_modes[k].normal

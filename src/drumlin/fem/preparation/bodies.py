@@ -70,8 +70,7 @@ class ShoeSubstructure:
     displacements u of the n contact nodes give the weighted gap closure N u and the weighted slip T
     u [m^3]. Entry i is the closure or slip times the shape function of contact node i, integrated
     over the lining's face. The forces on the contact nodes are -N^T p due to nodal pressures p and
-    T^T t due to friction per area t; l unit loads act as well. The arrays for friction are None in
-    a brake with mu = 0.
+    T^T t due to friction per area t; l unit loads act as well.
 
     Attributes
     ----------
@@ -83,16 +82,7 @@ class ShoeSubstructure:
         unit couple of the actuation act
     rotation_mode : (2n,) displacement of the contact nodes per radian of a rotation about the pin
         [m]
-    gap_closure_by_pressure, gap_closure_by_friction : (n, n) weighted gap closure N u due to unit
-        nodal pressures, and due to unit nodal friction
-    gap_closure_by_load : (n, l) weighted gap closure N u due to the unit loads
-    load_point_motion_by_friction : (l, n) work of each unit load on the displacements due to unit
-        nodal friction; for a unit force it is the displacement of its point along the force
-    load_point_motion_by_load : (l, l) work of each unit load on the displacements due to each unit
-        load
-    reaction_to_pressure, reaction_to_friction : (3, n) support reaction on the frame (force x,
-        force y, moment about the pin) to unit nodal pressures, and to unit nodal friction
-    reaction_to_load : (3, l) support reaction on the frame to the unit loads
+    flexibility : how the contact nodes and the load points move under all loads
     mesh_read_from_file : the mesh that was read from a file, with notes on changes to it; None
         without a mesh file
     """
@@ -104,14 +94,7 @@ class ShoeSubstructure:
     condensed: CondensedBody | MeshedBody
     application_point_of_actuation_loads: Floats
     rotation_mode: Floats
-    gap_closure_by_pressure: Floats
-    gap_closure_by_friction: Floats | None
-    gap_closure_by_load: Floats
-    load_point_motion_by_friction: Floats | None
-    load_point_motion_by_load: Floats
-    reaction_to_pressure: Floats
-    reaction_to_friction: Floats | None
-    reaction_to_load: Floats
+    flexibility: ContactFlexibility
     mesh_read_from_file: ShoeMeshReadFromFile | None = field(default=None, kw_only=True)
 
     @property
@@ -221,8 +204,8 @@ def make_shoe_substructure(
         condensed=condensed,
         application_point_of_actuation_loads=centre,
         rotation_mode=np.array([-y, x]).T.ravel(),
+        flexibility=flexibility,
         mesh_read_from_file=division.mesh_read_from_file,
-        **flexibility._asdict(),
     )
 
 
@@ -255,9 +238,11 @@ def substructure_with_flexibility_of_condensed_stiffness(
     if not isinstance(body.condensed, MeshedBody):
         return body
     flexibility = _flexibility_of_coupled_body(
-        body.condensed.condensed, body.coupling, friction=body.gap_closure_by_friction is not None
+        body.condensed.condensed,
+        body.coupling,
+        friction=body.flexibility.gap_closure_by_friction is not None,
     )
-    return replace(body, **flexibility._asdict())
+    return replace(body, flexibility=flexibility)
 
 
 def substructure_with_load_of_changed_shape(
@@ -278,20 +263,19 @@ def substructure_with_load_of_changed_shape(
     # The displacements of the contact nodes under the load, while the frame does not move.
     u, travel = condensed.contact_displacements_and_load_travel(own)
     beside = travel[: own.start]
-    motion = np.block([[body.load_point_motion_by_load, beside], [beside.T, travel[own]]])
-    dragged = body.load_point_motion_by_friction
-    return replace(
-        body,
-        condensed=condensed,
-        gap_closure_by_load=np.hstack([body.gap_closure_by_load, body.coupling.N @ u]),
+    flexibility = body.flexibility
+    motion = np.block([[flexibility.load_point_motion_by_load, beside], [beside.T, travel[own]]])
+    dragged = flexibility.load_point_motion_by_friction
+    no_reaction = np.zeros((DEGREES_OF_FREEDOM_OF_BODY_FRAME, 1))
+    changed = flexibility._replace(
+        gap_closure_by_load=np.hstack([flexibility.gap_closure_by_load, body.coupling.N @ u]),
         load_point_motion_by_load=motion,
         load_point_motion_by_friction=(
             None if dragged is None else np.vstack([dragged, (body.coupling.T @ u).T])
         ),
-        reaction_to_load=np.hstack(
-            [body.reaction_to_load, np.zeros((DEGREES_OF_FREEDOM_OF_BODY_FRAME, 1))]
-        ),
+        reaction_to_load=np.hstack([flexibility.reaction_to_load, no_reaction]),
     )
+    return replace(body, condensed=condensed, flexibility=changed)
 
 
 def functions_of_free_thermal_strain_by_layer(
@@ -501,27 +485,6 @@ def actuation_force_and_moments_per_newton(centre: Floats, shoe: Shoe) -> tuple[
     couple = (x - centre_x) * fy - (y - centre_y) * fx
     moment = (x - pin_x) * fy - (y - pin_y) * fx
     return np.array([fx, fy, couple]), moment
-
-
-def support_reaction_of_shoe(
-    body: ShoeSubstructure, p: Floats, dragging: Floats, drag: float, load: Floats
-) -> Floats:
-    """The support reaction (3,) of a shoe: force x [N], force y [N] and moment about the pin [N m].
-
-    Parameters
-    ----------
-    body : the substructure of the shoe
-    p : (n,) pressure at the contact nodes [Pa]
-    dragging : (n,) friction stress at the contact nodes divided by mu [Pa]; it equals p unless mu
-        depends on the pressure or differs from node to node, see
-        `ShoeGroupData.friction_stress_over_friction_coefficient_of_shoe`
-    drag : friction coefficient mu times the sense s = +-1 of sliding
-    load : (l,) factors of the load columns
-    """
-    reaction = body.reaction_to_pressure @ p + body.reaction_to_load @ load
-    if body.reaction_to_friction is None:
-        return reaction
-    return reaction + drag * (body.reaction_to_friction @ dragging)
 
 
 def penalty_stiffness_of_contact_per_area(shoe: Shoe, penalty: float) -> float:

@@ -24,20 +24,23 @@ from drumlin.fem.substructure.elimination import CholeskyFactorOfFront
 
 
 class ContactFlexibility(NamedTuple):
-    """How a body moves at its n contact nodes and its load points, and what its frame takes up.
+    """How a body moves at its n contact nodes and l load points, and what its frame takes up.
 
-    The frame does not move. The names are those of `preparation.bodies.ShoeSubstructure`. Without
-    friction the three matrices of friction are None.
+    The frame does not move. The matrices N and T and the unit loads are those of
+    `preparation.bodies.ShoeSubstructure`. Without friction the three matrices of friction are None.
 
     Attributes
     ----------
     gap_closure_by_pressure, gap_closure_by_friction : (n, n) weighted gap closure N u due to unit
         nodal pressures, and due to unit nodal friction
-    gap_closure_by_load : (n, l) weighted gap closure due to the unit loads
-    load_point_motion_by_friction, load_point_motion_by_load : (l, n), (l, l) work of each unit load
-        on the displacements due to unit nodal friction, and due to the unit loads
-    reaction_to_pressure, reaction_to_friction : (3, n) support reaction on the frame
-    reaction_to_load : (3, l) support reaction on the frame
+    gap_closure_by_load : (n, l) weighted gap closure N u due to the unit loads
+    load_point_motion_by_friction : (l, n) work of each unit load on the displacements due to unit
+        nodal friction; for a unit force it is the displacement of its point along the force
+    load_point_motion_by_load : (l, l) work of each unit load on the displacements due to each unit
+        load
+    reaction_to_pressure, reaction_to_friction : (3, n) support reaction on the frame (force x,
+        force y, moment about the pin) to unit nodal pressures, and to unit nodal friction
+    reaction_to_load : (3, l) support reaction on the frame to the unit loads
     """
 
     gap_closure_by_pressure: Floats
@@ -48,6 +51,31 @@ class ContactFlexibility(NamedTuple):
     reaction_to_pressure: Floats
     reaction_to_friction: Floats | None
     reaction_to_load: Floats
+
+    def motion_of_load_points(self, p: Floats, friction: Floats, load: Floats) -> Floats:
+        """The work (l,) of each unit load on the displacements due to pressure, friction and loads.
+
+        The arguments are those of `support_reaction`.
+        """
+        motion = self.load_point_motion_by_load @ load - self.gap_closure_by_load.T @ p
+        if self.load_point_motion_by_friction is None:
+            return motion
+        return motion + self.load_point_motion_by_friction @ friction
+
+    def support_reaction(self, p: Floats, friction: Floats, load: Floats) -> Floats:
+        """The support reaction (3,): force x [N], force y [N] and moment about the pin [N m].
+
+        Parameters
+        ----------
+        p : (n,) pressure at the contact nodes [Pa], or (n, k) for k pressures
+        friction : friction stress at the contact nodes [Pa], in the form of `p`; its sign is that
+            of the tangents of the coupling matrix T
+        load : (l,) factors of the unit loads, or (l, 1) for all k pressures
+        """
+        reaction = self.reaction_to_pressure @ p + self.reaction_to_load @ load
+        if self.reaction_to_friction is None:
+            return reaction
+        return reaction + self.reaction_to_friction @ friction
 
 
 class ContactForces(NamedTuple):

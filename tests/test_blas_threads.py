@@ -1,0 +1,140 @@
+"""Solves from Python have one BLAS thread, unless the user has set another number of threads."""
+
+import json
+import os
+import subprocess
+import sys
+
+import pytest
+import threadpoolctl
+
+import drumlin
+from drumlin.base import threads
+
+DOORS_THAT_SOLVE = (
+    "check",
+    "compare",
+    "fields",
+    "hold",
+    "reference",
+    "self_locking",
+    "sensitivity",
+    "size",
+    "solve",
+    "sweep",
+    "wear",
+)
+"""The public functions that solve brakes."""
+
+SOLVES_BY_A_LAW = """
+import json, sys, numpy, scipy.linalg, threadpoolctl, drumlin
+
+def numbers():
+    return [found["num_threads"] for found in threadpoolctl.threadpool_info()]
+
+threadpoolctl.threadpool_limits(2, user_api="blas")
+before, seen = numbers(), {}
+solving = "none"
+
+@drumlin.law("spy")
+def shape(phi, layout):
+    "A law that notes the number of threads while a brake is solved."
+    seen.setdefault(solving, []).extend(numbers())
+    return numpy.sin(phi)
+
+brake = drumlin.example("double_shoe")
+for solving, call in {
+    "solve": lambda: drumlin.solve(brake, "spy"),
+    "compare": lambda: drumlin.compare(brake, models=["spy"]),
+    "size": lambda: drumlin.size(brake, "friction", torque=400.0, model="spy"),
+    "sweep": lambda: drumlin.sweep(brake, {"friction": [0.2, 0.3]}, model="spy"),
+}.items():
+    call()
+print(json.dumps({"before": before, "seen": seen, "after": numbers()}))
+"""
+
+
+def blas_numbers():
+    """The numbers of threads of each BLAS of this process."""
+    found = threadpoolctl.threadpool_info()
+    return {library["num_threads"] for library in found if library["user_api"] == "blas"}
+
+
+def seen_numbers_of_threads(**variables):
+    """The numbers of threads before, during and after solves in a process with these variables."""
+    mine = {k: v for k, v in os.environ.items() if k not in threads.THREAD_NUMBER_VARIABLES_OF_BLAS}
+    done = subprocess.run(
+        [sys.executable, "-c", SOLVES_BY_A_LAW],
+        env=mine | variables,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout)
+
+
+def test_each_solve_from_python_has_one_blas_thread_and_restores_the_number():
+    found = seen_numbers_of_threads()
+    assert len(found["before"]) >= 1 and set(found["before"]) == {2}
+    assert found["after"] == found["before"]
+    assert set(found["seen"]) == {"solve", "compare", "size", "sweep"}
+    for door, numbers in found["seen"].items():
+        assert set(numbers) == {1}, door
+
+
+@pytest.mark.parametrize("name", ["OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS"])
+def test_a_number_of_threads_that_the_user_set_stays(name):
+    found = seen_numbers_of_threads(**{name: "2"})
+    assert found["after"] == found["before"]
+    for door, numbers in found["seen"].items():
+        assert set(numbers) == {2}, door
+
+
+class Reached(Exception):
+    """The limit of threads was asked for."""
+
+
+@pytest.mark.parametrize("name", DOORS_THAT_SOLVE)
+def test_every_door_that_solves_limits_the_threads_first(name, monkeypatch):
+    def limit():
+        raise Reached
+
+    monkeypatch.setattr(threads, "one_blas_thread_unless_user_set_number", limit)
+    with pytest.raises(Reached):
+        getattr(drumlin, name)()
+
+
+def test_every_other_public_function_is_known_to_solve_nothing():
+    functions = {name for name in drumlin.__all__ if callable(getattr(drumlin, name))}
+    classes = {"BadInput", "Brake", "NoAnswer", "Response"}
+    assert functions - classes - set(DOORS_THAT_SOLVE) == {
+        "example",
+        "law",
+        "read_brake",
+        "vary",
+        "write_brake",
+    }
+
+
+def test_overlapping_blocks_of_several_threads_restore_the_number(monkeypatch):
+    """The first block ends while the second one runs, as solves of two threads may."""
+    for name in threads.THREAD_NUMBER_VARIABLES_OF_BLAS:
+        monkeypatch.delenv(name, raising=False)
+    first, second = (threads.one_blas_thread_unless_user_set_number() for _ in range(2))
+    with threadpoolctl.threadpool_limits(2, user_api="blas"):
+        first.__enter__()
+        second.__enter__()
+        first.__exit__(None, None, None)
+        assert blas_numbers() == {1}
+        second.__exit__(None, None, None)
+        assert blas_numbers() == {2}
+
+
+def test_new_processes_get_one_thread_unless_the_user_has_set_a_number(monkeypatch):
+    for name in threads.THREAD_NUMBER_VARIABLES_OF_BLAS:
+        monkeypatch.delenv(name, raising=False)
+    wanted = {"OPENBLAS_NUM_THREADS": "1"}
+    assert threads.variables_for_one_blas_thread_unless_user_set_number() == wanted
+    monkeypatch.setenv("OMP_NUM_THREADS", "3")
+    assert threads.variables_for_one_blas_thread_unless_user_set_number() == {}
