@@ -73,6 +73,7 @@ NOT_TUNED: dict[str, dict[str, str]] = {
     },
     "fem/analysis/self_locking.py": {
         "FRICTION_AT_WHICH_RIGHT_ANGLED_CORNER_LOCKS": DEFINITION,
+        "SMALLEST_FIRST_FRICTION_OF_REPEATED_SOLVES": "time of a search in friction",
         "FRICTION_STEP_OF_REPEATED_SOLVES": "step of a search whose first failure is bisected",
         "RESOLUTION_OF_REPEATED_SOLVES": "accuracy of a limit that is printed with four digits",
         "DISTANCE_OF_PRESSURE_COMPARISON": "distance at which a pole doubles the pressure",

@@ -503,7 +503,7 @@ class FollowedDirections:
 
     def __init__(self, holds: float) -> None:
         self.holds = holds
-        self.solved_group = SimpleNamespace(group=self)
+        self.solved_group = SimpleNamespace(group=self, contact=None)
 
     def solution_continued_with_present_supports_or_none(self, friction):
         return self if friction <= self.holds else None
@@ -513,6 +513,9 @@ class FollowedDirections:
 
     def copy_of_group_with_other_drum_friction(self, _):
         return self
+
+    def friction_of_pole_with_present_supports(self, _):
+        return np.inf
 
     def _error_text_on_cam_strut_or_support_that_pulls(self):
         return ""

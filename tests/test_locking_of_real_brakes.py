@@ -143,3 +143,59 @@ def test_a_spring_that_goes_slack_is_not_taken_for_self_locking():
 
     with pytest.raises(NoAnswer, match=r"not known: above 0\.2, spring\[0\]: goes slack"):
         _limit_by_repeated_solves(peak_pressure, 3.0)
+
+
+@pytest.mark.parametrize("limit", [0.003, 0.05, 0.0999, 0.7])
+def test_a_short_shoe_on_a_lever_locks_at_its_closed_form_however_low(limit):
+    """p = F a/(A (x - mu h)) has its pole at mu = x/h."""
+
+    def peak_pressure(friction: float) -> float:
+        if friction >= limit:
+            raise NoAnswer("self-locking")
+        return 1 / (limit - friction)
+
+    found = _limit_by_repeated_solves(peak_pressure, 3.0)
+    assert found.friction == pytest.approx(limit, rel=1e-6)
+    assert not found.pressure_stays_finite
+
+
+def test_a_shoe_that_needs_friction_is_followed_from_the_friction_that_it_needs():
+    def peak_pressure(friction: float) -> float:
+        if not 0.25 < friction < 0.7:
+            raise NoAnswer("no equilibrium")
+        return 1.0
+
+    found = _limit_by_repeated_solves(peak_pressure, 3.0)
+    assert found.friction == pytest.approx(0.7, rel=1e-5)
+    assert found.pressure_stays_finite
+
+
+@pytest.mark.parametrize("reverse", [False, True])
+@pytest.mark.parametrize("name", ["duo_servo", "duo_servo_by_hand"])
+def test_the_pressure_of_a_duo_servo_grows_without_bound_towards_its_limit(name, reverse):
+    """A tenth of the distance from the pole makes the pressure ten times as large."""
+    brake = vary(drumlin.example(name), {"actuation.pressure": 1e3})
+    if reverse:
+        brake = brake.brake_with_reversed_motion()
+    (limit,) = drumlin.self_locking(brake, elements=ELEMENTS)
+    assert not limit.bounded
+
+    def peak_pressure(distance: float) -> float:
+        factor = limit.friction * (1 - distance) / brake.friction
+        found = drumlin.solve(
+            brake.brake_with_multiplied_friction(factor), elements=ELEMENTS, model_error=False
+        )
+        return max(shoe.peak_pressure for shoe in found.shoes)
+
+    assert peak_pressure(1e-5) == pytest.approx(10 * peak_pressure(1e-4), rel=0.15)
+
+
+@pytest.mark.parametrize("clearance", [1e-5, 1e-4])
+def test_a_pole_on_an_abutment_does_not_depend_on_the_clearance_and_the_turn(clearance):
+    """The turn that closes the clearance grows with the pressure, and would end the search."""
+    brake = drumlin.example("duplex")
+    (plain, _) = limits(brake)
+    apart = vary(brake, {"shoe.lining.clearance": clearance})
+    for pressure in (1e3, 3e6):
+        pushed = vary(apart, {"actuation.pressure": pressure})
+        assert limits(pushed)[0] == pytest.approx(plain, rel=1e-6)

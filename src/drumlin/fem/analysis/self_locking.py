@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -50,6 +51,13 @@ FRICTION_STEP_OF_REPEATED_SOLVES = 0.1
 Above a friction coefficient of 1 the step is relative to the coefficient. The first step without an
 equilibrium is then bisected. An equilibrium that ends and begins again within one step goes
 unnoticed; a smaller step costs time.
+"""
+SMALLEST_FIRST_FRICTION_OF_REPEATED_SOLVES = 1e-3
+"""Smallest friction coefficient that is tried first where a brake is solved anew after each step.
+
+If the first step FRICTION_STEP_OF_REPEATED_SOLVES has no equilibrium, the brake may lock below it.
+The step is halved until there is an equilibrium, or until it would be smaller than this value. The
+value is a judgement: no lining has so little friction.
 """
 RESOLUTION_OF_REPEATED_SOLVES = 1e-6
 """Relative error of a self-locking limit that is found by repeated solves.
@@ -199,7 +207,9 @@ def _limit_by_repeated_solves_of_group(group: ShoeGroup, most: float) -> Locking
     def peak_pressure(friction: float) -> float:
         """The peak pressure at a friction coefficient. Raises NoAnswer without equilibrium."""
         varied = group.brake.brake_with_multiplied_friction(friction / group.brake.friction)
-        settled = solve_shoe_group_with_lining_friction(replace(group, brake=varied))
+        settled = solve_shoe_group_with_lining_friction(
+            replace(group, brake=varied, are_large_turns_allowed=True)
+        )
         if not settled.group.is_contact_solution_physically_possible(settled.contact):
             raise NoAnswer(
                 f"{group.names_of_shoes_as_text}: the supports or the drive would have to pull"
@@ -239,15 +249,24 @@ def _limit_by_repeated_solves(
     NoAnswer if there is no equilibrium up to `most`, or if a spring goes slack or a shoe turns too
     far at finite pressures.
     """
-    low, high, failure = 0.0, 0.0, NoAnswer("no equilibrium at any friction")
-    while high < most:
+    low, high = _bracket_of_friction_limit_below_first_step(peak_pressure, most)
+    failure = NoAnswer("no equilibrium at any friction")
+    # Without an equilibrium below the first step the friction grows on: a shoe may need friction to
+    # be pressed on the drum. With one, the end of the equilibrium is bracketed.
+    while low == 0 and high < most:
         high = min(high + FRICTION_STEP_OF_REPEATED_SOLVES * max(1.0, high), most)
         try:
             peak_pressure(high)
         except NoAnswer as error:
             failure = error
-            if low > 0:
-                break
+        else:
+            low = high
+    while low == high < most:
+        high = min(high + FRICTION_STEP_OF_REPEATED_SOLVES * max(1.0, high), most)
+        try:
+            peak_pressure(high)
+        except NoAnswer as error:
+            failure = error
         else:
             low = high
     if low == 0:
@@ -266,6 +285,24 @@ def _limit_by_repeated_solves(
     if limit.pressure_stays_finite and isinstance(failure, AnswerBeyondModel):
         raise NoAnswer(f"the friction at self-locking is not known: above {low:.4g}, {failure}")
     return limit
+
+
+def _bracket_of_friction_limit_below_first_step(
+    peak_pressure: Callable[[float], float], most: float
+) -> tuple[float, float]:
+    """The largest friction known to have an equilibrium, and the least one above without.
+
+    Both lie up to the first step of repeated solves and are the same if the first step has an
+    equilibrium. They are 0 and the first step if there is none down to
+    SMALLEST_FIRST_FRICTION_OF_REPEATED_SOLVES. `peak_pressure` raises NoAnswer without equilibrium.
+    """
+    first = high = friction = min(FRICTION_STEP_OF_REPEATED_SOLVES, most)
+    while friction >= SMALLEST_FIRST_FRICTION_OF_REPEATED_SOLVES:
+        with suppress(NoAnswer):
+            peak_pressure(friction)
+            return friction, high
+        high, friction = friction, 0.5 * friction
+    return 0.0, first
 
 
 def _limit_at_end_of_equilibrium(

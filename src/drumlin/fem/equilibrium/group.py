@@ -144,7 +144,9 @@ class ShoeGroup(ContactProblemsOfShoeGroup):
         return contact
 
     def _require_small_turns_of_shoes(self, contact: active_set.ContactSolution) -> None:
-        """Raise NoAnswer if a shoe of a solution turns too far for small displacements."""
+        """Raise NoAnswer if a shoe turns too far for small displacements, unless it may."""
+        if self.are_large_turns_allowed:
+            return
         for k, coordinates in enumerate(self.rigid_body_coordinates_of_each_shoe(contact)):
             turns = self.largest_actuation_force * coordinates
             reach.require_small_shoe_turns_in_contact_solution(
@@ -410,7 +412,8 @@ class ShoeGroup(ContactProblemsOfShoeGroup):
         The friction grows in steps from the least friction that has a solution, until the solution
         ends or `largest_friction` is reached. Between two steps a foot may begin to slide on its
         abutment, stop, or slide the other way. The next steps then have the new direction of
-        friction at the abutment. Raises NoAnswer if there is no solution at any friction.
+        friction at the abutment. How far the shoes turn does not matter. Raises NoAnswer if there
+        is no solution at any friction.
         """
         # Without struts, cam and abutments there is nothing to check while the friction grows.
         if self.has_neither_strut_cam_nor_abutment:
@@ -420,27 +423,9 @@ class ShoeGroup(ContactProblemsOfShoeGroup):
                 areas=self.contact_node_areas,
             )
             return DrumFrictionLimitOfShoeGroup(limit, text_on_part_that_would_pull="")
-        low, at = self._find_least_friction_with_equilibrium_and_its_solution(largest_friction)
-        end = at.self_locking_limit_with_present_supports(low, largest_friction)
-        while low < (
-            last := min(
-                end.friction * (1 - RELATIVE_DISTANCE_OF_LAST_CHECK_BELOW_LOCKING), largest_friction
-            )
-        ):
-            high = min(low + LARGEST_FRICTION_STEP_BETWEEN_CHECKS * max(1.0, low), last)
-            after = at.solution_at_higher_friction_or_none(high)
-            # Under more friction the group may have a solution again, but the solution that is
-            # followed ends between `low` and `high`.
-            if after is None:
-                return _friction_limit_by_bisection(at, end, low, high)
-            low, before, at = high, at, after
-            if at.problem is not before.problem:
-                end = at.self_locking_limit_with_present_supports(low, largest_friction)
-        group = at.solved_group.group
-        return DrumFrictionLimitOfShoeGroup(
-            end,
-            text_on_part_that_would_pull=group._error_text_if_force_pulls_at_friction_limit(end),
-        )
+        group = replace(self, are_large_turns_allowed=True)
+        low, at = group._find_least_friction_with_equilibrium_and_its_solution(largest_friction)
+        return _friction_limit_followed_from_solution(at, low, largest_friction)
 
     def _find_least_friction_with_equilibrium_and_its_solution(
         self, largest_friction: float
@@ -565,6 +550,19 @@ class _FollowedSolution(NamedTuple):
             self.solved_group.group.contact_node_areas,
         )
 
+    def friction_of_pole_with_present_supports(self, friction: float) -> float:
+        """The friction at which the pressures of the present contact set would be infinite.
+
+        `friction` is the friction coefficient of the solution. The result is inf if there is none
+        above it. It may be the friction of the solution itself, where the search would lose the
+        pole in round-off. The search therefore starts a little below.
+        """
+        return self_locking.next_friction_with_singular_contact_equations(
+            self.problem,
+            (1 - RELATIVE_DISTANCE_OF_LAST_CHECK_BELOW_LOCKING) * friction,
+            self.solved_group.contact.active,
+        )
+
     def solution_continued_with_present_supports_or_none(
         self, friction: float
     ) -> "_FollowedSolution | None":
@@ -603,6 +601,39 @@ def _followed_solution_of_settled_group(settled: SolvedGroup) -> _FollowedSoluti
     return _FollowedSolution(settled, settled.group.contact_problem_as_function_of_friction)
 
 
+def _friction_limit_followed_from_solution(
+    at: _FollowedSolution, low: float, largest_friction: float
+) -> DrumFrictionLimitOfShoeGroup:
+    """Find the friction coefficient of the drum at which a followed solution ends.
+
+    Parameters
+    ----------
+    at : the solution at the friction coefficient `low`
+    low : friction coefficient from which the friction grows
+    largest_friction : friction coefficient at which the search ends without a limit
+    """
+    end = at.self_locking_limit_with_present_supports(low, largest_friction)
+    while low < (
+        last := min(
+            end.friction * (1 - RELATIVE_DISTANCE_OF_LAST_CHECK_BELOW_LOCKING), largest_friction
+        )
+    ):
+        high = min(low + LARGEST_FRICTION_STEP_BETWEEN_CHECKS * max(1.0, low), last)
+        after = at.solution_at_higher_friction_or_none(high)
+        # Under more friction the group may have a solution again, but the solution that is
+        # followed ends between `low` and `high`.
+        if after is None:
+            return _friction_limit_by_bisection(at, end, low, high)
+        low, before, at = high, at, after
+        if at.problem is not before.problem:
+            end = at.self_locking_limit_with_present_supports(low, largest_friction)
+    group = at.solved_group.group
+    return DrumFrictionLimitOfShoeGroup(
+        end,
+        text_on_part_that_would_pull=group._error_text_if_force_pulls_at_friction_limit(end),
+    )
+
+
 def _friction_limit_by_bisection(
     at: _FollowedSolution,
     limit_before: self_locking.LargestFrictionWithEquilibrium,
@@ -637,7 +668,21 @@ def _friction_limit_by_bisection(
             high = end
         else:
             low, at = end, after
-    limit = limit_before._replace(friction=low, pressure_stays_finite=True, last_friction=low)
+    pole = at.friction_of_pole_with_present_supports(low)
+    if pole <= (1 + RELATIVE_DISTANCE_OF_LAST_CHECK_BELOW_LOCKING) * high:
+        limit = limit_before._replace(
+            friction=pole,
+            pressure_stays_finite=False,
+            last_contact=at.solved_group.contact,
+            last_friction=low,
+        )
+        return DrumFrictionLimitOfShoeGroup(limit, text_on_part_that_would_pull="")
+    limit = limit_before._replace(
+        friction=low,
+        pressure_stays_finite=True,
+        last_contact=at.solved_group.contact,
+        last_friction=low,
+    )
     beyond = at.solved_group.group.copy_of_group_with_other_drum_friction(high)
     return DrumFrictionLimitOfShoeGroup(
         limit, beyond._error_text_on_cam_strut_or_support_that_pulls()

@@ -114,6 +114,9 @@ class ShoeGroupData:
         brake's friction is set to 0
     bearing : whether each one-sided support of the group bears; empty until the solve has found
         which of them do. A group with such supports has no contact problem before.
+    are_large_turns_allowed : whether a solution in which a shoe turns too far for small
+        displacements is taken. The limit of self-locking needs such solutions: their pressures grow
+        without bound, and with them the turns.
     node_frictions_over_brake_friction : (n,) friction coefficient at each contact node divided by
         the brake's coefficient; None if it is the same at all nodes of a shoe
     worn_depths_at_contact_nodes : (n,) [m], depth by which wear has opened the gap at the contact
@@ -129,6 +132,7 @@ class ShoeGroupData:
     node_frictions_over_brake_friction: Floats | None = None
     worn_depths_at_contact_nodes: Floats | None = None
     bearing: BearingFlagsOfOneSidedSupports = ()
+    are_large_turns_allowed: bool = False
 
     # These properties describe the shoes of the group and the friction on them.
 
