@@ -332,14 +332,10 @@ def test_groups_by_number_text_4_1_and_unnamed_entities(tmp_path, brake, shoe, k
     assert edge_counts(other) == edge_counts(plain)
 
 
-@pytest.mark.slow
-def test_mixed_cells_become_quadratic_triangles(tmp_path, brake, shoe):
-    radius = brake.drum.radius
-    alone = vary(brake, {"shoe": [shoe.model_dump()]})
-    text = deck_of(tmp_path, shoe, radius)
+def every_fifth_cell_cut(text):
+    """The deck with every fifth quadrilateral cut into two triangles, with a new label."""
     head, rows, rest = re.split(r"(?<=CPS4\n)(.*?)(?=\*)", text, maxsplit=1, flags=re.DOTALL)
     cells = [list(map(int, line.split(","))) for line in rows.strip().split("\n")]
-    # Every fifth quadrilateral is cut into two triangles, the second with a new label.
     cut = cells[::5]
     quads = "".join(", ".join(map(str, cell)) + "\n" for cell in cells if cell not in cut)
     halves = "".join(f"{e}, {a}, {b}, {c}\n{e + 5000}, {a}, {c}, {d}\n" for e, a, b, c, d in cut)
@@ -348,24 +344,36 @@ def test_mixed_cells_become_quadratic_triangles(tmp_path, brake, shoe):
         inside = {int(word) for word in labels.replace("\n", ",").split(",") if word.strip()}
         more = ", ".join(str(cell[0] + 5000) for cell in cut if cell[0] in inside)
         rest += f"*ELSET, ELSET={name}\n{more}\n"
+    return f"{head}{quads}*ELEMENT, TYPE=CPS3\n{halves}{rest}"
+
+
+@pytest.mark.slow
+def test_mixed_cells_become_quadratic_triangles(tmp_path, brake, shoe):
+    radius = brake.drum.radius
+    alone = vary(brake, {"shoe": [shoe.model_dump()]})
+    text = deck_of(tmp_path, shoe, radius)
     path = tmp_path / "mixed.inp"
-    path.write_text(f"{head}{quads}*ELEMENT, TYPE=CPS3\n{halves}{rest}")
+    path.write_text(every_fifth_cell_cut(text))
     found = solve(vary(alone, {"shoe.mesh": str(path)}))
     assert found.torque == pytest.approx(solve(alone).torque, rel=2e-3)
     assert saying(found.notes, "solved as")
 
 
-def test_corners_of_edges_name_quadratic_edges(tmp_path, brake, shoe):
-    text = deck_of(tmp_path, shoe, brake.drum.radius, "quad2")
+def with_corners_in_sets_alone(text):
+    """The deck with sets that leave out the middle nodes of quadratic edges."""
     elements = re.search(r"\*ELEMENT.*?\n(.*?)(?=\*)", text, re.DOTALL)[1]
-    # Sets that name corners alone leave out the middle nodes of the edges.
     corners = {w.strip() for line in elements.strip().split("\n") for w in line.split(",")[1:5]}
     head, sets = text[: text.index("*NSET")], text[text.index("*NSET") :]
     kept = "\n".join(
         line if line.startswith("*") else ", ".join(w for w in line.split(", ") if w in corners)
         for line in sets.split("\n")
     )
-    (tmp_path / "corners.inp").write_text(head + kept)
+    return head + kept
+
+
+def test_corners_of_edges_name_quadratic_edges(tmp_path, brake, shoe):
+    text = deck_of(tmp_path, shoe, brake.drum.radius, "quad2")
+    (tmp_path / "corners.inp").write_text(with_corners_in_sets_alone(text))
     plain = read_shoe_mesh_from_file(tmp_path / "plain.inp", shoe, brake.drum.radius)
     other = read_shoe_mesh_from_file(tmp_path / "corners.inp", shoe, brake.drum.radius)
     for name, facets in plain.boundaries.items():
