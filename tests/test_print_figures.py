@@ -224,7 +224,7 @@ def test_kept_figures_are_legible_on_a_page_and_in_a_column(draw, width):
 def width_in_print(picture):
     """The width [mm] for which a kept PNG file is drawn, as the file itself states it."""
     with Image.open(picture) as opened:
-        said = opened.text.get("Description", "")
+        said = str(opened.info.get("Description", ""))
     found = re.fullmatch(r"drawn for print at a width of (\d+) mm", said)
     return int(found[1]) if found else None
 
