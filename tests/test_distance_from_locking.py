@@ -83,9 +83,46 @@ def test_an_opposed_shoe_and_no_friction_have_no_limit(brake):
     assert "friction 0 is 0 % of mu_lock" in still.self_locking.line()
 
 
-def test_feet_that_may_leave_their_abutments_leave_the_elastic_limit_out():
-    found = drumlin.solve(drumlin.example("duplex"), elements=8, model_error=False).self_locking
-    assert found.elastic is None and math.isfinite(found.law.friction)
+def _brake_at_friction(name: str, reverse: bool, friction: float) -> drumlin.Brake:
+    """A brake of the studies with another friction, and with its other sense if `reverse`."""
+    brake = drumlin.read_brake(STUDY.parent / "brakes" / f"{name}.toml")
+    if reverse:
+        brake = brake.brake_with_reversed_motion()
+    return vary(brake, {"friction": friction})
+
+
+@pytest.mark.parametrize(
+    ("name", "reverse", "friction", "bounded"),
+    [
+        ("duo_servo", False, 0.6, False),
+        ("duo_servo", True, 0.35, False),
+        ("s_cam", False, 0.7, True),
+        ("simplex_abutted", False, 0.7, True),
+    ],
+)
+def test_anchors_struts_and_cams_have_their_elastic_limit_in_the_answer(
+    name, reverse, friction, bounded
+):
+    brake = _brake_at_friction(name, reverse, friction)
+    limits = drumlin.self_locking(brake, elements=8, penalty=1e8)
+    limit = min(limits, key=lambda limit: limit.friction)
+    answer = drumlin.solve(brake, elements=8, model_error=False, penalty=1e8)
+    stated = answer.self_locking.elastic
+    assert stated.friction == pytest.approx(limit.friction, rel=1e-3)
+    assert (stated.shoes, stated.pressure_stays_finite) == (limit.shoes, bounded)
+    assert answer.as_dict()["self_locking"]["elastic"] == stated.friction
+    assert f"mu_lock = {stated.friction:.4g} for the elastic brake" in answer.self_locking.line()
+    # The warning tells a torque without bound from an equilibrium that ends.
+    warned = " ".join(note for note in answer.notes if "for the elastic brake" in note)
+    near = friction > 2 / 3 * stated.friction
+    assert ("torque grows without bound" in warned) == (near and not bounded)
+    assert ("ends while the torque is finite" in warned) == (near and bounded)
+
+
+def test_feet_on_abutments_are_sought_up_to_the_warning():
+    brake = drumlin.example("duplex")
+    found = drumlin.solve(brake, elements=8, model_error=False).self_locking
+    assert found.elastic is not None and found.sought >= 1.5 * brake.friction
 
 
 def test_the_command_prints_the_line_and_the_warnings(tmp_path):

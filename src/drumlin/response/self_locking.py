@@ -21,10 +21,13 @@ class LockedShoesAndLockingFriction(NamedTuple):
     ----------
     shoes : names of the shoes; on a rigid drum a single shoe
     friction : mu_lock; inf if no limit was found
+    pressure_stays_finite : whether the equilibrium ends at finite pressures, for example where a
+        shoe leaves a support
     """
 
     shoes: tuple[str, ...]
     friction: float
+    pressure_stays_finite: bool = False
 
 
 class SelfLocking(NamedTuple):
@@ -98,10 +101,12 @@ class SelfLocking(NamedTuple):
             and self.friction > WARNED_FRACTION_OF_LOCKING_FRICTION * self.elastic.friction
         ):
             near = self._friction_in_percent_of_limit_as_text(self.elastic, "for the elastic brake")
-            yield (
-                f"warning: {_shoe_names_as_text(self.elastic.shoes)}: {near}, "
-                "towards which the torque grows without bound"
+            end = (
+                "at which the equilibrium ends while the torque is finite"
+                if self.elastic.pressure_stays_finite
+                else "towards which the torque grows without bound"
             )
+            yield f"warning: {_shoe_names_as_text(self.elastic.shoes)}: {near}, {end}"
         shoe = _shoe_names_as_text(self.law.shoes)
         if self.friction >= self.law.friction:
             yield (

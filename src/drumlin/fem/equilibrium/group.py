@@ -425,7 +425,38 @@ class ShoeGroup(ContactProblemsOfShoeGroup):
             return DrumFrictionLimitOfShoeGroup(limit, text_on_part_that_would_pull="")
         group = replace(self, are_large_turns_allowed=True)
         low, at = group._find_least_friction_with_equilibrium_and_its_solution(largest_friction)
-        return _friction_limit_followed_from_solution(at, low, largest_friction)
+        end = at.self_locking_limit_with_present_supports(low, largest_friction)
+        return _friction_limit_followed_from_solution(at, low, largest_friction, end)
+
+    def find_friction_limit_above_solution(
+        self, contact: active_set.ContactSolution, largest_friction: float
+    ) -> DrumFrictionLimitOfShoeGroup:
+        """Find the limit of the drum's friction from a solution at the friction of the brake.
+
+        If the present directions and supports hold at `largest_friction` too, the limit is inf. A
+        foot that leaves its support and comes back in between goes unnoticed. Otherwise the
+        friction grows in steps as in `find_friction_limit_by_following_contact`.
+
+        Parameters
+        ----------
+        contact : solution of the group with its present directions of friction at the abutments
+            and its present supports, as `solve_contact_and_abutment_friction` finds them
+        largest_friction : friction coefficient at which the search ends without a limit
+        """
+        group = replace(self, are_large_turns_allowed=True)
+        friction = self.brake.friction
+        at = _followed_solution_of_settled_group(SolvedGroup(group, contact))
+        if at.is_equilibrium_certain_up_to_friction(largest_friction):
+            end = self_locking.LargestFrictionWithEquilibrium(
+                math.inf, False, contact, friction, steps=1
+            )
+            return DrumFrictionLimitOfShoeGroup(end, text_on_part_that_would_pull="")
+        end = at.self_locking_limit_with_present_supports(friction, largest_friction)
+        if math.isinf(end.friction):
+            last = group.copy_of_group_with_other_drum_friction(end.last_friction)
+            if last.is_contact_solution_physically_possible(end.last_contact):
+                return DrumFrictionLimitOfShoeGroup(end, text_on_part_that_would_pull="")
+        return _friction_limit_followed_from_solution(at, friction, largest_friction, end)
 
     def _find_least_friction_with_equilibrium_and_its_solution(
         self, largest_friction: float
@@ -563,6 +594,21 @@ class _FollowedSolution(NamedTuple):
             self.solved_group.contact.active,
         )
 
+    def is_equilibrium_certain_up_to_friction(self, friction: float) -> bool:
+        """Whether a single step shows that the solution continues up to a higher friction.
+
+        The contact force must grow by little, and the present directions and supports must hold at
+        the higher friction. If the result is False, only small steps of friction can tell.
+        """
+        contact = self.solved_group.contact
+        areas = self.solved_group.group.contact_node_areas
+        return (
+            self_locking.is_equilibrium_certain_up_to_friction(
+                self.problem.contact_problem_at_friction_coefficient, contact, friction, areas
+            )
+            and self.solution_continued_with_present_supports_or_none(friction) is not None
+        )
+
     def solution_continued_with_present_supports_or_none(
         self, friction: float
     ) -> "_FollowedSolution | None":
@@ -602,7 +648,10 @@ def _followed_solution_of_settled_group(settled: SolvedGroup) -> _FollowedSoluti
 
 
 def _friction_limit_followed_from_solution(
-    at: _FollowedSolution, low: float, largest_friction: float
+    at: _FollowedSolution,
+    low: float,
+    largest_friction: float,
+    end: self_locking.LargestFrictionWithEquilibrium,
 ) -> DrumFrictionLimitOfShoeGroup:
     """Find the friction coefficient of the drum at which a followed solution ends.
 
@@ -611,8 +660,8 @@ def _friction_limit_followed_from_solution(
     at : the solution at the friction coefficient `low`
     low : friction coefficient from which the friction grows
     largest_friction : friction coefficient at which the search ends without a limit
+    end : the limit if the present directions and supports stay
     """
-    end = at.self_locking_limit_with_present_supports(low, largest_friction)
     while low < (
         last := min(
             end.friction * (1 - RELATIVE_DISTANCE_OF_LAST_CHECK_BELOW_LOCKING), largest_friction
@@ -663,11 +712,20 @@ def _friction_limit_by_bisection(
             # near. It is sought in growing steps.
             end = low + min(reach, 0.5 * (high - low))
             reach *= 2
-        after = at.solution_at_higher_friction_or_none(end)
+        before, after = at, at.solution_at_higher_friction_or_none(end)
         if after is None:
             high = end
-        else:
-            low, at = end, after
+            continue
+        low, at = end, after
+        # New directions or supports mostly hold up to the limit, which is then their pole.
+        if (
+            at.friction_directions_and_bearing_supports
+            != before.friction_directions_and_bearing_supports
+        ):
+            near_pole = _solution_followed_to_pole_or_none(at, low, high)
+            if near_pole is not None:
+                low, at = near_pole
+                break
     pole = at.friction_of_pole_with_present_supports(low)
     if pole <= (1 + RELATIVE_DISTANCE_OF_LAST_CHECK_BELOW_LOCKING) * high:
         limit = limit_before._replace(
@@ -687,6 +745,41 @@ def _friction_limit_by_bisection(
     return DrumFrictionLimitOfShoeGroup(
         limit, beyond._error_text_on_cam_strut_or_support_that_pulls()
     )
+
+
+def _solution_followed_to_pole_or_none(
+    at: _FollowedSolution, low: float, high: float
+) -> tuple[float, _FollowedSolution] | None:
+    """Follow a solution with its present directions and supports to infinite pressures.
+
+    Returns a friction coefficient at the relative distance TEST_DISTANCE_BELOW_SINGULAR_FRICTION
+    below the friction of infinite pressures, and the solution there. Returns None if the solution
+    ends before, or if its pressures stay finite up to `high`.
+
+    Parameters
+    ----------
+    at : the solution at the friction coefficient `low`
+    low : friction coefficient with a solution
+    high : friction coefficient without a solution
+    """
+    while True:
+        pole = at.friction_of_pole_with_present_supports(low)
+        if not low < pole < high:
+            return None
+        last = (1 - self_locking.TEST_DISTANCE_BELOW_SINGULAR_FRICTION) * pole
+        if last <= low:
+            return low, at
+        # If the contact set holds up to the pole, the solution near the pole continues this one.
+        at_last = at.solution_continued_with_present_supports_or_none(last)
+        if at_last is not None:
+            return last, at_last
+        # Over a quarter of the distance the contact force grows by a third. A solution that grows
+        # by more than LARGEST_CONTACT_FORCE_GROWTH_PER_STEP would not count as its continuation.
+        low += 0.25 * (pole - low)
+        after = at.solution_continued_with_present_supports_or_none(low)
+        if after is None:
+            return None
+        at = after
 
 
 def _bisect_friction_at_which_supports_change(

@@ -13,6 +13,7 @@ from drumlin.brake.friction import first_key_of_pressure_dependent_friction
 from drumlin.contact.active_set import solve_contact_by_block_pivoting
 from drumlin.contact.self_locking import (
     NODES_ABOVE_WHICH_FRICTION_PATH_IS_COARSE,
+    LargestFrictionWithEquilibrium,
     find_largest_friction_with_equilibrium,
     is_equilibrium_certain_up_to_friction,
 )
@@ -57,9 +58,10 @@ def compare_friction_with_self_locking_limits(
     limit, the elastic limit is sought up to LARGEST_SOUGHT_ELASTIC_LIMIT_OVER_FRICTION times the
     friction. At lower friction it is sought up to 1/WARNED_FRACTION_OF_LOCKING_FRICTION times the
     friction, which is enough to decide on a warning; mostly a single contact solve shows that no
-    limit lies so low. The elastic limit is not sought if a cam, a strut or an abutment may end the
-    equilibrium earlier, nor on meshes of more than NODES_ABOVE_WHICH_FRICTION_PATH_IS_COARSE
-    contact nodes, on which the search would take longer than the solve.
+    limit lies so low. If a shoe may leave a support, or a cam or a strut would have to pull, at a
+    smaller friction, this smaller friction is the limit. The elastic limit is not sought on meshes
+    of more than NODES_ABOVE_WHICH_FRICTION_PATH_IS_COARSE contact nodes, on which the search would
+    take longer than the solve.
 
     Parameters
     ----------
@@ -81,7 +83,8 @@ def compare_friction_with_self_locking_limits(
         by_law.append(LockedShoesAndLockingFriction((shoe.name,), limit))
     law = first_shoes_to_lock(by_law)
     groups = divide_pressed_shoes_into_groups(scene, brake, penalty) if friction > 0 else []
-    if not groups or not all(map(_is_locking_friction_of_group_cheap_to_compute, groups)):
+    are_all_small = all(map(_has_group_few_contact_nodes, groups))
+    if not groups or not are_all_small:
         return SelfLocking(friction, law, key_of_lining_with_own_friction=scaled)
 
     def smallest_locking_friction_of_group_by_rigid_law(group: ShoeGroup) -> float:
@@ -95,10 +98,7 @@ def compare_friction_with_self_locking_limits(
     if friction > SMALLEST_FRICTION_RATIO_FOR_ELASTIC_LIMIT * law.friction:
         sought = friction * LARGEST_SOUGHT_ELASTIC_LIMIT_OVER_FRICTION
     for group in sorted(groups, key=smallest_locking_friction_of_group_by_rigid_law):
-        shoes = tuple(brake.shoes[i].name for i in group.members)
-        limits.append(
-            LockedShoesAndLockingFriction(shoes, _locking_friction_of_elastic_group(group, sought))
-        )
+        limits.append(_locking_friction_of_elastic_group(group, sought))
         sought = min(sought, limits[-1].friction)
     return SelfLocking(friction, law, first_shoes_to_lock(limits), sought, scaled)
 
@@ -126,7 +126,10 @@ def compare_friction_over_pressure_with_self_locking_limit(
     """
     key = first_key_of_pressure_dependent_friction(brake) or ""
     groups = divide_pressed_shoes_into_groups(scene, brake, penalty)
-    if not groups or not all(map(_is_locking_friction_of_group_cheap_to_compute, groups)):
+    if not groups or not all(
+        group.has_neither_strut_cam_nor_abutment and _has_group_few_contact_nodes(group)
+        for group in groups
+    ):
         return SelfLockingFactor(key)
     of_rigid_shoes = scene.locking_frictions_of_rigid_shoes.with_motion_of_file
     by_law = [
@@ -145,17 +148,33 @@ def compare_friction_over_pressure_with_self_locking_limit(
     return SelfLockingFactor(key, first_shoes_to_lock(limits), sought)
 
 
-def _is_locking_friction_of_group_cheap_to_compute(group: ShoeGroup) -> bool:
-    """Whether the elastic limit of a group takes only a few contact solves of moderate size."""
-    nodes = len(group.contact_node_areas)
-    return (
-        group.has_neither_strut_cam_nor_abutment
-        and nodes <= NODES_ABOVE_WHICH_FRICTION_PATH_IS_COARSE
-    )
+def _has_group_few_contact_nodes(group: ShoeGroup) -> bool:
+    """Whether the search for the elastic limit of a group takes little time beside the solve."""
+    return len(group.contact_node_areas) <= NODES_ABOVE_WHICH_FRICTION_PATH_IS_COARSE
 
 
-def _locking_friction_of_elastic_group(group: ShoeGroup, sought: float) -> float:
+def _locking_friction_of_elastic_group(
+    group: ShoeGroup, sought: float
+) -> LockedShoesAndLockingFriction:
     """The friction at which a group of elastic shoes locks itself; inf if it is above `sought`.
+
+    Raises NoAnswer if the group has no solution at the friction of its brake.
+    """
+    if group.has_neither_strut_cam_nor_abutment:
+        limit = _limit_of_group_on_fixed_supports_or_none(group, sought)
+    else:
+        settled = group.solve_contact_and_abutment_friction()
+        limit = settled.group.find_friction_limit_above_solution(settled.contact, sought).limit
+    shoes = tuple(shoe.name for shoe in group.shoes)
+    if limit is None or not limit.friction < sought:
+        return LockedShoesAndLockingFriction(shoes, math.inf)
+    return LockedShoesAndLockingFriction(shoes, limit.friction, limit.pressure_stays_finite)
+
+
+def _limit_of_group_on_fixed_supports_or_none(
+    group: ShoeGroup, sought: float
+) -> LargestFrictionWithEquilibrium | None:
+    """The limit of a group whose shoes cannot leave their supports; None if it is above `sought`.
 
     Raises NoAnswer if the group has no solution at the friction of its brake.
     """
@@ -166,14 +185,13 @@ def _locking_friction_of_elastic_group(group: ShoeGroup, sought: float) -> float
         if contact.stable and is_equilibrium_certain_up_to_friction(
             problem_at, contact, sought, areas
         ):
-            return math.inf
+            return None
     # The limit may be near. The search follows the solution that growing friction reaches, which
     # takes longer.
     contact = group.solve_contact_for_given_abutment_friction()
-    limit = find_largest_friction_with_equilibrium(
+    return find_largest_friction_with_equilibrium(
         group.contact_problem_as_function_of_friction,
         sought,
         (group.brake.friction, contact),
         areas,
     )
-    return limit.friction if limit.friction < sought else math.inf
