@@ -2,6 +2,7 @@
 
 import csv
 import re
+from dataclasses import replace
 from functools import cache
 from types import SimpleNamespace
 
@@ -230,7 +231,12 @@ def draw_worn_profiles():
 
 
 def draw_torques_of_runs():
-    return study_module("run_in").figures.draw_torques_over_distance([run_of_double_shoe_brake()])
+    """The figure of many runs, of which only a few have names."""
+    run = run_of_double_shoe_brake()
+    runs = [replace(run, name=f"linings/linings_apart, turned back {i}, fem") for i in range(22)]
+    figure = study_module("run_in").figures.draw_torques_over_distance(runs)
+    assert len(figure.legends[0].get_texts()) == 9
+    return figure
 
 
 def draw_held_force():
