@@ -388,6 +388,7 @@ def test_how_far_the_fixed_division_is_off_is_said(explorer):
     assert 0 < stated.torque < 1e-3 and 1e-6 < stated.pressure < 0.02
     plane = drumlin.solve(answer.brake, model_error=True).plane_stress_error.brake
     assert f"{100 * stated.pressure:.2g} % (pressure)" in data["error"]
+    assert re.search(r"on the saved file is off by .* % and .* % at most", data["error"])
     assert f"{100 * plane['torque']:.2g} % (torque)" in data["error"]
     assert (
         "its error follows"
@@ -647,3 +648,33 @@ def test_only_this_machine_is_answered_by_its_own_name(tmp_path):
         )
         assert taken.returncode == 2
         assert f"--port = {port}: cannot be had" in taken.stderr
+
+
+@pytest.mark.slow
+def test_the_page_fits_on_a_narrow_screen_without_gaps_around_its_pictures(tmp_path):
+    """At 400 pixels nothing is wider, and the answer at the foot does not cover the table's end."""
+    from selenium.webdriver.support.ui import WebDriverWait
+
+    with served() as address, browser(tmp_path) as page:
+        window = {"width": 400, "height": 900, "deviceScaleFactor": 1, "mobile": False}
+        page.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", window)
+        page.get(address)
+        WebDriverWait(page, 60).until(lambda page: "torque" in page.find_element("id", "head").text)
+        wide, screen = page.execute_script(
+            "return [document.documentElement.scrollWidth, window.innerWidth]"
+        )
+        assert wide <= screen
+        for name in ("drum", "unrolled"):
+            width, height, ratio = page.execute_script(
+                "const picture = document.getElementById(arguments[0]);"
+                "const box = picture.getBoundingClientRect(), view = picture.viewBox.baseVal;"
+                "return [box.width, box.height, view.height / view.width]",
+                name,
+            )
+            assert height == pytest.approx(width * ratio, abs=2)
+        page.execute_script("window.scrollTo(0, document.documentElement.scrollHeight)")
+        table, answer = page.execute_script(
+            "return [document.getElementById('table').getBoundingClientRect().bottom,"
+            "document.querySelector('.answer').getBoundingClientRect().top]"
+        )
+        assert table <= answer

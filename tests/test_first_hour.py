@@ -68,6 +68,27 @@ def test_answers_are_equal_if_all_their_numbers_are(brake):
         assert not are_nested_values_with_arrays_equal({"a": (zeros, 1)}, unequal)
 
 
+def test_results_of_every_analysis_show_what_the_terminal_prints(brake):
+    """The text of a run in Python holds the terminal's lines, and no arrays of the run."""
+    worn = drumlin.wear(brake, elements=6, distance=10.0)
+    held = drumlin.hold(brake, elements=6, steps=2)
+    slopes = drumlin.sensitivity(brake, elements=6)
+    sized = drumlin.size(brake, "shoe.actuation.force", torque=400.0, model="sine")
+    for shown, word in (
+        (worn, "worn in (law): torque 435.2"),
+        (held, "holds up to "),
+        (slopes, "S = (mu/T) dT/dmu = "),
+        (sized, "shoe.actuation.force = 1838."),
+    ):
+        lines = repr(shown).splitlines()
+        assert len(lines) < 40 and max(map(len, lines)) < 160
+        assert word in repr(shown) and "array(" not in repr(shown)
+    assert repr(worn) == "\n".join(worn.lines())
+    assert repr(held).splitlines() == [brake.title, *held.lines()]
+    assert repr(sized).endswith(repr(sized.response))
+    assert "brake" not in slopes.as_dict()
+
+
 def test_what_is_shown_is_short(brake):
     compared = drumlin.compare(brake, models=["sine", "cosine"])
     table = drumlin.sweep(brake, {"friction": [0.2, 0.3, 0.9]}, model="sine")

@@ -435,8 +435,12 @@ EXECUTED = "---\nfile_format: mystnb\nkernelspec:\n  name: python3\n---\n"
             f"{EXECUTED}# A\n\n```{{code-cell}}\n1 / 0\n```\n",
             "ZeroDivision",
         ),
+        (
+            f"{EXECUTED}# A\n\n```{{code-cell}}\n!drumlin solve gone.toml\n```\n",
+            "a command that fails",
+        ),
     ],
-    ids=["page", "heading", "picture", "link", "example"],
+    ids=["page", "heading", "picture", "link", "example", "command"],
 )
 @pytest.mark.slow
 def test_what_is_broken_fails_the_manual(tmp_path, text, said):

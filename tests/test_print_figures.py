@@ -2,6 +2,8 @@
 
 import csv
 import re
+from dataclasses import replace
+from functools import cache
 from types import SimpleNamespace
 
 import numpy as np
@@ -31,8 +33,18 @@ from drumlin.report.field_picture import (
 from drumlin.report.rendered_figure import figure_around_pixels, radii_of_drawn_rim
 from drumlin.studies import import_study_and_find_folder_above_studies
 from drumlin_studies.misfit_rows import QUANTITIES_SHOWN_OVER_RANDOM_BRAKES
-from drumlin_studies.plane_stress import PlaneStressErrorMap, TimeAndErrors
+from drumlin_studies.plane_stress import (
+    PlaneStressErrorMap,
+    TimeAndErrors,
+    solve_with_solid_shoes,
+)
 from drumlin_studies.post_brake_rows import TorqueErrorMapOverStiffnessGroups
+from drumlin_studies.run_in_limits import (
+    WearWithRegularDrumReversals,
+    prepare_wear_setup_by_model,
+    rows_and_last_states_of_wear_runs_in_equal_steps,
+    wear_brake_until_pressure_settles,
+)
 from drumlin_studies.stated_true_figure import plot_stated_over_true_errors
 
 KEPT = ROOT / "reports" / "reference"
@@ -185,10 +197,74 @@ def draw_stated_true(width=figures.FULL_WIDTH):
     return plot_stated_over_true_errors(stored("verification/stated_true.csv")[::20], width)
 
 
+@cache
+def solid_shoes_of_t_section():
+    """The brake of the study of plane stress, and its response with degree 2 across the width."""
+    brake = read_brake(ROOT / "studies" / "plane_stress" / "brake.toml")
+    return brake, solve_with_solid_shoes(brake, 2)
+
+
+def draw_face(width=figures.FULL_WIDTH):
+    brake, solid = solid_shoes_of_t_section()
+    three = SimpleNamespace(brake=brake, solid=solid)
+    worn = SimpleNamespace(last=solid.shoes)
+    return study_module("plane_stress").figures.draw_face_pressures(three, worn, width)
+
+
+@cache
+def run_of_double_shoe_brake():
+    """The run of the double-shoe brake on few elements until its pressure settles."""
+    brake = read_brake(ROOT / "studies" / "double_shoe" / "brake.toml")
+    setup = prepare_wear_setup_by_model("fem", brake, 12)
+    return wear_brake_until_pressure_settles("double_shoe/brake, fem", setup)
+
+
+def draw_run_in(width=figures.FULL_WIDTH):
+    study = study_module("run_in")
+    run = run_of_double_shoe_brake()
+    return study.figures.draw_pressures_over_distance(run, study.CURVES["stiff"], width)
+
+
+def draw_worn_profiles():
+    run = run_of_double_shoe_brake()
+    return study_module("run_in").figures.draw_worn_profiles(run, (0.01, 0.1, 1.0))
+
+
+def draw_torques_of_runs():
+    """The figure of many runs, of which only a few have names."""
+    run = run_of_double_shoe_brake()
+    runs = [replace(run, name=f"linings/linings_apart, turned back {i}, fem") for i in range(22)]
+    figure = study_module("run_in").figures.draw_torques_over_distance(runs)
+    assert len(figure.legends[0].get_texts()) == 9
+    return figure
+
+
+def draw_held_force():
+    return study_module("run_in").figures.draw_held_force(run_of_double_shoe_brake())
+
+
+def draw_reversals():
+    run = run_of_double_shoe_brake()
+    turned = WearWithRegularDrumReversals(50.0, run.states, [0.1] * len(run.states), 0.0)
+    return study_module("run_in").figures.draw_reversals(run, turned)
+
+
+def draw_checkerboards():
+    study = study_module("run_in")
+    run = run_of_double_shoe_brake()
+    _, boards = rows_and_last_states_of_wear_runs_in_equal_steps(run, study.END, study.STEPS)
+    return study.figures.draw_checkerboards(run.setup.surfaces[0], boards)
+
+
 @pytest.mark.parametrize(
     "draw",
     [
         draw_solid,
+        draw_worn_profiles,
+        draw_torques_of_runs,
+        draw_held_force,
+        draw_reversals,
+        draw_checkerboards,
         pytest.param(draw_left_out, marks=pytest.mark.slow),
     ],
 )
@@ -201,6 +277,8 @@ def test_figures_of_one_width_are_legible_at_it(draw):
     "draw",
     [
         draw_limits,
+        draw_run_in,
+        draw_face,
         *(
             pytest.param(draw, marks=pytest.mark.slow)
             for draw in (

@@ -670,6 +670,10 @@ class HoldingRun(NamedTuple):
     brake: Brake
     states: tuple[HoldingState, ...]
 
+    def __repr__(self) -> str:
+        """The title of the brake, and the lines of `lines`."""
+        return "\n".join([self.brake.title, *self.lines()])
+
     def as_dict(self) -> list[dict[str, Any]]:
         """The states as plain data for JSON, in SI; the keys are those of `drumlin hold --json`."""
         from drumlin.fem.analysis.holding import holding_states_as_plain_data

@@ -329,6 +329,10 @@ class SizingResult:
     brake: Brake
     response: Response
 
+    def __repr__(self) -> str:
+        """The lines of `lines`, and the response as a table of text."""
+        return "\n".join([*self.lines(), repr(self.response)])
+
     def as_dict(self) -> dict[str, Any]:
         """The answer as plain data for JSON, in SI, with the response to the found value."""
         data = {name: value for name, value in vars(self).items() if name != "brake"}

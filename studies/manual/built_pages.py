@@ -16,6 +16,12 @@ _WRONG_TEXTS = {
 }
 """Texts that no page may have, by what they are."""
 
+_PRINTED_BY_EXAMPLE = re.compile(r'class="output[^"]*stream.*?<pre>(.*?)</pre>', re.DOTALL)
+"""The text that a command or a print of an executed example has left on a page."""
+
+_FAILED_COMMAND = re.compile(r"^(?:drumlin: |Error: |Traceback |\S*sh: .*not found)", re.MULTILINE)
+"""What a command of the shell prints where it fails: the notebook itself does not notice it."""
+
 _TAG = re.compile(r"<(?!/?m[ion]>)[^>]*>")
 """A tag of HTML, but for the letters, numbers and signs of formulas."""
 
@@ -44,7 +50,7 @@ class Links(HTMLParser):
 
 
 def faults_of_built_pages(site: Path) -> list[str]:
-    """A line for each wrong text, dead link and foreign address on the pages in `site`."""
+    """A line for each wrong text, failed command, dead link and foreign address in `site`."""
     texts = {}
     for path in sorted(site.rglob("*.html")):
         texts[path.resolve()] = path.read_text(encoding="utf-8")
@@ -56,6 +62,9 @@ def faults_of_built_pages(site: Path) -> list[str]:
         for what, pattern in _WRONG_TEXTS.items():
             if pattern.search(plain):
                 faults.append(f"{name}: {what}")
+        for printed in _PRINTED_BY_EXAMPLE.findall(texts[path]):
+            if _FAILED_COMMAND.search(html.unescape(_TAG.sub("", printed))):
+                faults.append(f"{name}: a command that fails")
         for address in page.loaded:
             if not _is_own_file(path, address):
                 faults.append(f"{name}: loads {address}")

@@ -34,6 +34,12 @@ DISTANCE = "sliding distance s [1/(k K)]"
 """Label of the sliding distance s: k is the wear coefficient, K = E/t the lining's stiffness."""
 
 
+MOST_NAMED_RUNS = 7
+"""Number of runs that a figure of many runs names: more colours are hardly told apart."""
+COLOR_OF_OTHER_RUNS = "#c6ced6"
+"""Colour of the runs without a name."""
+
+
 class Series(NamedTuple):
     """A line of a figure: its label, x, y, and its colour where this is given."""
 
@@ -143,9 +149,20 @@ def _draw_pressure_map(
 
 
 def draw_torques_over_distance(runs: Sequence[WearRunUntilPressureSettles]) -> Figure:
-    """Relative difference of the torque from the law over the distance, a line for each run."""
+    """Relative difference of the torque from the law over the distance, a line for each run.
+
+    Only the runs whose torque is farthest from the law when new have names and colours.
+    """
+    ranked = sorted(
+        runs, key=lambda one: abs(one.states[0].torque / one.goal.torque - 1), reverse=True
+    )
+    series = [torque_error_series(one, one.name) for one in ranked[:MOST_NAMED_RUNS]]
+    for k, one in enumerate(ranked[MOST_NAMED_RUNS:]):
+        label = "_" if k else "other brakes"
+        series.append(torque_error_series(one, label, COLOR_OF_OTHER_RUNS))
+    # Named lines lie above the others.
     return draw_lines_over_distance(
-        [torque_error_series(one, one.name) for one in runs],
+        series[::-1],
         "torque off the law [%]",
         law="law",
         band=0.1,
@@ -208,9 +225,10 @@ def draw_lines_over_distance(
             axes.axhline(0, color=LAW, lw=1.6, ls="--", label=law)
         if band:
             axes.axhspan(-band, band, color=LAW, alpha=0.12, lw=0)
-        shades = mpl.colormaps["viridis"](np.linspace(0, 0.9, max(len(series), 2)))
-        for one, shade in zip(series, shades, strict=False):
-            axes.plot(one.x, one.y, lw=1.6, color=one.color or shade, label=one.label)
+        uncoloured = sum(one.color is None for one in series)
+        shades = iter(mpl.colormaps["viridis"](np.linspace(0, 0.9, max(uncoloured, 2))))
+        for one in series:
+            axes.plot(one.x, one.y, lw=1.6, color=one.color or next(shades), label=one.label)
         # The symmetric logarithm shows the new brake at the distance 0, too.
         if log:
             axes.set_xscale("symlog", linthresh=0.01, linscale=0.3)
@@ -223,7 +241,8 @@ def draw_lines_over_distance(
             axes.set_xlim(0, 1.1 * max(max(one.x) for one in series))
         axes.set_xlabel(f"{DISTANCE} (0: new)" if log else DISTANCE)
         axes.set_ylabel(ylabel)
-        draw_legend_below_figure(figure, axes)
+        # Names of brakes and models are too long for three of them side by side.
+        draw_legend_below_figure(figure, axes, **({"ncols": 2} if len(series) > 2 else {}))
     return figure
 
 
@@ -263,7 +282,7 @@ def draw_worn_profiles(one: WearRunUntilPressureSettles, curves: Sequence[float]
             column[1].set_yscale("log")
             column[1].set_xlabel("angle on the drum θ [deg]")
         grid[0, 0].set_ylabel("worn depth [µm]")
-        grid[1, 0].set_ylabel(f"{DISTANCE}, in contact: filled")
+        grid[1, 0].set_ylabel(f"{DISTANCE},\nin contact: filled")
         draw_legend_below_figure(figure, grid[0, -1])
     return figure
 

@@ -18,7 +18,10 @@ from drumlin.brake.plane_brake import read_drum_or_plane_brake
 from drumlin.comparison import table_as_csv_text
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.lining_wear.linings import wear_setup_by_finite_elements
-from drumlin.lining_wear.run_in import relative_differences_from_end_of_wear
+from drumlin.lining_wear.run_in import (
+    reason_why_wear_never_settles,
+    relative_differences_from_end_of_wear,
+)
 from drumlin.report import figures as drawing
 from drumlin.report.page import write_html_page
 from drumlin_studies import run_in_limits as limits
@@ -167,6 +170,10 @@ def brakes_that_run_in(*, short: bool) -> tuple[list[tuple[str, str, Brake]], li
             continue
         if brake.surface.is_plane_and_not_drum:
             skipped.append(f"{name}: shoes on a plane are not modelled elastically")
+            continue
+        never = reason_why_wear_never_settles(brake)
+        if never is not None:
+            skipped.append(f"{name}: {never}")
             continue
         ways, reason = limits.list_wear_models_and_reason_against_finite_elements(brake)
         for how, model, varied in ways:

@@ -280,7 +280,8 @@ def torque_line_as_html(answer: FemAndLawAnswerAtSliderSetting) -> str:
     effect, factor = answer.fem_response.effect, brake_factor(answer.brake, answer.fem_response)
     words = [f"{surface.word_for_torque_or_brake_force} <b>{effect:.6g} {unit}</b>"]
     if factor is not None:
-        words.append(f"brake factor {surface.brake_factor_formula} <b>{factor:.4g}</b>")
+        formula = f"<span>{surface.brake_factor_formula}</span>"
+        words.append(f"brake factor {formula} <b>{factor:.4g}</b>")
     if answer.law_response is not None:
         by_law = answer.law_response.effect
         off = f" ({number_as_text(by_law / effect - 1, '+.1%')})" if effect else ""
@@ -351,7 +352,7 @@ def error_of_finite_elements_as_html(
     if stated.errors_stated_by_accurate_answer is not None:
         own = [stated.errors_stated_by_accurate_answer[key] for key in ("torque", "pressure")]
         torque, pressure = map(_relative_error_as_text, own)
-        lines[0] += f"; {command} on the saved file is off by at most some {torque} and {pressure}"
+        lines[0] += f"; {command} on the saved file is off by {torque} and {pressure} at most"
     plane = stated.plane_stress
     if plane is not None and not plane.unknown:
         texts = [

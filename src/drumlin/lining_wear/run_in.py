@@ -291,7 +291,7 @@ def wear_brake_linings_until_worn_in(
     if torque is not None:
         _require_loads_and_friction_that_allow_a_kept_torque(setup)
     if until is None and "distance" not in options:
-        _require_that_wear_settles(setup, both_ways=backward is not None)
+        _require_that_wear_settles(setup.brake, both_ways=backward is not None)
         until = make_function_that_tests_for_end_of_wear(
             setup, final_pressure_and_torque_of_wear_on_mesh(setup, law, torque)
         )
@@ -320,18 +320,26 @@ def _require_loads_and_friction_that_allow_a_kept_torque(setup: WearSetup) -> No
         )
 
 
-def _require_that_wear_settles(setup: WearSetup, *, both_ways: bool) -> None:
+def reason_why_wear_never_settles(brake: Brake) -> str | None:
+    """Why the pressure of a brake never stops changing by wear, or None if it stops."""
+    for i, spring in enumerate(brake.springs):
+        if spring.rate:
+            return (
+                f"spring[{i}].rate = {spring.rate * 1e-3:g} N/mm: the pull changes "
+                "as long as the linings wear, which does not settle"
+            )
+    return None
+
+
+def _require_that_wear_settles(brake: Brake, *, both_ways: bool) -> None:
     """Raise BadInput for a brake whose pressure never stops changing by wear.
 
     A wear run of such a brake must be given a distance. `both_ways` tells whether the drum turns
     both ways.
     """
-    if setup.springs is not None:
-        i = int(setup.springs.numbers[0])
-        raise BadInput(
-            f"spring[{i}].rate = {setup.brake.springs[i].rate * 1e-3:g} N/mm: the pull changes "
-            "as long as the linings wear, which does not settle: a distance must be given"
-        )
+    reason = reason_why_wear_never_settles(brake)
+    if reason is not None:
+        raise BadInput(f"{reason}: a distance must be given")
     if both_ways:
         raise BadInput(
             "a brake whose drum turns both ways does not settle: a distance must be given"

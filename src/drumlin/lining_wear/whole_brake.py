@@ -57,6 +57,10 @@ class WearRun:
     step_tolerance: float = DEFAULT_PRESSURE_ERROR_OF_WEAR_STEP
     start_error: Mapping[str, float] | None = None
 
+    def __repr__(self) -> str:
+        """The lines of `lines`, below the title of the brake."""
+        return "\n".join(self.lines())
+
     def as_dict(self) -> dict[str, Any]:
         """The run as plain data for JSON, in SI; the keys are those of `drumlin wear --json`."""
         data = wear_run_as_json_data(self.setup, self.states, self.target, self.law)

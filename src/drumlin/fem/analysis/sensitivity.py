@@ -177,6 +177,7 @@ class TorqueSensitivities:
     law : S by the rigid-shoe law: for each shoe, and then for the whole brake; None if the law has
         no solution, or does not apply
     springs : the sensitivities by each spring
+    brake : the brake
     """
 
     friction_coefficient: float
@@ -188,14 +189,19 @@ class TorqueSensitivities:
     ring_bending_stiffness: float | None
     shoes: tuple[ShoeSensitivity, ...]
     law: tuple[float | None, ...] | None
-    springs: tuple[SpringSensitivity, ...] = ()
+    springs: tuple[SpringSensitivity, ...]
+    brake: Brake
+
+    def __repr__(self) -> str:
+        """The title of the brake, and the sensitivities as lines of text."""
+        return "\n".join([self.brake.title, *sensitivity_as_text_lines(self, self.brake)])
 
     def as_dict(self) -> dict[str, Any]:
         """Convert the sensitivities of the brake to plain data for JSON, in SI units."""
         shoes = list(map(_shoe_sensitivity_as_dict, self.shoes))
         law = None if self.law is None else list(self.law)
         data = vars(self) | {"shoes": shoes, "law": law}
-        del data["springs"]
+        del data["springs"], data["brake"]
         if self.springs:
             data["springs"] = [spring._asdict() for spring in self.springs]
         return data
@@ -295,6 +301,7 @@ def compute_torque_sensitivity(
         springs=tuple(
             map(SpringSensitivity, pulls, by_preload.tolist(), (-by_preload * approaches).tolist())
         ),
+        brake=brake,
     )
 
 
