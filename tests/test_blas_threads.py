@@ -134,7 +134,21 @@ def test_overlapping_blocks_of_several_threads_restore_the_number(monkeypatch):
 def test_new_processes_get_one_thread_unless_the_user_has_set_a_number(monkeypatch):
     for name in threads.THREAD_NUMBER_VARIABLES_OF_BLAS:
         monkeypatch.delenv(name, raising=False)
-    wanted = {"OPENBLAS_NUM_THREADS": "1"}
+    wanted = dict.fromkeys(("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "BLIS_NUM_THREADS"), "1")
     assert threads.variables_for_one_blas_thread_unless_user_set_number() == wanted
     monkeypatch.setenv("OMP_NUM_THREADS", "3")
     assert threads.variables_for_one_blas_thread_unless_user_set_number() == {}
+    for ignored in ("", "0", "many", "-2"):
+        monkeypatch.setenv("OMP_NUM_THREADS", ignored)
+        assert threads.variables_for_one_blas_thread_unless_user_set_number() == wanted
+
+
+def test_a_solve_that_fails_restores_the_number(monkeypatch):
+    for name in threads.THREAD_NUMBER_VARIABLES_OF_BLAS:
+        monkeypatch.delenv(name, raising=False)
+    with threadpoolctl.threadpool_limits(2, user_api="blas"):
+        with pytest.raises(drumlin.BadInput):
+            drumlin.solve(drumlin.example("double_shoe"), "no such model")
+        with pytest.raises(KeyError), threads.one_blas_thread_unless_user_set_number():
+            raise KeyError
+        assert blas_numbers() == {2}

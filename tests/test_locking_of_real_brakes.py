@@ -159,6 +159,17 @@ def test_a_short_shoe_on_a_lever_locks_at_its_closed_form_however_low(limit):
     assert not found.pressure_stays_finite
 
 
+def test_a_limit_sought_up_to_little_friction_only_is_infinite_or_refused_for_its_cause():
+    found = _limit_by_repeated_solves(lambda friction: 1.0, 9e-4)
+    assert math.isinf(found.friction)
+
+    def refuse(friction):
+        raise NoAnswer("a spring goes slack")
+
+    with pytest.raises(NoAnswer, match="a spring goes slack"):
+        _limit_by_repeated_solves(refuse, 9e-4)
+
+
 def test_a_shoe_that_needs_friction_is_followed_from_the_friction_that_it_needs():
     def peak_pressure(friction: float) -> float:
         if not 0.25 < friction < 0.7:
@@ -199,3 +210,24 @@ def test_a_pole_on_an_abutment_does_not_depend_on_the_clearance_and_the_turn(cle
     for pressure in (1e3, 3e6):
         pushed = vary(apart, {"actuation.pressure": pressure})
         assert limits(pushed)[0] == pytest.approx(plain, rel=1e-6)
+
+
+def test_an_equilibrium_that_ends_just_below_a_pole_ends_there():
+    """On eight elements a support is left 7e-5 below the pole: there is no equilibrium between."""
+    changes = {
+        "actuation.pressure": 1e3,
+        "shoe.lining.material": {"E": 179310424.0, "nu": 0.25},
+        "shoe.body.thickness": 0.033,
+        "shoe[0].actuation.point.y": 0.1,
+        "shoe[1].actuation.point.y": 0.081,
+        "shoe[0].lining.start": -0.407,
+        "shoe[0].lining.end": 0.316,
+        "shoe[1].lining.start": 2.507,
+        "shoe[1].lining.end": 4.074,
+    }
+    brake = vary(drumlin.example("duo_servo"), changes)
+    (limit,) = drumlin.self_locking(brake, elements=8)
+    assert limit.bounded and limit.friction == pytest.approx(0.357057, rel=2e-6)
+    below = brake.brake_with_multiplied_friction(limit.friction * (1 - 1e-6) / brake.friction)
+    found = drumlin.solve(below, elements=8, model_error=False)
+    assert max(shoe.peak_pressure for shoe in found.shoes) < 1e5

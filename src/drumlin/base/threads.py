@@ -23,20 +23,32 @@ THREAD_NUMBER_VARIABLES_OF_BLAS = (
     "BLIS_NUM_THREADS",
 )
 """Environment variables by which users set the number of threads of OpenBLAS, MKL or BLIS."""
+THREAD_NUMBER_VARIABLES_SET_BY_COMMANDS = (
+    "OPENBLAS_NUM_THREADS",
+    "MKL_NUM_THREADS",
+    "BLIS_NUM_THREADS",
+)
+"""Environment variables that commands and new processes set to one thread: one for each library."""
 
 
 def has_user_set_number_of_blas_threads() -> bool:
-    """Whether an environment variable of this process sets the number of threads of the BLAS."""
-    return any(name in os.environ for name in THREAD_NUMBER_VARIABLES_OF_BLAS)
+    """Whether an environment variable of this process sets the number of threads of the BLAS.
+
+    The libraries ignore empty variables, and those that are no positive whole number.
+    """
+    given = (os.environ.get(name, "").strip() for name in THREAD_NUMBER_VARIABLES_OF_BLAS)
+    return any(text.isdecimal() and int(text) > 0 for text in given)
 
 
 def variables_for_one_blas_thread_unless_user_set_number() -> dict[str, str]:
     """The environment variables with which numpy is loaded with one thread for linear algebra.
 
-    OpenBLAS, which the wheels of numpy and scipy contain, reads its variable when it is loaded. The
-    dictionary is empty if the user has set a number of threads.
+    A library reads its variable when it is loaded. The wheels of numpy and scipy contain OpenBLAS;
+    other builds use MKL or BLIS. The dictionary is empty if the user has set a number of threads.
     """
-    return {} if has_user_set_number_of_blas_threads() else {"OPENBLAS_NUM_THREADS": "1"}
+    if has_user_set_number_of_blas_threads():
+        return {}
+    return dict.fromkeys(THREAD_NUMBER_VARIABLES_SET_BY_COMMANDS, "1")
 
 
 @contextmanager
@@ -72,10 +84,11 @@ class _RunningBlocksWithOneBlasThread:
 
     def begin_block(self) -> None:
         """Count one more block; the first one limits the BLAS to one thread."""
+        # The first call imports libraries. No other thread of Python waits for this with the lock.
+        controller = _controller_of_loaded_blas()
         with self._lock:
             if self._count == 0:
-                limit = _controller_of_loaded_blas().limit(limits=1, user_api="blas")
-                self._limit.enter_context(limit)
+                self._limit.enter_context(controller.limit(limits=1, user_api="blas"))
             self._count += 1
 
     def end_block(self) -> None:

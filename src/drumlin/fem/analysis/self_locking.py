@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Callable, Sequence
-from contextlib import suppress
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -249,8 +248,7 @@ def _limit_by_repeated_solves(
     NoAnswer if there is no equilibrium up to `most`, or if a spring goes slack or a shoe turns too
     far at finite pressures.
     """
-    low, high = _bracket_of_friction_limit_below_first_step(peak_pressure, most)
-    failure = NoAnswer("no equilibrium at any friction")
+    low, high, failure = _bracket_of_friction_limit_below_first_step(peak_pressure, most)
     # Without an equilibrium below the first step the friction grows on: a shoe may need friction to
     # be pressed on the drum. With one, the end of the equilibrium is bracketed.
     while low == 0 and high < most:
@@ -289,20 +287,25 @@ def _limit_by_repeated_solves(
 
 def _bracket_of_friction_limit_below_first_step(
     peak_pressure: Callable[[float], float], most: float
-) -> tuple[float, float]:
-    """The largest friction known to have an equilibrium, and the least one above without.
+) -> tuple[float, float, NoAnswer]:
+    """The largest friction known to have an equilibrium, the least one above without, and why.
 
-    Both lie up to the first step of repeated solves and are the same if the first step has an
-    equilibrium. They are 0 and the first step if there is none down to
-    SMALLEST_FIRST_FRICTION_OF_REPEATED_SOLVES. `peak_pressure` raises NoAnswer without equilibrium.
+    Both lie up to the first step of repeated solves, which is at most `most`, and are the same if
+    the first step has an equilibrium. They are 0 and the first step if there is none down to
+    SMALLEST_FIRST_FRICTION_OF_REPEATED_SOLVES. The error is that of the last solve without
+    equilibrium. `peak_pressure` raises NoAnswer without equilibrium.
     """
-    first = high = friction = min(FRICTION_STEP_OF_REPEATED_SOLVES, most)
-    while friction >= SMALLEST_FIRST_FRICTION_OF_REPEATED_SOLVES:
-        with suppress(NoAnswer):
+    first = min(FRICTION_STEP_OF_REPEATED_SOLVES, most)
+    smallest = min(SMALLEST_FIRST_FRICTION_OF_REPEATED_SOLVES, most)
+    friction, high, failure = first, first, NoAnswer("no equilibrium at any friction")
+    while friction >= smallest:
+        try:
             peak_pressure(friction)
-            return friction, high
-        high, friction = friction, 0.5 * friction
-    return 0.0, first
+        except NoAnswer as error:
+            high, friction, failure = friction, 0.5 * friction, error
+        else:
+            return friction, high, failure
+    return 0.0, first, failure
 
 
 def _limit_at_end_of_equilibrium(

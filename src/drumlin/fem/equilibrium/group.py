@@ -726,15 +726,20 @@ def _friction_limit_by_bisection(
             if near_pole is not None:
                 low, at = near_pole
                 break
+    # The search ends a little below a pole of the pressures. The pole is the limit if the solution
+    # holds up to it.
     pole = at.friction_of_pole_with_present_supports(low)
     if pole <= (1 + RELATIVE_DISTANCE_OF_LAST_CHECK_BELOW_LOCKING) * high:
-        limit = limit_before._replace(
-            friction=pole,
-            pressure_stays_finite=False,
-            last_contact=at.solved_group.contact,
-            last_friction=low,
-        )
-        return DrumFrictionLimitOfShoeGroup(limit, text_on_part_that_would_pull="")
+        near_pole = _solution_followed_to_pole_or_none(at, low, math.nextafter(pole, math.inf))
+        if near_pole is not None:
+            low, at = near_pole
+            limit = limit_before._replace(
+                friction=pole,
+                pressure_stays_finite=False,
+                last_contact=at.solved_group.contact,
+                last_friction=low,
+            )
+            return DrumFrictionLimitOfShoeGroup(limit, text_on_part_that_would_pull="")
     limit = limit_before._replace(
         friction=low,
         pressure_stays_finite=True,
