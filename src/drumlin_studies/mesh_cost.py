@@ -27,6 +27,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from drumlin.base.errors import BadInput, NoAnswer
+from drumlin.base.threads import one_blas_thread_unless_user_set_number
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import vary
 from drumlin.door import example
@@ -265,7 +266,7 @@ def main(words: Sequence[str]) -> int:
     """
     size = float(words[0]) if words else DEFAULT_ELEMENT_SIZE_IN_MM
     order = int(words[1]) if len(words) > 1 else 2
-    with tempfile.TemporaryDirectory() as folder:
+    with one_blas_thread_unless_user_set_number(), tempfile.TemporaryDirectory() as folder:
         brake, filed = write_mesh_and_return_brakes_of_main_example(
             Path(folder) / "shoe.msh", 1e-3 * size, order
         )
