@@ -3,10 +3,7 @@
 import numpy as np
 import pytest
 
-from drumlin import vary
-from drumlin.fem.solve import solve
-from drumlin_studies.mesh_degrees import draw_random_brake_with_one_shoe
-from test_own_meshes import (
+from decks import (
     SAME,
     deck_of,
     every_fifth_cell_cut,
@@ -15,6 +12,9 @@ from test_own_meshes import (
     straightened,
     with_corners_in_sets_alone,
 )
+from drumlin import vary
+from drumlin.fem.solve import solve
+from drumlin_studies.mesh_degrees import draw_random_brake_with_one_shoe
 
 pytestmark = pytest.mark.slow
 SEEDS = [7, 8, 9]
