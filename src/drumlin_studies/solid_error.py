@@ -437,7 +437,7 @@ def row_of_stated_and_true_errors_of_random_solid_brake(
         brake = FUNCTIONS_THAT_DRAW_BRAKES_BY_SOLID_KIND[kind](seed)
         row = replace(row, title=brake.title, reason=reason_why_brake_is_left_out(brake, kind))
         if not row.reason:
-            with limit_processor_time_of_block(seconds):
+            with limit_time_of_block(seconds):
                 for more in _rows_with_stated_and_then_true_errors(brake, row):
                     row = more
     except (BadInput, NoAnswer, np.linalg.LinAlgError, TimeoutError) as error:
@@ -498,26 +498,32 @@ def _rows_with_stated_and_then_true_errors(
 
 
 @contextmanager
-def limit_processor_time_of_block(seconds: float) -> Iterator[None]:
-    """Raise TimeoutError in a `with` block that takes more than some processor time [s].
+def limit_time_of_block(seconds: float, *, by_clock: bool = False) -> Iterator[None]:
+    """Raise TimeoutError in a `with` block that takes more than some time [s].
+
+    The time is this process's processor time. Where another process computes, its time by the clock
+    is limited instead.
 
     Raises
     ------
     TimeoutError
         when the time is over
     """
+    timer, number, words = signal.ITIMER_PROF, signal.SIGPROF, " of processor time"
+    if by_clock:
+        timer, number, words = signal.ITIMER_REAL, signal.SIGALRM, ""
 
     def raise_timeout_error_for_signal(number: int, frame: FrameType | None) -> None:
         """Raise TimeoutError; the parameters are those of a handler of signals."""
-        raise TimeoutError(f"{FIRST_WORDS_OF_TIMEOUT_REASON} {seconds:g} s of processor time")
+        raise TimeoutError(f"{FIRST_WORDS_OF_TIMEOUT_REASON} {seconds:g} s{words}")
 
-    before = signal.signal(signal.SIGPROF, raise_timeout_error_for_signal)
-    signal.setitimer(signal.ITIMER_PROF, seconds)
+    before = signal.signal(number, raise_timeout_error_for_signal)
+    signal.setitimer(timer, seconds)
     try:
         yield
     finally:
-        signal.setitimer(signal.ITIMER_PROF, 0.0)
-        signal.signal(signal.SIGPROF, before)
+        signal.setitimer(timer, 0.0)
+        signal.signal(number, before)
 
 
 def read_solid_error_rows(path: Path) -> list[SolidErrorRow]:

@@ -18,15 +18,12 @@ slips.
 """
 
 import json
-import signal
 import sys
 import time
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field, replace
 from itertools import pairwise
 from pathlib import Path
-from types import FrameType
 
 import numpy as np
 
@@ -42,6 +39,7 @@ from drumlin.response.response import Response
 from drumlin_studies.solid_error import (
     FUNCTIONS_THAT_DRAW_BRAKES_BY_SOLID_KIND,
     NAMES_OF_ERRORS_BOUNDED_BY_TOLERANCE,
+    limit_time_of_block,
     reason_why_brake_is_left_out,
 )
 
@@ -143,7 +141,7 @@ def compare_random_solid_brake_with_calculix(kind: str, seed: int, seconds: floa
         row = replace(row, reason=reason_why_brake_is_left_out(brake, kind))
         if row.reason:
             return row
-        with limit_clock_time_of_block(seconds):
+        with limit_time_of_block(seconds, by_clock=True):
             return _row_of_brake_solved_by_both(brake, row)
     except (DrumlinError, TimeoutError) as error:
         return replace(row, reason=str(error))
@@ -178,32 +176,6 @@ def _row_of_brake_solved_by_both(brake: Brake, row: SolidPeerRow) -> SolidPeerRo
         seconds=seconds,
         peer_seconds=tuple(peer_seconds),
     )
-
-
-@contextmanager
-def limit_clock_time_of_block(seconds: float) -> Iterator[None]:
-    """Raise TimeoutError in a `with` block that takes more than some time by the clock [s].
-
-    The processor time of CalculiX is that of another process, so that a limit of this process's
-    own time would not end it.
-
-    Raises
-    ------
-    TimeoutError
-        when the time is over
-    """
-
-    def raise_timeout_error_for_signal(number: int, frame: FrameType | None) -> None:
-        """Raise TimeoutError; the parameters are those of a handler of signals."""
-        raise TimeoutError(f"given up after {seconds:g} s")
-
-    before = signal.signal(signal.SIGALRM, raise_timeout_error_for_signal)
-    signal.setitimer(signal.ITIMER_REAL, seconds)
-    try:
-        yield
-    finally:
-        signal.setitimer(signal.ITIMER_REAL, 0.0)
-        signal.signal(signal.SIGALRM, before)
 
 
 def read_solid_peer_rows(path: Path) -> list[SolidPeerRow]:

@@ -251,15 +251,7 @@ def _limit_by_repeated_solves(
     low, high, failure = _bracket_of_friction_limit_below_first_step(peak_pressure, most)
     # Without an equilibrium below the first step the friction grows on: a shoe may need friction to
     # be pressed on the drum. With one, the end of the equilibrium is bracketed.
-    while low == 0 and high < most:
-        high = min(high + FRICTION_STEP_OF_REPEATED_SOLVES * max(1.0, high), most)
-        try:
-            peak_pressure(high)
-        except NoAnswer as error:
-            failure = error
-        else:
-            low = high
-    while low == high < most:
+    while low in {0.0, high} and high < most:
         high = min(high + FRICTION_STEP_OF_REPEATED_SOLVES * max(1.0, high), most)
         try:
             peak_pressure(high)
