@@ -152,3 +152,16 @@ def test_a_solve_that_fails_restores_the_number(monkeypatch):
         with pytest.raises(KeyError), threads.one_blas_thread_unless_user_set_number():
             raise KeyError
         assert blas_numbers() == {2}
+
+
+def test_commands_have_one_blas_thread():
+    """On a machine with one core the BLAS has one thread anyway."""
+    mine = {k: v for k, v in os.environ.items() if k not in threads.THREAD_NUMBER_VARIABLES_OF_BLAS}
+    script = (
+        "import drumlin.cli, numpy, scipy.linalg, threadpoolctl as t\n"
+        "print({found['num_threads'] for found in t.threadpool_info()})"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", script], env=mine, capture_output=True, text=True, check=True
+    )
+    assert done.stdout.strip() == "{1}"
