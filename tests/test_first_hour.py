@@ -542,7 +542,7 @@ def test_no_brake_is_turned_by_more_than_a_turn_as_it_holds(brake, rotation):
     with pytest.raises(drumlin.BadInput, match=said):
         drumlin.hold(brake, elements=6, rotation=rotation)
     with pytest.raises(drumlin.BadInput, match=r"^rotation = 1.1: must be at most 1000 mm to"):
-        drumlin.hold(drumlin.example("pad"), elements=6, rotation=1.1)
+        drumlin.hold(drumlin.example("rail_clamp"), elements=6, rotation=1.1)
 
 
 def test_a_turned_brake_has_the_moment_of_full_slip(brake):
