@@ -15,7 +15,9 @@ SHORT = tests/test_brake.py tests/test_files.py tests/test_fem.py tests/test_law
 # what the libraries are for, at length: the main study with its field picture, a Dask scheduler, the manual
 WHOLE = tests/test_study_double_shoe.py tests/test_sweep_stopped.py::test_a_dask_worker_is_killed \
   tests/test_manual.py::test_the_manual_is_built_whole_and_stands_alone
-TESTED = import sys; sys.exit(not (3, 11) <= sys.version_info[:2] <= (3, 14))
+# Whether pyproject.toml names this Python among those that are tested.
+TESTED = import pathlib, sys, tomllib; project = tomllib.loads(pathlib.Path("pyproject.toml").read_text())["project"]; \
+  sys.exit("Programming Language :: Python :: %d.%d" % sys.version_info[:2] not in project["classifiers"])
 
 .PHONY: study manual test types types-of-tests passes test-all oldest newest truths calibrate levels degrees mesh_cost sharpness noticed benchmarks notebooks packages constraints setup clean
 study: .venv/ready
