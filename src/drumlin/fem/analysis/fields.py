@@ -92,7 +92,8 @@ class StressAndDisplacementFields(BaseClassWithArrayEquality):
             pyvista = importlib.import_module("pyvista")
         except ImportError as error:
             raise BadInput(
-                "to_pyvista: needs the package pyvista, which is not installed"
+                "to_pyvista: needs the package pyvista, which is not installed: "
+                'pip install "drumlin[fields]"'
             ) from error
         return pyvista.from_meshio(self.to_meshio())
 
