@@ -3,6 +3,7 @@
 import math
 import re
 import sys
+import traceback
 import types
 from pathlib import Path
 
@@ -203,6 +204,19 @@ def test_an_array_and_a_function_are_a_friction(brake):
     assert drumlin.vary(brake, {"friction": lambda p: 0.35}).friction == 0.35
     with pytest.raises(drumlin.BadInput, match="friction: is an array of shape"):
         drumlin.vary(brake, {"friction": np.zeros(3)})
+
+
+def test_a_function_below_zero_is_refused_with_its_pressure(brake):
+    said = (
+        r"^friction: the function gives -0\.00\d+ at 15\.\d+ MPa; it must give at least 0\.000001"
+    )
+    with pytest.raises(drumlin.BadInput, match=said) as refused:
+        drumlin.vary(brake, {"friction": lambda p: 0.3 - 0.02e-6 * p})
+    # Python shows the line alone, without that of pydantic above it.
+    shown = "".join(traceback.format_exception(refused.value))
+    assert "pydantic" not in shown and len(shown.splitlines()) < 25
+    with pytest.raises(drumlin.BadInput, match="the function gives nan at 0 MPa"):
+        drumlin.vary(brake, {"friction": lambda p: math.nan if p == 0 else 0.3})
 
 
 def test_a_brake_of_arrays_and_functions_has_a_file(brake, here):

@@ -119,7 +119,9 @@ def make_validated_brake_part(
     try:
         return kind.model_validate(data, context={"unit_required": unit_required, "base": base})
     except ValidationError as error:
-        raise BadInput(_error_line_about_invalid_brake_data(error, data)) from error
+        # A traceback in Python ends with this line. The text of pydantic would stand above it, with
+        # hundreds of lines for a table.
+        raise BadInput(_error_line_about_invalid_brake_data(error, data)) from None
 
 
 def make_drum_brake_from_data(
