@@ -1,6 +1,8 @@
 """What stopped a person in the first hour: each stumble, from an empty folder."""
 
+import copy
 import math
+import pickle
 import re
 import sys
 import traceback
@@ -204,6 +206,18 @@ def test_an_array_and_a_function_are_a_friction(brake):
     assert drumlin.vary(brake, {"friction": lambda p: 0.35}).friction == 0.35
     with pytest.raises(drumlin.BadInput, match="friction: is an array of shape"):
         drumlin.vary(brake, {"friction": np.zeros(3)})
+
+
+def test_a_brake_that_is_set_in_place_names_the_function_that_varies_it(brake):
+    said = (
+        r"^friction: a brake cannot be changed; drumlin.vary\(brake, {KEY: VALUE}\) makes another"
+    )
+    with pytest.raises(drumlin.BadInput, match=said):
+        brake.friction = 0.4
+    with pytest.raises(drumlin.BadInput, match=r"^thickness: a brake cannot be changed"):
+        brake.shoes[0].lining.thickness = 0.01
+    assert brake == drumlin.example("double_shoe")
+    assert copy.deepcopy(brake) == pickle.loads(pickle.dumps(brake)) == brake
 
 
 def test_a_function_below_zero_is_refused_with_its_pressure(brake):

@@ -100,7 +100,9 @@ def docstrings_with_numbers_for_none() -> Iterator[str]:
         yield from NUMBER_FOR_NONE.findall(text)
 
 
-def defaults_without_check(sentences: Iterator[str], checks: dict[str, Callable[[], bool]]) -> list:
+def defaults_without_check(
+    sentences: Iterator[str], checks: dict[str, Callable[[], bool]]
+) -> list[str]:
     """The sentences for which no check of the code is listed."""
     return [said for said in sentences if not any(words in said for words in checks)]
 
