@@ -566,7 +566,7 @@ def test_numbers_of_numpy_are_numbers(brake):
 
 @pytest.mark.parametrize("rotation", ["361 deg", -7.0, math.nan])
 def test_no_brake_is_turned_by_more_than_a_turn_as_it_holds(brake, rotation):
-    said = f"^rotation = {re.escape(str(rotation))}: must be at most 360 deg to either side$"
+    said = f"^rotation = {re.escape(repr(rotation))}: must be at most 360 deg to either side$"
     with pytest.raises(drumlin.BadInput, match=said):
         drumlin.hold(brake, elements=6, rotation=rotation)
     with pytest.raises(drumlin.BadInput, match=r"^rotation = 1.1: must be at most 1000 mm to"):

@@ -729,7 +729,7 @@ def _rotation_or_slide_of_hold_in_si(rotation: float | str, surface: FrictionSur
     # The comparison is written so that a value that is no number is refused, too.
     if not abs(found) <= most:
         raise BadInput(
-            f"--rotation = {rotation}: must be at most "
+            f"--rotation = {rotation!r}: must be at most "
             f"{most * surface.si_to_shown_unit_factor:g} {surface.shown_unit} to either side"
         )
     return found
