@@ -605,6 +605,23 @@ def test_errors_name_the_arguments_of_python(brake, call, options, said):
 # The terminal.
 
 
+@pytest.mark.parametrize(
+    ("call", "kind"),
+    [
+        (lambda brake: drumlin.solve("nowhere.toml"), drumlin.BadInput),
+        (lambda brake: drumlin.solve(drumlin.vary(brake, {"friction": 1.3})), drumlin.NoAnswer),
+    ],
+    ids=["no file", "self-locking"],
+)
+def test_a_traceback_shows_one_error(brake, call, kind):
+    with pytest.raises(kind) as refused:
+        call(brake)
+    shown = "".join(traceback.format_exception(refused.value))
+    assert shown.count("Traceback") == 1 and shown.splitlines()[-1].endswith(str(refused.value))
+    # The first error is still there for those who look for it.
+    assert refused.value.__context__ is not None and refused.value.__cause__ is None
+
+
 def test_the_terminal_names_its_options(here):
     for words in (["--model", "sinee"], ["--elements", 0], ["--fields", "x.png"]):
         assert f"{words[0]} = {words[1]!r}" in run("solve", "my.toml", *words).stderr
