@@ -85,7 +85,6 @@ def _make_public_function_that_rewords_errors(
             # A traceback shows the line alone. The errors that led to it stay in `__context__`.
             if error.__cause__ is error.__context__:
                 error.__cause__ = None
-            error.__suppress_context__ = True
             raise
 
     return call_function_and_reword_errors
