@@ -15,9 +15,11 @@ SHORT = tests/test_brake.py tests/test_files.py tests/test_fem.py tests/test_law
 # what the libraries are for, at length: the main study with its field picture, a Dask scheduler, the manual
 WHOLE = tests/test_study_double_shoe.py tests/test_sweep_stopped.py::test_a_dask_worker_is_killed \
   tests/test_manual.py::test_the_manual_is_built_whole_and_stands_alone
-TESTED = import sys; sys.exit(not (3, 11) <= sys.version_info[:2] <= (3, 14))
+# Whether pyproject.toml names this Python among those that are tested.
+TESTED = import pathlib, sys, tomllib; project = tomllib.loads(pathlib.Path("pyproject.toml").read_text())["project"]; \
+  sys.exit("Programming Language :: Python :: %d.%d" % sys.version_info[:2] not in project["classifiers"])
 
-.PHONY: study manual test types types-of-tests passes test-all oldest newest truths calibrate levels degrees mesh_cost sharpness noticed benchmarks notebooks packages constraints setup clean
+.PHONY: study manual test types types-of-tests passes test-all oldest newest truths calibrate levels degrees mesh_cost sharpness noticed benchmarks notebooks packages release_number constraints setup clean
 study: .venv/ready
 	$(BIN)/drumlin study double_shoe
 
@@ -105,6 +107,10 @@ benchmarks: .venv/ready
 # The example notebooks with their outputs, which the manual shows: a minute.
 notebooks: .venv/ready
 	$(BIN)/python -m drumlin_studies.notebooks
+
+# The number of a release in all files, and today's date in CHANGELOG.md: make release_number VERSION=0.2.0
+release_number: .venv/ready
+	$(BIN)/python -m drumlin_studies.release_number $(VERSION)
 
 # needs uv; writes every version that is the newest now, with the hashes of all its files
 constraints:

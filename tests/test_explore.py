@@ -599,6 +599,15 @@ def test_a_browser_switches_to_shoes_with_their_widths_and_back(tmp_path, width)
             words = f"torque {torque:.5g}"[:-1]
             wait.until(lambda page, words=words: words in page.find_element(By.ID, "head").text)
             assert page.execute_script(CUT) == []
+        # At this friction a shoe locks itself by the sine law alone.
+        for friction, words in ((0.3, "sine law"), (0.9, "sine law (no answer)")):
+            page.get(f"{address}?friction={friction}")
+            wait.until(lambda page: "torque" in page.find_element(By.ID, "head").text)
+            assert page.find_element(By.ID, "lawname").text == words
+            hidden = page.find_element(By.CSS_SELECTOR, ".lawkey").value_of_css_property(
+                "visibility"
+            )
+            assert hidden == ("visible" if friction == 0.3 else "hidden")
         assert not having(page.get_log("browser"), level="SEVERE")
 
 

@@ -1,8 +1,11 @@
 """What stopped a person in the first hour: each stumble, from an empty folder."""
 
+import copy
 import math
+import pickle
 import re
 import sys
+import traceback
 import types
 from pathlib import Path
 
@@ -12,7 +15,7 @@ import pytest
 
 import drumlin
 from command_line import drumlin as run
-from conftest import partly
+from conftest import ROOT, partly
 from drumlin.base.arrays import are_nested_values_with_arrays_equal
 from drumlin.base.texts import error_text_in_percent
 from drumlin.cli.solving import _BrakeWithResponseOrFailure
@@ -21,6 +24,7 @@ from drumlin.fem.error_control.adapt import solve_brake_to_tolerance
 from drumlin.models import MODELS, NAMES_OF_BUILT_IN_MODELS
 from drumlin.studies import OPTIONAL_PACKAGE_BY_STUDY_NAME, paths_of_all_examples
 from drumlin.sweeps.sweep_table import SweepTable
+from drumlin.verification.reference_file import read_reference_file
 
 
 @pytest.fixture
@@ -87,6 +91,41 @@ def test_results_of_every_analysis_show_what_the_terminal_prints(brake):
     assert repr(held).splitlines() == [brake.title, *held.lines()]
     assert repr(sized).endswith(repr(sized.response))
     assert "brake" not in slopes.as_dict()
+
+
+def test_parts_of_results_show_no_arrays(brake):
+    """Shapes stand in place of arrays; a body with its fields has a line on its largest values."""
+    response = drumlin.solve(brake, elements=6)
+    state = drumlin.hold(brake, elements=6, steps=2).states[1]
+    worn = drumlin.wear(brake, elements=6, distance=10.0).states[0]
+    for shown in (response.shoes[0], state, worn):
+        text = repr(shown)
+        assert "\n" not in text and f"pressure={shapes(shown.pressure)}" in text
+        assert text.startswith(f"{type(shown).__name__}(") and len(text) < 2000
+    assert "ContactNodesOfHeldLiningFace(z=array(1,), pressure=array(13, 1)" in repr(state)
+    body = drumlin.fields(brake, elements=6)[0]
+    assert repr(body) == (
+        f"{len(body.points)} nodes, {len(body.cells)} cells quad, displacement up to "
+        f"{1e3 * np.hypot(*body.displacement.T).max():.3g} mm, von Mises stress up to "
+        f"{body.von_mises.max() / 1e6:.3g} MPa"
+    )
+
+
+def shapes(value):
+    """The text of an array, or of a tuple of arrays, by their shapes."""
+    if isinstance(value, tuple):
+        return f"({', '.join(map(shapes, value))})"
+    return f"array{value.shape}"
+
+
+def test_reference_values_show_their_uncertainties():
+    brake = drumlin.example("duplex")
+    lines = repr(
+        read_reference_file(ROOT / "reports/reference/values/brakes_duplex.json")
+    ).splitlines()
+    assert re.match(rf"{brake.title}: torque 403\.9\d+ \+- \de-\d+ N m$", lines[0])
+    assert re.match(r"right: torque 201\.9\d+ \+- .* N m, peak pressure 2\.48\d+ \+-", lines[1])
+    assert len(lines) == 1 + len(brake.shoes)
 
 
 def test_what_is_shown_is_short(brake):
@@ -169,6 +208,31 @@ def test_an_array_and_a_function_are_a_friction(brake):
         drumlin.vary(brake, {"friction": np.zeros(3)})
 
 
+def test_a_brake_that_is_set_in_place_names_the_function_that_varies_it(brake):
+    said = (
+        r"^friction: a brake cannot be changed; drumlin.vary\(brake, {KEY: VALUE}\) makes another"
+    )
+    with pytest.raises(drumlin.BadInput, match=said):
+        brake.friction = 0.4
+    with pytest.raises(drumlin.BadInput, match=r"^thickness: a brake cannot be changed"):
+        brake.shoes[0].lining.thickness = 0.01
+    assert brake == drumlin.example("double_shoe")
+    assert copy.deepcopy(brake) == pickle.loads(pickle.dumps(brake)) == brake
+
+
+def test_a_function_below_zero_is_refused_with_its_pressure(brake):
+    said = (
+        r"^friction: the function gives -0\.00\d+ at 15\.\d+ MPa; it must give at least 0\.000001"
+    )
+    with pytest.raises(drumlin.BadInput, match=said) as refused:
+        drumlin.vary(brake, {"friction": lambda p: 0.3 - 0.02e-6 * p})
+    # Python shows the line alone, without that of pydantic above it.
+    shown = "".join(traceback.format_exception(refused.value))
+    assert "pydantic" not in shown and len(shown.splitlines()) < 25
+    with pytest.raises(drumlin.BadInput, match="the function gives nan at 0 MPa"):
+        drumlin.vary(brake, {"friction": lambda p: math.nan if p == 0 else 0.3})
+
+
 def test_a_brake_of_arrays_and_functions_has_a_file(brake, here):
     made = drumlin.vary(
         brake, {"shoe.lining.clearance": lambda t: 1e-5, "friction": lambda p: 0.4 - 1e-9 * p}
@@ -202,6 +266,22 @@ def test_a_sweep_from_python_is_a_table_with_columns_by_name(brake, here):
     assert len((here / "table.csv").read_text().splitlines()) == 7
     with pytest.raises(drumlin.BadInput, match=r"^output = 'table\.png': must end in"):
         table.write("table.png")
+
+
+def test_a_table_is_drawn_over_the_key_that_varies(brake):
+    table = drumlin.sweep(brake, {"friction": [0.2, 0.3]}, model="sine")
+    axes = table.plot()
+    assert axes.get_xlabel() == "friction" and axes.get_ylabel().startswith("torque")
+    assert axes.lines[0].get_xdata() == pytest.approx([0.2, 0.3], rel=1e-15)
+    senses = {"friction": [0.2, 0.3], "rotation": ["clockwise", "counter-clockwise"]}
+    # Only one of these keys has numbers.
+    assert drumlin.sweep(brake, senses, model="sine").plot().get_xlabel() == "friction"
+    both = {"friction": [0.2, 0.3], "drum.radius": [0.15]}
+    said = "^x: must name the column to draw over; this sweep varies 'friction', 'drum.radius'$"
+    with pytest.raises(drumlin.BadInput, match=said):
+        drumlin.sweep(brake, both, model="sine").plot()
+    with pytest.raises(drumlin.BadInput, match="this sweep varies no key with numbers"):
+        drumlin.sweep(brake, {"rotation": ["clockwise"]}, model="sine").plot()
 
 
 def test_its_statistics_are_those_of_numpy(brake):
@@ -438,6 +518,67 @@ def test_a_law_of_your_own_takes_no_name_of_drumlin(laws):
 
 
 @pytest.mark.parametrize(
+    ("function", "said"),
+    [
+        (lambda phi: phi, r"its arguments are \(phi\)"),
+        (lambda phi, layout, more: phi, r"its arguments are \(phi, layout, more\)"),
+        ("sine", "it is 'sine'"),
+    ],
+)
+def test_a_law_of_your_own_takes_angles_and_layout(laws, function, said):
+    asked = "^law 'wrong': must be a function of two arguments, the angles phi from the hinge and "
+    with pytest.raises(drumlin.BadInput, match=f"{asked}.*def shape.phi, layout.; {said}$"):
+        drumlin.law("wrong")(function)
+    assert "wrong" not in laws
+    # Further arguments with a default, and functions that do not tell their arguments, pass.
+    drumlin.law("right")(lambda phi, layout, power=2: np.sin(phi) ** power)
+    drumlin.law("max")(max)
+
+
+WRONG_TYPES = {
+    "whole number": ("solve", {"elements": True}, "elements = True: must be a whole number or No"),
+    "half": ("solve", {"elements": 1.5}, "elements = 1.5: must be a whole number or None"),
+    "number": ("self_locking", {"most": "x"}, "most = 'x': must be a number or None"),
+    "truth": ("solve", {"finite_width": "no"}, "finite_width = 'no': must be True or False"),
+    "text": ("size", {"key": 5, "torque": 1.0}, "key = 5: must be a text"),
+    "path": ("solve", {"fields": 5}, "fields = 5: must be a path, a text or None"),
+    "list": ("compare", {"models": "sine"}, "models = 'sine': must be a list of texts or None"),
+    "entry": ("compare", {"models": [5]}, "models = [5]: must be a list of texts or None"),
+    "quantity": ("wear", {"torque": [1.0]}, "torque = [1.0]: must be a number, a text or None"),
+    "name": ("solve", {"model": None}, "model = None: unknown model (did you mean 'cosine'?); al"),
+    "allowed": ("solve", {"kind": 5}, "kind = 5: unknown kind of mesh; allowed: quad2, quad1,"),
+}
+
+
+@pytest.mark.parametrize("wrong", WRONG_TYPES)
+def test_a_value_of_another_type_is_refused_in_a_line(brake, wrong):
+    call, options, said = WRONG_TYPES[wrong]
+    with pytest.raises(drumlin.BadInput, match=f"^{re.escape(said)}"):
+        getattr(drumlin, call)(brake, **options)
+
+
+def test_numbers_of_numpy_are_numbers(brake):
+    options = {"elements": np.int64(6), "penalty": np.float64(64), "worn_in": np.bool_(False)}
+    assert drumlin.solve(brake, **options) == drumlin.solve(brake, elements=6, penalty=64.0)
+    # An integer serves as a float, and a text as a path.
+    assert drumlin.solve(brake, elements=6, penalty=64) == drumlin.solve(brake, **options)
+
+
+@pytest.mark.parametrize("rotation", ["361 deg", -7.0, math.nan])
+def test_no_brake_is_turned_by_more_than_a_turn_as_it_holds(brake, rotation):
+    said = f"^rotation = {re.escape(repr(rotation))}: must be at most 360 deg to either side$"
+    with pytest.raises(drumlin.BadInput, match=said):
+        drumlin.hold(brake, elements=6, rotation=rotation)
+    with pytest.raises(drumlin.BadInput, match=r"^rotation = 1.1: must be at most 1000 mm to"):
+        drumlin.hold(drumlin.example("rail_clamp"), elements=6, rotation=1.1)
+
+
+def test_a_turned_brake_has_the_moment_of_full_slip(brake):
+    turned = drumlin.hold(brake, elements=6, steps=1, rotation=2 * math.pi)
+    assert turned.states[1].torque == pytest.approx(drumlin.solve(brake, elements=6).torque, 1e-12)
+
+
+@pytest.mark.parametrize(
     ("call", "options", "said"),
     [
         ("solve", {"model": "sinee"}, "model = 'sinee': unknown model (did you mean 'sine'?)"),
@@ -462,6 +603,23 @@ def test_errors_name_the_arguments_of_python(brake, call, options, said):
 
 
 # The terminal.
+
+
+@pytest.mark.parametrize(
+    ("call", "kind"),
+    [
+        (lambda brake: drumlin.solve("nowhere.toml"), drumlin.BadInput),
+        (lambda brake: drumlin.solve(drumlin.vary(brake, {"friction": 1.3})), drumlin.NoAnswer),
+    ],
+    ids=["no file", "self-locking"],
+)
+def test_a_traceback_shows_one_error(brake, call, kind):
+    with pytest.raises(kind) as refused:
+        call(brake)
+    shown = "".join(traceback.format_exception(refused.value))
+    assert shown.count("Traceback") == 1 and shown.splitlines()[-1].endswith(str(refused.value))
+    # The first error is still there for those who look for it.
+    assert refused.value.__context__ is not None and refused.value.__cause__ is None
 
 
 def test_the_terminal_names_its_options(here):

@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import subprocess
 import sys
 import tarfile
@@ -235,6 +236,13 @@ def test_the_wheel_serves_in_an_empty_folder(built, tmp_path):
         ).stdout.strip()
     )
     assert at == site / "drumlin" / "carried"
+    # README's lines of Python and its commands.
+    readme = (ROOT / "README.md").read_text()
+    (code,) = re.findall(r"```python\n(.*?)```", readme, re.DOTALL)
+    printed = subprocess.run(
+        [python, "-c", code], cwd=here, env=free, capture_output=True, text=True, check=True
+    ).stdout
+    assert printed.startswith("fem: torque 447.593 N m") and not list(here.iterdir())
     assert "double_shoe" in run("init")
     (here / "my.toml").write_text(run("init", "double_shoe"))
     (here / "mesh.toml").write_text(run("init", "web_shoe"))

@@ -55,6 +55,31 @@ def test_keys_of_points_have_units_and_values(brake):
         si_unit_of_brake_key(brake, "shoe.hinge.r")
 
 
+@pytest.mark.parametrize(
+    ("key", "meant"),
+    [
+        ("force", "'shoe.actuation.force'"),
+        ("actuation.force", "'shoe.actuation.force'"),
+        ("hinge.angle", "'shoe.hinge.angle'"),
+        ("thickness", "'shoe.lining.thickness' or 'shoe.body.thickness'"),
+        ("radius", "'drum.radius' or 'shoe.hinge.radius' or .*"),
+    ],
+)
+def test_the_end_of_a_key_is_refused_with_the_whole_key(brake, key, meant):
+    said = rf"^{key}: unknown key '{key.partition('.')[0]}' \(did you mean {meant}\?\); allowed: "
+    for use in (lambda: vary(brake, {key: 1.0}), lambda: values_of_brake_key(brake, key)):
+        with pytest.raises(BadInput, match=said):
+            use()
+
+
+def test_a_key_that_ends_no_other_key_keeps_its_message(brake):
+    with pytest.raises(BadInput, match=r"^hinge.r: unknown key 'hinge'; allowed: title, "):
+        values_of_brake_key(brake, "hinge.r")
+    # A single word is the table of a drive, which the brake does not have.
+    with pytest.raises(BadInput, match=r"^actuation = 5: must be a table"):
+        vary(brake, {"actuation": 5})
+
+
 def test_sweeps_take_such_keys_as_lists_ranges_and_distributions():
     sweep = sweep_from_file_data(
         {

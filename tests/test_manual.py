@@ -16,6 +16,7 @@ from sphinx.ext.napoleon import Config, NumpyDocstring
 
 import command_line
 import drumlin
+from browsing import browser
 from conftest import ROOT
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.fields import PartOfInputFile
@@ -460,6 +461,8 @@ def test_what_is_broken_fails_the_manual(tmp_path, text, said):
         ("<pre>&lt;Figure size 660x660 with 1 Axes&gt;</pre>", "not drawn"),
         ("<pre>&lt;drumlin.Brake object at 0x7f3a&gt;</pre>", "not drawn"),
         ("<math><mi>\\sqrt</mi></math>", "TeX"),
+        ("<pre>\n!drumlin init</pre>", "mark of a notebook"),
+        ("<pre>\n%%writefile sweep.toml</pre>", "mark of a notebook"),
         ("<a href='gone.html'>gone</a>", "dead link gone.html"),
         ("<a href='#gone'>gone</a>", "dead link #gone"),
         ("<script src='https://elsewhere.org/x.js'></script>", "loads https"),
@@ -475,11 +478,17 @@ def test_a_wrong_page_is_noticed(tmp_path, text, said):
     assert said in fault
 
 
+@pytest.fixture(scope="module")
+def site(tmp_path_factory):
+    """The built manual."""
+    with pytest.MonkeyPatch.context() as patch:
+        # The command line sets this backend, too.
+        patch.setenv("MPLBACKEND", "agg")
+        return manual.report(manual.study(), tmp_path_factory.mktemp("manual")).parent
+
+
 @pytest.mark.slow
-def test_the_manual_is_built_whole_and_stands_alone(tmp_path, monkeypatch):
-    # The command line sets this backend, too.
-    monkeypatch.setenv("MPLBACKEND", "agg")
-    site = manual.report(manual.study(), tmp_path / "manual").parent
+def test_the_manual_is_built_whole_and_stands_alone(site):
     # The build itself refuses dead links, control codes and pictures that are not drawn.
     # A search lists pages of modules last.
     assert "reference/api/drumlin." in (site / "_static" / "language_data.js").read_text()
@@ -502,6 +511,31 @@ def test_the_manual_is_built_whole_and_stands_alone(tmp_path, monkeypatch):
     for word in ("lock", "servo", "park", "cite", "bsd", "cam"):
         assert f'"{word}' in index or f"{word}:" in index, word
     assert not list(site.rglob("*.pickle"))
+
+
+# The elements that reach beyond the right edge of the window, and within nothing that scrolls.
+CUT = """
+const scrolls = (one) => one && one !== document.body &&
+  (getComputedStyle(one).overflowX !== "visible" || scrolls(one.parentElement));
+const cut = (one) => one.getBoundingClientRect().right > innerWidth + 1 && !scrolls(one);
+const found = [...document.querySelectorAll("article *")].filter(cut).map((one) => one.outerHTML);
+return document.documentElement.scrollWidth > innerWidth + 1 ? [...found, "the page"] : found;
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("width", [1280, 400])
+def test_pages_of_the_manual_fit_on_wide_and_narrow_screens(site, tmp_path, width):
+    """Nothing is cut, and wide tables and examples scroll within the page."""
+    pages = [page for page in sorted(site.rglob("*.html")) if "drumlin." not in page.name]
+    assert len(pages) > 40
+    with browser(tmp_path) as window:
+        size = {"width": width, "height": 900, "deviceScaleFactor": 1, "mobile": False}
+        window.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
+        for page in [*pages, site / "reference" / "api" / "drumlin.solve.html"]:
+            window.get(page.as_uri())
+            assert window.execute_script(CUT) == [], page.name
+        assert [line for line in window.get_log("browser") if line["level"] == "SEVERE"] == []
 
 
 # values that pages quote

@@ -538,6 +538,26 @@ def test_cells_are_painted_whole_with_values_between_those_of_their_nodes(corner
     assert LARGEST_CELL_SAMPLE_SPACING_IN_PIXELS < 1
 
 
+@pytest.mark.parametrize("width", [figures.FULL_WIDTH, figures.COLUMN_WIDTH])
+@pytest.mark.parametrize("shoes", [8, 20, 40])
+def test_pressures_on_many_shoes_fit_on_a_page(brake, shoes, width):
+    """Panels that show several shoes have all curves, and name the first and the last shoe."""
+    law = MODELS["sine"].solve(brake).shoes
+    panels = [(f"block {i + 1}", {"sine": law[i % 2]}) for i in range(shoes)]
+    figure = figures.draw_pressure_along_lining_of_each_shoe(panels, width=width)
+    check_legible(figure)
+    used = [axes for axes in figure.axes if axes.get_visible()]
+    assert len(used) <= 7 * (2 if width == figures.FULL_WIDTH else 1)
+    assert sum(len(line.get_xdata()) > 1 for axes in used for line in axes.lines) == shoes
+    titles = [axes.get_title(loc="left") for axes in used]
+    assert titles[0].startswith("block 1") and titles[-1].endswith(f"block {shoes}")
+    # The boxes of the curves are at least a centimetre high.
+    assert min(axes.get_window_extent().height for axes in used) / figure.dpi * 25.4 > 10
+    for axes in used:
+        low, high = axes.get_xlim()
+        assert all(low < x < high for line in axes.lines for x in line.get_xdata()[[0, -1]])
+
+
 def test_worn_linings_and_laws_have_their_figures_in_a_column(brake):
     """A figure of one panel is as wide as a column."""
     one = vary(brake, {"rotation": "clockwise"})

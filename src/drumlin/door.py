@@ -40,6 +40,14 @@ MAX_ROTATION_INCREMENTS_OF_HOLD = 10_000
 The states of so many increments fill some 100 MB of JSON.
 """
 
+LARGEST_ROTATION_OR_SLIDE_OF_HOLD_BY_UNIT = {"rad": 2 * math.pi, "m": 1.0}
+"""Largest rotation of a drum and largest slide on a plane for `hold`, by their SI units.
+
+Brakes slip as a whole after some 0.03 degrees or 0.1 mm, and their moment is constant afterwards.
+Up to 1e4 rad the moment of the double-shoe brake keeps 14 digits. At 1e7 rad round-off changes it
+by 1 percent.
+"""
+
 FunctionThatShowsProgressText = Callable[[str], None]
 """The type of a function that shows the user a line about the progress of a computation."""
 
@@ -61,7 +69,8 @@ def _make_public_function_that_rewords_errors(
     The packages that do the work write their messages for the command line. The command line calls
     the same public functions, and prints the original messages.
     """
-    names = tuple(inspect.signature(function).parameters)
+    parameters = inspect.signature(function).parameters
+    annotations = {name: str(parameter.annotation) for name, parameter in parameters.items()}
 
     @wraps(function)
     def call_function_and_reword_errors(
@@ -69,10 +78,13 @@ def _make_public_function_that_rewords_errors(
     ) -> FunctionResult:
         """Call the function, and name Python arguments in the errors that it raises."""
         try:
-            _check_integers_of_arguments_have_few_digits(names, arguments, options)
+            _check_arguments_have_annotated_types(annotations, arguments, options)
             return function(*arguments, **options)
         except DrumlinError as error:
             error.replace_options_by_python_arguments_in_message()
+            # A traceback shows the line alone. The errors that led to it stay in `__context__`.
+            if error.__cause__ is error.__context__:
+                error.__cause__ = None
             raise
 
     return call_function_and_reword_errors
@@ -99,22 +111,30 @@ def _make_public_function_that_solves(
     return _make_public_function_that_rewords_errors(call_function_with_one_thread)
 
 
-def _check_integers_of_arguments_have_few_digits(
-    names: Sequence[str], arguments: Sequence[object], options: Mapping[str, object]
+def _check_arguments_have_annotated_types(
+    annotations: Mapping[str, str], arguments: Sequence[object], options: Mapping[str, object]
 ) -> None:
-    """Raise BadInput if an argument has an integer that no floating-point number can hold.
+    """Raise BadInput if an argument has another type than its annotation says.
 
-    `names` are the names of the function's parameters, of which `arguments` has the first values.
-    `options` has the arguments that are given by name.
+    Integers that no floating-point number can hold are refused, too.
+
+    Parameters
+    ----------
+    annotations : annotations of the function's parameters by their names
+    arguments : values of the first parameters, which are given without names
+    options : the arguments that are given by name
     """
+    from drumlin.base.python_arguments import require_argument_of_annotated_type
     from drumlin.base.texts import check_integers_have_few_digits
 
     # Too many arguments are left to Python, which refuses them when it calls the function.
-    for name, value in (*zip(names, arguments, strict=False), *options.items()):
+    for name, value in (*zip(annotations, arguments, strict=False), *options.items()):
         try:
             check_integers_have_few_digits(name, value)
         except ValueError as error:
             raise BadInput(str(error)) from None
+        if name in annotations:
+            require_argument_of_annotated_type(name, value, annotations[name])
 
 
 class _BrakeWithFileText(NamedTuple):
@@ -702,6 +722,22 @@ class HoldingRun(NamedTuple):
         return [f"holds up to {moment}, at {rotation_or_sliding_distance_as_text(held)}", slips]
 
 
+def _rotation_or_slide_of_hold_in_si(rotation: float | str, surface: FrictionSurface) -> float:
+    """The rotation [rad] for `hold`, on a plane the slide [m].
+
+    Raises BadInput if it is larger than LARGEST_ROTATION_OR_SLIDE_OF_HOLD_BY_UNIT says.
+    """
+    found = _value_of_function_option_in_si("--rotation", rotation, surface.coordinate_unit)
+    most = LARGEST_ROTATION_OR_SLIDE_OF_HOLD_BY_UNIT[surface.coordinate_unit]
+    # The comparison is written so that a value that is no number is refused, too.
+    if not abs(found) <= most:
+        raise BadInput(
+            f"--rotation = {rotation!r}: must be at most "
+            f"{most * surface.si_to_shown_unit_factor:g} {surface.shown_unit} to either side"
+        )
+    return found
+
+
 @_make_public_function_that_solves
 def hold(
     brake: BrakeOrPath,
@@ -760,11 +796,7 @@ def hold(
         _solver_options_given_by_user(elements=elements, kind=kind),
         _solver_options_given_by_user(penalty=penalty),
     )
-    end = (
-        None
-        if rotation is None
-        else _value_of_function_option_in_si("--rotation", rotation, held.surface.coordinate_unit)
-    )
+    end = None if rotation is None else _rotation_or_slide_of_hold_in_si(rotation, held.surface)
     # If the user gives no rotation, the drum is turned until every node slips.
     scene = prepared_model_for_hold_wear_or_sensitivity(held, model, **on_mesh)
     if end is None:
@@ -1159,7 +1191,7 @@ def law(name: str, assumes: str = "") -> Callable[[PressureShapeFunction], Press
     Raises
     ------
     BadInput
-        for a name that is no word or is taken
+        for a name that is no word or is taken, and for a function of other than two arguments
 
     Examples
     --------
@@ -1251,6 +1283,6 @@ def example(name: str) -> Brake:
 
     paths = paths_of_example_brakes()
     if name not in paths:
-        hint = did_you_mean_hint(name, paths)
+        hint = did_you_mean_hint(str(name), paths)
         raise BadInput(f"name = {name!r}: no such example{hint}; allowed: {', '.join(paths)}")
     return read_drum_or_plane_brake(paths[name])

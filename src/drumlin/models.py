@@ -258,7 +258,8 @@ def register_law_with_pressure_shape(name: str, assumes: str, shape: PressureSha
     Raises
     ------
     BadInput
-        for a name that is no word, or that a model of drumlin has
+        for a name that is no word, or that a model of drumlin has, and for a shape that is no
+        function of two arguments
     """
     require_allowed_name_for_law_of_user(name)
     law = make_law_from_pressure_shape(name, assumes, shape)

@@ -13,6 +13,9 @@ _WRONG_TEXTS = {
     "a spinner": re.compile("[\u2800-\u28ff]"),
     "a figure that is not drawn": re.compile(r"<Figure size|<Axes: |<[\w.]+ object at 0x"),
     "a command of TeX": re.compile(r"</?m[ion]>\\"),
+    "a mark of a notebook, which no terminal takes": re.compile(
+        r"^(?:!\s*drumlin|%%\w)", re.MULTILINE
+    ),
 }
 """Texts that no page may have, by what they are."""
 

@@ -74,8 +74,32 @@ def _write_displayed_formula(writer: Any, node: Any) -> None:
     raise nodes.SkipNode
 
 
+def _show_commands_and_files_as_readers_write_them(app: Any, page: Any) -> None:
+    """Change the examples of a page into text that a reader can copy.
+
+    An example that runs `!drumlin` shows the command as a terminal takes it, without the mark of
+    notebooks. An example that writes a file by `%%writefile` shows its text, below a comment with
+    the name of the file. The notebooks keep their cells.
+    """
+    from docutils import nodes  # noqa: PLC0415
+
+    if app.env.docname.startswith("notebooks/"):
+        return
+    for cell in page.findall(nodes.literal_block):
+        lines = cell.astext().splitlines()
+        if "cell_input" not in cell.parent.get("classes", []) or not lines:
+            continue
+        if all(line.startswith("!") for line in lines):
+            lines, cell["language"] = [line[1:] for line in lines], "sh"
+        elif lines[0].startswith("%%writefile "):
+            lines[0] = f"# {lines[0].split()[1]}"
+            cell["language"] = "toml"
+        cell.children = [nodes.Text("\n".join(lines))]
+
+
 def setup(app: Any) -> None:
-    """Register the renderer of formulas, and what docstrings need before napoleon reads them."""
+    """Register the renderer of formulas, and what changes docstrings and examples."""
+    app.connect("doctree-read", _show_commands_and_files_as_readers_write_them)
     # napoleon reads docstrings at the default priority, 500.
     app.connect("autodoc-process-docstring", prepare_docstring, priority=400)
     app.connect("autodoc-skip-member", is_field_of_named_tuple)

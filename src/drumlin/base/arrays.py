@@ -4,7 +4,7 @@ The types do not tell the shapes: every docstring gives the shapes of its arrays
 """
 
 from collections.abc import Iterable, Mapping
-from dataclasses import fields
+from dataclasses import fields, is_dataclass
 from itertools import accumulate, pairwise
 from typing import Any
 
@@ -31,6 +31,23 @@ def polar_angles_within_half_turn_of_angle(middle: float, xy: Floats) -> Floats:
     # lie between -pi and pi, as `np.angle` gives them.
     turned = np.exp(-1j * middle) * (xy[0] + 1j * xy[1])
     return np.asarray(middle + np.angle(turned))
+
+
+def text_of_fields_with_arrays_by_shape(value: Any) -> str:
+    """A text for `repr` of a dataclass or NamedTuple: its fields, and each array by its shape."""
+    names = [field.name for field in fields(value)] if is_dataclass(value) else value._fields
+    texts = [f"{name}={_text_with_arrays_by_shape(getattr(value, name))}" for name in names]
+    return f"{type(value).__name__}({', '.join(texts)})"
+
+
+def _text_with_arrays_by_shape(value: Any) -> str:
+    """The text of one field: `repr`, but each array in it by its shape."""
+    if isinstance(value, np.ndarray):
+        return f"array{value.shape}"
+    if type(value) is tuple:
+        return f"({', '.join(map(_text_with_arrays_by_shape, value))})"
+    has_fields = is_dataclass(value) or hasattr(value, "_fields")
+    return text_of_fields_with_arrays_by_shape(value) if has_fields else repr(value)
 
 
 def are_nested_values_with_arrays_equal(one: Any, other: Any) -> bool:

@@ -26,6 +26,7 @@ from pydantic import (
 )
 
 from drumlin.base.arrays import Floats
+from drumlin.base.errors import BadInput
 from drumlin.base.texts import did_you_mean_hint
 from drumlin.base.written_numbers import number_without_unit_from_text
 from drumlin.brake.units import (
@@ -159,6 +160,15 @@ class PartOfInputFile(BaseModel):
         """The message on a key that the part does not have: a hint, and the allowed keys."""
         hint = cls.hints_on_other_keys.get(str(key)) or did_you_mean_hint(str(key), allowed)
         return f"unknown key {key!r}{hint}; allowed: {', '.join(allowed)}"
+
+    def __setattr__(self, name: str, value: object) -> None:
+        """Set a private attribute. Raises BadInput for a field, because a part is immutable."""
+        if not name.startswith("_"):
+            raise BadInput(
+                f"{name}: a brake cannot be changed; drumlin.vary(brake, {{KEY: VALUE}}) makes "
+                "another brake"
+            )
+        super().__setattr__(name, value)
 
     def __copy__(self) -> Self:
         """Copy the fields of the part, but not the cached values of its properties.

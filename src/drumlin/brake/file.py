@@ -119,7 +119,9 @@ def make_validated_brake_part(
     try:
         return kind.model_validate(data, context={"unit_required": unit_required, "base": base})
     except ValidationError as error:
-        raise BadInput(_error_line_about_invalid_brake_data(error, data)) from error
+        # A traceback in Python ends with this line. The text of pydantic would stand above it, with
+        # hundreds of lines for a table.
+        raise BadInput(_error_line_about_invalid_brake_data(error, data)) from None
 
 
 def make_drum_brake_from_data(
@@ -223,6 +225,7 @@ def vary(brake: BrakePartTypeVariable, changes: Mapping[str, Any]) -> BrakePartT
     # All changes are made before the brake is checked: they may be valid only together.
     data = brake.model_dump(by_alias=True)
     for key, value in changes.items():
+        _refuse_key_without_its_beginning(brake, key)
         _set_value_of_key_in_nested_data(data, _split_dotted_key(key), value, key)
     varied = make_validated_brake_part(type(brake), data)
     for key in changes:
@@ -288,6 +291,7 @@ def parts_and_field_name_of_brake_key(
 
     There are several parts if the key means every shoe. Raises BadInput for an unknown key.
     """
+    _refuse_key_without_its_beginning(brake, key)
     found: list[PartOfInputFile] = [brake]
     *path, last = _split_dotted_key(key)
     for step in path:
@@ -311,6 +315,46 @@ def parts_and_field_name_of_brake_key(
     if not found:
         raise BadInput(f"{key}: the brake has no such part")
     return found, _field_name_of_brake_file_key(found[0], last, key)
+
+
+def _refuse_key_without_its_beginning(brake: PartOfInputFile, key: str) -> None:
+    """Raise BadInput if `key` is only the end of whole keys of the brake, and name these keys.
+
+    For example, "force" and "actuation.force" are ends of "shoe.actuation.force".
+    """
+    first, *rest = _split_dotted_key(key)
+    names = {field.alias or name: name for name, field in type(brake).model_fields.items()}
+    # A key that leads into a part which the brake does not have may lack its beginning, too.
+    is_whole = first in names and (not rest or getattr(brake, names[first]) is not None)
+    if is_whole or _is_key_word_name_of_part(brake, first):
+        return
+    end = "." + ".".join([first, *rest])
+    whole = _keys_of_values_in_nested_data(brake.model_dump(by_alias=True), "")
+    meant = [known.removeprefix(".") for known in whole if known.endswith(end)]
+    if meant:
+        keys = " or ".join(repr(known) for known in meant)
+        raise BadInput(
+            f"{key}: unknown key {first!r} (did you mean {keys}?); allowed: {', '.join(names)}"
+        )
+
+
+def _keys_of_values_in_nested_data(data: Any, key: str) -> list[str]:
+    """The dotted keys of all tables and values in nested data, each once and without indices.
+
+    `key` is the dotted key under which the data stand. Keys without a value, and with an empty list
+    or table, are left out.
+    """
+    has_value = data is not None and data not in ({}, [], ())
+    found = {key: None} if key and has_value else {}
+    if isinstance(data, dict):
+        polar = SI_UNITS_BY_POLAR_POINT_KEY if set(data) == {"x", "y"} else {}
+        found |= {f"{key}.{name}": None for name in polar}
+        for name, value in data.items():
+            found |= dict.fromkeys(_keys_of_values_in_nested_data(value, f"{key}.{name}"))
+    elif isinstance(data, list | tuple):
+        for entry in data:
+            found |= dict.fromkeys(_keys_of_values_in_nested_data(entry, key))
+    return list(found)
 
 
 def _is_key_word_name_of_part(part: PartOfInputFile, step: str) -> bool:

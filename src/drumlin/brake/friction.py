@@ -7,6 +7,7 @@ coefficient. A table over the pressure gives each point of the lining a coeffici
 """
 
 import math
+from collections.abc import Sequence
 from functools import partial
 from itertools import product
 from typing import TYPE_CHECKING, Annotated, NamedTuple, Self
@@ -25,7 +26,7 @@ from drumlin.brake.fields import (
     array_as_list_of_rows_or_number,
     table_rows_of_function_at_coordinates,
 )
-from drumlin.brake.units import SMALLEST_NONZERO_NUMBER_IN_SI
+from drumlin.brake.units import SMALLEST_NONZERO_NUMBER_IN_SI, quantity_with_usual_unit
 
 if TYPE_CHECKING:
     from drumlin.brake.brake import Brake
@@ -41,8 +42,11 @@ FrictionCoefficient = Annotated[
 The same limit holds for all other quantities of a brake.
 """
 
+SMALLEST_FRICTION_IN_TABLE = 1e-6
+"""Smallest friction coefficient that a table may have: a table of friction must be above zero."""
+
 FrictionCoefficientInTable = Annotated[
-    float, Field(ge=1e-6, le=1e6, strict=True), PURE_NUMBER_VALIDATOR
+    float, Field(ge=SMALLEST_FRICTION_IN_TABLE, le=1e6, strict=True), PURE_NUMBER_VALIDATOR
 ]
 """The type of a friction coefficient of a table, which must be greater than 0."""
 
@@ -191,7 +195,28 @@ def _friction_table_from_array_or_function(data: object) -> object:
         return rows
     pressure, mu = zip(*rows, strict=True)
     # A constant coefficient becomes a number, so that it does not count as dependent on pressure.
-    return {"pressure": pressure, "mu": mu} if len(set(mu)) > 1 else mu[0]
+    if len(set(mu)) == 1:
+        return mu[0]
+    if callable(data):
+        _require_friction_above_zero_at_pressures(pressure, mu)
+    return {"pressure": pressure, "mu": mu}
+
+
+def _require_friction_above_zero_at_pressures(
+    pressures: Sequence[float], coefficients: Sequence[float]
+) -> None:
+    """Raise ValueError if a user's function gives a coefficient that no table may have.
+
+    The message names the smallest of the pressures [Pa] at which it does. The line on a row of a
+    table would name a row that the user has not written.
+    """
+    for pressure, mu in zip(pressures, coefficients, strict=True):
+        if not mu >= SMALLEST_FRICTION_IN_TABLE:
+            raise ValueError(
+                f"the function gives {mu:.4g} at {quantity_with_usual_unit(pressure, 'Pa')}; it "
+                f"must give at least {SMALLEST_FRICTION_IN_TABLE:f} at all pressures up to "
+                f"{quantity_with_usual_unit(pressures[-1], 'Pa')}"
+            )
 
 
 FrictionOrTable = Annotated[

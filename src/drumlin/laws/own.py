@@ -4,6 +4,7 @@ The function gives the pressure up to a factor. Its integrals are computed numer
 is then solved as by the closed-form laws of `drumlin.laws.shapes`.
 """
 
+import inspect
 from collections.abc import Callable
 from typing import Any
 
@@ -58,10 +59,12 @@ def make_law_from_pressure_shape(
     Raises
     ------
     BadInput
-        when the law is used: for a shape that returns other than n finite numbers
+        for a shape that is no function of two arguments; when the law is used, for a shape that
+        returns other than n finite numbers
     NoAnswer
         when the law is used: for a shape that is negative somewhere, or zero everywhere
     """
+    _require_function_of_angles_and_layout(name, shape)
 
     def pressure(phi: Floats, arc: ShoeAnglesAndRadii) -> Floats:
         """The pressures that the user's function returns at the angles phi [rad], after a check.
@@ -115,3 +118,22 @@ def make_law_from_pressure_shape(
         angle_of_largest_pressure,
         pressure_integrals_on_arc_part=pressure_integrals_on_arc_part,
     )
+
+
+def _require_function_of_angles_and_layout(name: str, shape: object) -> None:
+    """Raise BadInput if the shape of the law `name` cannot be called with two arguments."""
+    asked = (
+        f"law {name!r}: must be a function of two arguments, the angles phi from the hinge and the "
+        "shoe's layout, such as def shape(phi, layout)"
+    )
+    if not callable(shape):
+        raise BadInput(f"{asked}; it is {shape!r}")
+    try:
+        arguments = inspect.signature(shape)
+    except ValueError:
+        # Some functions written in C do not tell their arguments.
+        return
+    try:
+        arguments.bind("phi", "layout")
+    except TypeError:
+        raise BadInput(f"{asked}; its arguments are {arguments}") from None

@@ -57,7 +57,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from drumlin.base.arrays import Bools, Floats, slices_from_lengths_of_consecutive_parts
+from drumlin.base.arrays import (
+    Bools,
+    Floats,
+    slices_from_lengths_of_consecutive_parts,
+    text_of_fields_with_arrays_by_shape,
+)
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.base.lapack import block_diag
 from drumlin.contact import active_set
@@ -298,6 +303,10 @@ class WearState:
     pressed: float
     work: float
     pulls: tuple[float, ...] = ()
+
+    def __repr__(self) -> str:
+        """The fields, where an array is shown by its shape alone."""
+        return text_of_fields_with_arrays_by_shape(self)
 
 
 WearContactProblemsOfAllGroups = Sequence[WearContactProblem]

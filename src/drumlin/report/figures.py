@@ -38,6 +38,12 @@ size.
 LARGEST_HEIGHT = 235 / 25.4
 """Largest height [inches] of a figure that fits with its caption on a page of A4."""
 
+MOST_ROWS_OF_PRESSURE_PANELS = 7
+"""Largest number of rows of panels in a figure of pressures.
+
+With 8 rows in LARGEST_HEIGHT, titles and numbers leave no room for the curves.
+"""
+
 END_OF_COLUMN_FILE_NAME = "_column"
 """Last part of the name of a figure's version for a column, before the file's ending."""
 
@@ -410,13 +416,14 @@ def draw_pressure_along_lining_of_each_shoe(
 ) -> Figure:
     """Draw the contact pressure along the lining, in a panel for each shoe.
 
-    All panels have one scale of pressure. The unbounded pressure at a sharp edge is cut off above
-    the largest pressure away from the edges, and marked by a triangle. If no panel has more than
-    two curves, the names also stand beside the curves. A legend below the figure names all curves.
+    If the panels do not fit on a page, each panel shows several successive shoes. All panels have
+    one scale of pressure. The unbounded pressure at a sharp edge is cut off above the largest
+    pressure away from the edges, and marked by a triangle. If no panel has more than two curves,
+    the names also stand beside the curves. A legend below the figure names all curves.
 
     Parameters
     ----------
-    panels : title and responses of each panel
+    panels : title and responses of each shoe
     columns : number of panels side by side
     surface : friction surface, drum or plane
     width : width of the figure [inches], FULL_WIDTH or COLUMN_WIDTH; a figure of one panel has
@@ -424,25 +431,27 @@ def draw_pressure_along_lining_of_each_shoe(
     """
     with mpl.rc_context(MATPLOTLIB_SETTINGS_FOR_PRINT):
         columns = min(number_of_panels_side_by_side(width, columns), len(panels))
-        rows = math.ceil(len(panels) / columns)
+        groups = _consecutive_panels_in_groups(panels, columns * MOST_ROWS_OF_PRESSURE_PANELS)
+        rows = math.ceil(len(groups) / columns)
         # Two panels side by side fill a page of 170 mm, and one panel a column of 85 mm.
         width = FULL_WIDTH if columns > 1 else COLUMN_WIDTH
         height = min(2.1 * rows + 0.3, LARGEST_HEIGHT)
         figure = make_figure_for_print(height, width)
         grid = figure.subplots(rows, columns, squeeze=False, sharey=True)
-        few = max(len(responses) for _, responses in panels) <= 2
+        most = max(len(responses) for _, responses in panels)
+        few = most <= 2 and len(groups) == len(panels)
         top = _upper_end_of_pressure_axis(panels)
-        for axes, panel in zip(grid.flat, panels, strict=False):
+        for axes, group in zip(grid.flat, groups, strict=False):
             axes.set_ylim(0, top)
-            _draw_pressure_panel(axes, panel, surface, named=few)
+            _draw_pressure_of_shoes(axes, group, surface, named=few)
             axes.tick_params(labelleft=axes in grid[:, 0])
         for axes in grid[:, 0]:
             axes.set_ylabel("pressure p [MPa]")
         # In each column only the lowest panel labels its horizontal axis. Unused panels stay empty.
-        used = list(grid.flat)[: len(panels)]
+        used = list(grid.flat)[: len(groups)]
         for column in range(columns):
             _label_only_lowest_panel(used[column::columns])
-        for axes in grid.flat[len(panels) :]:
+        for axes in grid.flat[len(groups) :]:
             axes.set_visible(False)
         # The legend is taken from the panel with the most different labels.
         draw_legend_below_figure(
@@ -479,40 +488,59 @@ def _upper_end_of_pressure_axis(panels: Sequence[PressurePanel]) -> float:
     return 1.12 * highest * 1e-6 if highest > 0 else 1
 
 
-def _draw_pressure_panel(
-    axes: Axes, panel: PressurePanel, surface: FrictionSurface, *, named: bool
+def _consecutive_panels_in_groups(
+    panels: Sequence[PressurePanel], most: int
+) -> list[Sequence[PressurePanel]]:
+    """Groups of successive panels of equal size; the last may be smaller. At most `most` groups."""
+    size = math.ceil(len(panels) / most)
+    return [panels[first : first + size] for first in range(0, len(panels), size)]
+
+
+def _draw_pressure_of_shoes(
+    axes: Axes, panels: Sequence[PressurePanel], surface: FrictionSurface, *, named: bool
 ) -> None:
-    """Draw the pressure curves of one panel; if `named`, write the models' names beside them."""
-    title, responses = panel
-    unit = surface.si_to_shown_unit_factor
-    axes.set_title(title)
+    """Draw the pressure curves of successive shoes side by side; the title names first and last.
+
+    If `named`, which needs a single shoe, the models' names stand beside the curves.
+    """
+    first, last = panels[0][0], panels[-1][0]
+    axes.set_title(first if first == last else f"{first} to {last}")
     axes.set_xlabel(surface.axis_label_in_report)
-    curves = {
-        model: evenly_spaced_pressure_curve_of_shoe(shoe) for model, shoe in responses.items()
-    }
-    for model, (theta, p) in curves.items():
-        x, y = theta * unit, p * 1e-6
-        # The curve of worn-in linings coincides with the curve of the law. It is drawn wider, so
-        # that it is seen on both sides of the other curve.
-        width = 4.0 if model == "worn" else 1.8
-        axes.plot(
-            x,
-            y,
-            **color_and_line_style_of_model(model),
-            lw=width,
-            label=title_of_model_in_figures(model),
-        )
-        draw_triangles_where_curve_leaves_axes(axes, x, y, color_of_model(model))
-        if model == "fem":
-            axes.fill_between(x, y, color=color_of_model(model), alpha=0.12, lw=0)
-    axes.set_xlim(theta[0] * unit - 3, theta[-1] * unit + 3)
-    if not named:
-        return
-    even = np.linspace(theta[0], theta[-1], 200)
-    lines = [np.interp(even, *curve) * 1e-6 for curve in curves.values()]
+    unit = surface.si_to_shown_unit_factor
+    for _, responses in panels:
+        curves = {}
+        for model, shoe in responses.items():
+            theta, p = evenly_spaced_pressure_curve_of_shoe(shoe)
+            curves[model] = (theta * unit, p * 1e-6)
+            _draw_pressure_curve_of_model(axes, model, *curves[model])
+        if named:
+            _write_models_beside_pressure_curves(axes, curves)
+    drawn = np.concatenate([line.get_xdata() for line in axes.lines])
+    axes.set_xlim(drawn.min() - 3, drawn.max() + 3)
+
+
+def _draw_pressure_curve_of_model(axes: Axes, model: str, x: Floats, y: Floats) -> None:
+    """Draw the pressure curve y (n,) [MPa] of one shoe over the places x (n,) in shown units."""
+    # The curve of worn-in linings coincides with the curve of the law. It is drawn wider, so that
+    # it is seen on both sides of the other curve.
+    width = 4.0 if model == "worn" else 1.8
+    style = color_and_line_style_of_model(model)
+    axes.plot(x, y, **style, lw=width, label=title_of_model_in_figures(model))
+    draw_triangles_where_curve_leaves_axes(axes, x, y, color_of_model(model))
+    if model == "fem":
+        axes.fill_between(x, y, color=color_of_model(model), alpha=0.12, lw=0)
+
+
+def _write_models_beside_pressure_curves(
+    axes: Axes, curves: Mapping[str, tuple[Floats, Floats]]
+) -> None:
+    """Write the models' names beside the curves (x, y) of one shoe."""
+    places = [x for x, _ in curves.values()]
+    even = np.linspace(places[-1][0], places[-1][-1], 200)
+    lines = [np.interp(even, *curve) for curve in curves.values()]
     for i, model in enumerate(curves):
         write_name_beside_curve(
-            axes, even * unit, lines, i, title_of_model_in_figures(model), color_of_model(model)
+            axes, even, lines, i, title_of_model_in_figures(model), color_of_model(model)
         )
 
 

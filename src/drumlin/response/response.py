@@ -7,7 +7,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from drumlin.base.arrays import BaseClassWithArrayEquality, Bools, Floats
+from drumlin.base.arrays import (
+    BaseClassWithArrayEquality,
+    Bools,
+    Floats,
+    text_of_fields_with_arrays_by_shape,
+)
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.one_sided import OneSidedSupportForce
@@ -249,6 +254,10 @@ class ShoeResponse(BaseClassWithArrayEquality):
     error: Mapping[str, float] | None = None
     softness: RelativeChangesOfShoeResults = ZERO_CHANGES_OF_SHOE_RESULTS
     lost: RelativeChangesOfShoeResults = ZERO_CHANGES_OF_SHOE_RESULTS
+
+    def __repr__(self) -> str:
+        """The fields, where an array is shown by its shape alone."""
+        return text_of_fields_with_arrays_by_shape(self)
 
     @property
     def length_of_shortest_lining(self) -> float:

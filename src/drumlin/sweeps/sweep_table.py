@@ -287,12 +287,13 @@ class SweepTable(Sequence[CaseResultsByName]):
             records.append(record)
         return pandas.DataFrame(records, columns=self.headings)
 
-    def plot(self, x: str, y: str = "", axes: Any = None) -> Any:
+    def plot(self, x: str = "", y: str = "", axes: Any = None) -> Any:
         """Draw column `y` over column `x`: for each model, a point for each solved case.
 
         Parameters
         ----------
-        x, y : names of columns with numbers; y is by default the torque or braking force
+        x, y : names of columns with numbers; x is by default the only varied key with numbers, y
+            the torque or braking force
         axes : matplotlib axes; None for new axes
 
         Returns
@@ -302,10 +303,10 @@ class SweepTable(Sequence[CaseResultsByName]):
         Raises
         ------
         BadInput
-            for an unknown column, and for a column of texts
+            for an unknown column, for a column of texts, and without `x` if several keys vary
         """
         drawn = [
-            self.heading_of_column(x),
+            self.heading_of_column(x or self._only_varied_key_with_numbers()),
             self.heading_of_column(y or self._heading_of_torque_or_braking_force()),
         ]
         for heading in drawn:
@@ -323,6 +324,18 @@ class SweepTable(Sequence[CaseResultsByName]):
         axes.set(xlabel=drawn[0], ylabel=drawn[1], title=self.title)
         axes.legend()
         return axes
+
+    def _only_varied_key_with_numbers(self) -> str:
+        """The one varied key that has numbers. Raises BadInput if there is none or several."""
+        keys = [
+            key
+            for key in self.varied
+            if not any(isinstance(row.get(self.heading_of_column(key)), str) for row in self.rows)
+        ]
+        if len(keys) != 1:
+            varied = ", ".join(repr(key) for key in keys) or "no key with numbers"
+            raise BadInput(f"x: must name the column to draw over; this sweep varies {varied}")
+        return keys[0]
 
     def _heading_of_torque_or_braking_force(self) -> str:
         """The heading of the brake's torque, or on a plane of its braking force."""

@@ -320,6 +320,19 @@ class ReferenceValuesOfBrake:
     shoes: tuple[ReferenceValuesOfShoe, ...]
     surface: FrictionSurface = FRICTION_SURFACE_OF_DRUM
 
+    def __repr__(self) -> str:
+        """The title, the torque and the peak pressure of each shoe, with their uncertainties."""
+        unit = self.surface.unit_of_torque_or_brake_force
+        word = self.surface.word_for_torque_or_brake_force
+        lines = [
+            f"{shoe.name}: {word} {shoe.torque.value:.7g} +- {shoe.torque.uncertainty:.1g} {unit}, "
+            f"peak pressure {1e-6 * shoe.peak_pressure.value:.5g} +- "
+            f"{1e-6 * shoe.peak_pressure.uncertainty:.1g} MPa"
+            for shoe in self.shoes
+        ]
+        whole = f"{word} {self.torque.value:.7g} +- {self.torque.uncertainty:.1g} {unit}"
+        return "\n".join([f"{self.title}: {whole}", *lines])
+
 
 def compute_reference_values(
     brake: Brake, text: str, command: str, trio: ResponsesBehindReferenceValues | None = None

@@ -74,6 +74,14 @@ class StressAndDisplacementFields(BaseClassWithArrayEquality):
     pressure: Floats
     push: Floats
 
+    def __repr__(self) -> str:
+        """A line with the number of nodes and cells and the largest displacement and stress."""
+        moved = 1e3 * float(np.linalg.norm(self.displacement, axis=1).max())
+        return (
+            f"{len(self.points)} nodes, {len(self.cells)} cells {self.cell_type}, displacement up "
+            f"to {moved:.3g} mm, von Mises stress up to {1e-6 * self.von_mises.max():.3g} MPa"
+        )
+
     def to_meshio(self) -> "meshio.Mesh":
         """The body as a `meshio.Mesh`, with the names of fields that a .vtu file has."""
         return meshio_mesh_with_fields_of_all_shoes([self])
@@ -84,7 +92,8 @@ class StressAndDisplacementFields(BaseClassWithArrayEquality):
             pyvista = importlib.import_module("pyvista")
         except ImportError as error:
             raise BadInput(
-                "to_pyvista: needs the package pyvista, which is not installed"
+                "to_pyvista: needs the package pyvista, which is not installed: "
+                'pip install "drumlin[fields]"'
             ) from error
         return pyvista.from_meshio(self.to_meshio())
 

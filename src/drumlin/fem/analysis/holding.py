@@ -24,7 +24,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from drumlin.base.arrays import BaseClassWithArrayEquality, Floats, Ints
+from drumlin.base.arrays import (
+    BaseClassWithArrayEquality,
+    Floats,
+    Ints,
+    text_of_fields_with_arrays_by_shape,
+)
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake
 from drumlin.brake.one_sided import require_no_shoe_on_anchors
@@ -182,6 +187,10 @@ class HoldingState(BaseClassWithArrayEquality):
     face: tuple[ContactNodesOfHeldLiningFace, ...]
     notes: tuple[str, ...] = ()
     spring_pulls: tuple[float, ...] = ()
+
+    def __repr__(self) -> str:
+        """The fields, where an array is shown by its shape alone."""
+        return text_of_fields_with_arrays_by_shape(self)
 
     @property
     def sticking(self) -> float:

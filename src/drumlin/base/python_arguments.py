@@ -1,0 +1,78 @@
+"""Check the types of arguments that a user passes to the public functions in Python."""
+
+import numbers
+from collections.abc import Callable, Sequence
+from pathlib import PurePath
+
+from drumlin.base.errors import BadInput
+from drumlin.base.texts import value_as_text
+
+WORDS_FOR_ANNOTATED_TYPES = {
+    "int": "a whole number",
+    "float": "a number",
+    "bool": "True or False",
+    "str": "a text",
+    "Path": "a path",
+    "Sequence[str]": "a list of texts",
+    "None": "None",
+}
+"""What a value must be, in words for an error message, by the type in a function's annotation."""
+
+ARGUMENTS_THAT_LIST_THEIR_ALLOWED_TEXTS = ("model", "kind", "name")
+"""Names of arguments for which the functions themselves refuse a value that is no text.
+
+Their error message lists the allowed texts, and helps more than a message on the type.
+"""
+
+
+def require_argument_of_annotated_type(name: str, value: object, annotation: str) -> None:
+    """Raise BadInput if the value of an argument has none of its annotated types.
+
+    A value of any type passes if the annotation has a type that WORDS_FOR_ANNOTATED_TYPES lacks.
+
+    Parameters
+    ----------
+    name : name of the argument, for the error message
+    value : its value
+    annotation : its annotation as text, such as "int | None"
+    """
+    types = annotation.split(" | ")
+    if name in ARGUMENTS_THAT_LIST_THEIR_ALLOWED_TEXTS or set(types) - set(_TESTS_OF_TYPES):
+        return
+    if not any(_TESTS_OF_TYPES[word](value) for word in types):
+        *others, last = [WORDS_FOR_ANNOTATED_TYPES[word] for word in types]
+        allowed = f"{', '.join(others)} or {last}" if others else last
+        raise BadInput(f"{name} = {value_as_text(value)}: must be {allowed}")
+
+
+def _is_bool(value: object) -> bool:
+    """Whether the value is True or False, of Python or of numpy."""
+    # numpy is not imported for this test, because `import drumlin` must be fast.
+    return isinstance(value, bool) or str(getattr(value, "dtype", "")) == "bool"
+
+
+def _is_number_but_no_bool(value: object) -> bool:
+    """Whether the value is a real number, of Python or of numpy; True and False are none."""
+    return isinstance(value, numbers.Real) and not _is_bool(value)
+
+
+def _is_whole_number_but_no_bool(value: object) -> bool:
+    """Whether the value is an integer, of Python or of numpy; True and False are none."""
+    return isinstance(value, numbers.Integral) and not _is_bool(value)
+
+
+def _is_list_of_texts(value: object) -> bool:
+    """Whether the value is a list or another sequence of texts; a single text is none."""
+    is_list = isinstance(value, Sequence) and not isinstance(value, str | bytes)
+    return is_list and all(isinstance(entry, str) for entry in value)  # type: ignore[attr-defined]
+
+
+_TESTS_OF_TYPES: dict[str, Callable[[object], bool]] = {
+    "int": _is_whole_number_but_no_bool,
+    "float": _is_number_but_no_bool,
+    "bool": _is_bool,
+    "str": lambda value: isinstance(value, str),
+    "Path": lambda value: isinstance(value, PurePath),
+    "Sequence[str]": _is_list_of_texts,
+    "None": lambda value: value is None,
+}
