@@ -36,6 +36,8 @@ NOT_TUNED: dict[str, dict[str, str]] = {
         "LARGEST_STEP_OF_GROWING_FRICTION": "first step of a search that adapts; a matter of time",
         "LARGEST_CONTACT_FORCE_GROWTH_PER_STEP": "growth up to half of mu_lock, by its pole",
         "NODES_ABOVE_WHICH_FRICTION_PATH_IS_COARSE": SPEED,
+        "DISTANCE_OF_PRESSURE_COMPARISON": "distance at which a pole doubles the pressure",
+        "LEAST_GROWTH_OF_UNBOUNDED_PRESSURE": "midway between a growth of 1 and of 2",
         "LARGEST_PRESSURE_DIFFERENCE_OF_SAME_SOLUTION": "any number between 0.004 and 0.7 "
         "tells two answers from two meshes",
     },
@@ -76,8 +78,6 @@ NOT_TUNED: dict[str, dict[str, str]] = {
         "SMALLEST_FIRST_FRICTION_OF_REPEATED_SOLVES": "time of a search in friction",
         "FRICTION_STEP_OF_REPEATED_SOLVES": "step of a search whose first failure is bisected",
         "RESOLUTION_OF_REPEATED_SOLVES": "accuracy of a limit that is printed with four digits",
-        "DISTANCE_OF_PRESSURE_COMPARISON": "distance at which a pole doubles the pressure",
-        "LEAST_GROWTH_OF_UNBOUNDED_PRESSURE": "midway between a growth of 1 and of 2",
     },
     "fem/analysis/solid_fields.py": {
         "FEWEST_INTERVALS_ACROSS_WIDTH_PIECE": "points of fields that are written or drawn",

@@ -93,6 +93,21 @@ RELATIVE_RESOLUTION_OF_FRICTION_LIMIT = 1e-12
 The limit is then the mu at which the path of solutions over mu turns back.
 """
 
+DISTANCE_OF_PRESSURE_COMPARISON = 1e-3
+"""Relative distance below a self-locking limit at which the pressure is compared.
+
+The peak pressure or the contact force at this distance is compared with that at twice this
+distance. It is twice as large if it grows without bound as 1/(mu_lock - mu), and nearly the same if
+it stays finite. The value is a judgement: near enough that the growth without bound is the largest
+part of the pressure, and far above the resolution of limits that are found by repeated solves.
+"""
+
+LEAST_GROWTH_OF_UNBOUNDED_PRESSURE = 1.5
+"""Growth of the peak pressure or of the contact force above which it counts as without bound.
+
+It lies midway between the two growths that DISTANCE_OF_PRESSURE_COMPARISON states, 1 and 2.
+"""
+
 
 class FrictionDependentProblem(NamedTuple):
     """A contact problem as a linear function of the friction coefficient mu.
@@ -213,8 +228,39 @@ def find_largest_friction_with_equilibrium(
         has_failed_before = True
         step = 0.5 * (target - mu)
         if step < RELATIVE_RESOLUTION_OF_FRICTION_LIMIT * max(mu, 1e-3):
-            return LargestFrictionWithEquilibrium(mu, True, found, mu, steps)
+            grows = _does_contact_force_grow_without_bound_towards(
+                problem, mu, found.active, areas
+            )
+            return LargestFrictionWithEquilibrium(mu, not grows, found, mu, steps)
     return LargestFrictionWithEquilibrium(np.inf, False, found, mu, steps)
+
+
+def _does_contact_force_grow_without_bound_towards(
+    problem: FrictionDependentProblem, limit: float, active: Bools, areas: Floats
+) -> bool:
+    """Whether the contact force grows towards a limit of friction as towards an infinite force.
+
+    On a mesh the contact grows by whole nodes. As the pressure grows without bound, the next node
+    may close a little before the pressure would be infinite, and the path of solutions turns back
+    there. Without elements there is no turning back. The contact forces a little below the limit
+    therefore decide, see DISTANCE_OF_PRESSURE_COMPARISON.
+
+    Parameters
+    ----------
+    problem : the contact problem as a linear function of the friction coefficient
+    limit : the friction coefficient at which the path turns back
+    active : the contact set (n,) there
+    areas : areas (n,) of the nodes [m^2]
+    """
+    forces = []
+    for steps in (2, 1):
+        friction = limit * (1 - steps * DISTANCE_OF_PRESSURE_COMPARISON)
+        contact = _find_stable_contact_or_none(problem, friction, active)
+        if contact is None:
+            return False
+        forces.append(float(areas @ contact.p))
+    far, near = forces
+    return near > LEAST_GROWTH_OF_UNBOUNDED_PRESSURE * far
 
 
 def stable_contact_continued_to_higher_friction_or_none(

@@ -17,6 +17,8 @@ from drumlin.brake.friction import (
 from drumlin.brake.further_loads import require_springs_with_constant_pull
 from drumlin.contact.self_locking import (
     LARGEST_SOUGHT_SELF_LOCKING_FRICTION,
+    DISTANCE_OF_PRESSURE_COMPARISON,
+    LEAST_GROWTH_OF_UNBOUNDED_PRESSURE,
     FrictionDependentProblem,
     find_largest_friction_with_equilibrium,
 )
@@ -63,19 +65,6 @@ RESOLUTION_OF_REPEATED_SOLVES = 1e-6
 
 Four digits of the limit are printed. Each further digit costs three solves. The limit itself is
 known to some 1e-4: on a hinged shoe it changes by 7e-5 between forces of 0.4 and 40 MPa.
-"""
-DISTANCE_OF_PRESSURE_COMPARISON = 1e-3
-"""Relative distance below a self-locking limit at which the pressure is compared.
-
-The peak pressure at this distance is compared with the peak pressure at twice this distance. It is
-twice as large if the pressure grows without bound as 1/(mu_lock - mu), and nearly the same if it
-stays finite. The value is a judgement: near enough that the growth without bound is the largest
-part of the pressure, and far above RESOLUTION_OF_REPEATED_SOLVES.
-"""
-LEAST_GROWTH_OF_UNBOUNDED_PRESSURE = 1.5
-"""Growth of the peak pressure above which the pressure counts as growing without bound.
-
-It lies midway between the two growths that DISTANCE_OF_PRESSURE_COMPARISON states, 1 and 2.
 """
 
 
