@@ -38,6 +38,7 @@ NOT_TUNED: dict[str, dict[str, str]] = {
         "NODES_ABOVE_WHICH_FRICTION_PATH_IS_COARSE": SPEED,
         "DISTANCE_OF_PRESSURE_COMPARISON": "distance at which a pole doubles the pressure",
         "LEAST_GROWTH_OF_UNBOUNDED_PRESSURE": "midway between a growth of 1 and of 2",
+        "LARGEST_ROUND_OFF_BETWEEN_EQUAL_PROBLEMS": ROUND_OFF,
         "LARGEST_PRESSURE_DIFFERENCE_OF_SAME_SOLUTION": "any number between 0.004 and 0.7 "
         "tells two answers from two meshes",
     },

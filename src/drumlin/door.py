@@ -839,18 +839,22 @@ class SelfLockingFrictionOfGroup(NamedTuple):
     friction : friction coefficient mu_lock; inf if the shoes do not lock up to the largest friction
         that was tried. If friction depends on the pressure, it is the coefficient at zero pressure,
         with all coefficients of the table raised in proportion
-    bounded : True if the pressure stays finite as friction rises to mu_lock; False if the pressure
-        grows without bound
+    bounded : True if the pressure stays finite as friction rises to mu_lock. The limit then holds
+        for the forces and clearances of the brake; under a larger force the equilibrium may end at
+        a smaller friction. False if the pressure grows without bound
     least_friction_on_finer_elements : friction coefficient to which mu_lock may fall as the
-        elements become smaller. It is smaller than `friction` if `bounded` is True and the friction
-        at a lining's corner is above pi/2: above pi/2 a right-angled corner of a lining may dig
-        into the drum, and mu_lock falls with the logarithm of the element size
+        elements become smaller. It is smaller than `friction` if the friction at a lining's corner
+        is above pi/2: above pi/2 a right-angled corner of a lining may dig into the drum, and
+        mu_lock falls with the logarithm of the element size
+    pressed_at_point : names of the shoes whose contact shrinks to a point as friction rises to
+        mu_lock. `bounded` is then False, while the contact forces and the torque stay finite
     """
 
     shoes: tuple[str, ...]
     friction: float
     bounded: bool
     least_friction_on_finer_elements: float
+    pressed_at_point: tuple[str, ...] = ()
 
 
 @_make_public_function_that_solves
@@ -914,8 +918,9 @@ def self_locking(
         SelfLockingFrictionOfGroup(
             tuple(whole.shoes[i].name for i in members),
             end.friction,
-            end.pressure_stays_finite,
+            end.pressure_stays_finite and not end.shoes_pressed_at_point,
             end.least_friction_on_finer_elements,
+            end.shoes_pressed_at_point,
         )
         for members, end in found.items()
     )

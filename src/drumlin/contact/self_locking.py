@@ -13,7 +13,9 @@ eigenvalue of a contact set that holds right up to the eigenvalue. Such a limit 
 force or clearance, which are negligible beside pressures that grow without bound.
 
 The path of solutions over mu may also end where it turns back: at a change of the contact set
-beyond which the determinant has the other sign. Beyond such an end there may be other solutions, to
+beyond which the determinant has the other sign. Such an end depends on force and clearance: where a
+small force presses few nodes of a lining with a wide clearance, there is an equilibrium at a
+friction coefficient at which a larger force, which presses more nodes, has none. Beyond such an end there may be other solutions, to
 which the contact would jump. A step of mu over which the contact set changes must therefore be
 short: the contact force may grow by at most LARGEST_CONTACT_FORCE_GROWTH_PER_STEP.
 """
@@ -109,6 +111,14 @@ It lies midway between the two growths that DISTANCE_OF_PRESSURE_COMPARISON stat
 """
 
 
+LARGEST_ROUND_OFF_BETWEEN_EQUAL_PROBLEMS = 1e-13
+"""Largest difference of two contact problems that counts as round-off.
+
+It is relative to the largest value of each matrix or vector. Two shoes that a rotation of the brake
+carries into each other differ by 2e-15; the smallest change that a user makes is far larger.
+"""
+
+
 class FrictionDependentProblem(NamedTuple):
     """A contact problem as a linear function of the friction coefficient mu.
 
@@ -129,6 +139,17 @@ class FrictionDependentProblem(NamedTuple):
             frictionless,
             (other.A - frictionless.A) / friction,
             (other.C - frictionless.C) / friction,
+        )
+
+    def is_equal_up_to_round_off(self, other: "FrictionDependentProblem") -> bool:
+        """Whether another problem differs from this problem by round-off alone."""
+        ours = (*self.frictionless, self.A_per_friction, self.C_per_friction)
+        theirs = (*other.frictionless, other.A_per_friction, other.C_per_friction)
+        return all(
+            a.shape == b.shape
+            and np.abs(a - b).max(initial=0.0)
+            <= LARGEST_ROUND_OFF_BETWEEN_EQUAL_PROBLEMS * np.abs(a).max(initial=0.0)
+            for a, b in zip(ours, theirs, strict=True)
         )
 
     def contact_problem_at_friction_coefficient(self, friction: float) -> ContactProblem:
@@ -228,9 +249,7 @@ def find_largest_friction_with_equilibrium(
         has_failed_before = True
         step = 0.5 * (target - mu)
         if step < RELATIVE_RESOLUTION_OF_FRICTION_LIMIT * max(mu, 1e-3):
-            grows = _does_contact_force_grow_without_bound_towards(
-                problem, mu, found.active, areas
-            )
+            grows = _does_contact_force_grow_without_bound_towards(problem, mu, found.active, areas)
             return LargestFrictionWithEquilibrium(mu, not grows, found, mu, steps)
     return LargestFrictionWithEquilibrium(np.inf, False, found, mu, steps)
 

@@ -59,6 +59,14 @@ slide at a friction coefficient still nearer to the limit, the limit changes by 
 fraction, which is the last of the four digits that are printed.
 """
 
+MOST_PRESSED_NODES_OF_CONTACT_AT_POINT = 2
+"""Number of pressed nodes up to which a contact that shrinks counts as shrunk to a point.
+
+The resultant of a contact moves towards its point continuously. It passes from one node to the next
+one, so that at most two nodes press in the end. The mesh cannot tell their pressure: without
+elements the pressure grows without bound under the finite force.
+"""
+
 
 class CamOrStrutWouldPullError(NoAnswer):
     """The error that a cam or a strut would have to pull a shoe, while it can only push."""
@@ -457,6 +465,40 @@ class ShoeGroup(ContactProblemsOfShoeGroup):
             if last.is_contact_solution_physically_possible(end.last_contact):
                 return DrumFrictionLimitOfShoeGroup(end, text_on_part_that_would_pull="")
         return _friction_limit_followed_from_solution(at, friction, largest_friction, end)
+
+    def names_of_shoes_whose_contact_shrinks_to_point(
+        self, limit: self_locking.LargestFrictionWithEquilibrium
+    ) -> tuple[str, ...]:
+        """The names of the shoes that press at a point alone as friction grows to a limit.
+
+        Such a shoe has a finite contact force at the limit, but presses on at most
+        MOST_PRESSED_NODES_OF_CONTACT_AT_POINT nodes, and on more nodes at half of the friction.
+        """
+        if not limit.pressure_stays_finite or math.isinf(limit.friction):
+            return ()
+        pressed = self._numbers_of_pressed_nodes_of_shoes(limit.last_contact)
+        few = [0 < number <= MOST_PRESSED_NODES_OF_CONTACT_AT_POINT for number in pressed]
+        if not any(few):
+            return ()
+        half = self.copy_of_group_with_other_drum_friction(0.5 * limit.friction)
+        try:
+            settled = half.solve_contact_and_abutment_friction()
+        except NoAnswer:
+            return ()
+        before = self._numbers_of_pressed_nodes_of_shoes(settled.contact)
+        return tuple(
+            shoe.name
+            for shoe, is_few, at_limit, at_half in zip(
+                self.shoes, few, pressed, before, strict=True
+            )
+            if is_few and at_half > at_limit
+        )
+
+    def _numbers_of_pressed_nodes_of_shoes(
+        self, contact: active_set.ContactSolution
+    ) -> tuple[int, ...]:
+        """For each shoe the number of contact nodes that press on the drum."""
+        return tuple(int((contact.p[part] > 0).sum()) for part in self.contact_node_slices_of_shoes)
 
     def _find_least_friction_with_equilibrium_and_its_solution(
         self, largest_friction: float
@@ -885,6 +927,35 @@ def divide_shoes_into_groups(
             )
         groups.append(group)
     return groups
+
+
+def have_groups_equal_friction_limits(one: ShoeGroup, other: ShoeGroup) -> bool:
+    """Whether two groups differ by the place of their shoes around the drum alone.
+
+    Their limits of self-locking are then the same. The friction of both groups must not depend on
+    the pressure. The result is False for groups with one-sided supports, which are not compared.
+    """
+    bodies, others = one.substructures_of_shoes, other.substructures_of_shoes
+    if (
+        len(bodies) != len(others)
+        or any(a is not b for a, b in zip(bodies, others, strict=True))
+        or any(a.frame.sense != b.frame.sense for a, b in zip(one.shoes, other.shoes, strict=True))
+        or one.one_sided_supports
+        or other.one_sided_supports
+    ):
+        return False
+    # The directions of friction at the abutments need not be known: if both groups have equal
+    # problems under one direction, they have them under each.
+    alike = (1,) * len(bodies)
+    first, second = (
+        group
+        if group.abutment_friction_directions_of_shoes == alike
+        else replace(group, abutment_friction_directions_of_shoes=alike)
+        for group in (one, other)
+    )
+    return first.contact_problem_as_function_of_friction.is_equal_up_to_round_off(
+        second.contact_problem_as_function_of_friction
+    )
 
 
 def _abutment_friction_direction_of_rigid_shoe(brake: Brake, shoe: Shoe) -> int:
