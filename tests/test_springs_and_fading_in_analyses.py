@@ -9,7 +9,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 from scipy.integrate import quad
 
 import drumlin
-from anchored_shoes import duo_servo
+from anchored_shoes import FORCE, duo_servo
 from drumlin.base.arrays import slices_from_lengths_of_consecutive_parts
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.file import make_drum_brake_from_data, vary
@@ -21,7 +21,10 @@ from drumlin.contact.pressure_friction import (
 )
 from drumlin.contact.self_locking import FrictionDependentProblem
 from drumlin.contact.stick_slip import BACKWARD, FORWARD, STICK
-from drumlin.fem.analysis.sensitivity import sensitivity_as_text_lines
+from drumlin.fem.analysis.sensitivity import (
+    compute_torque_sensitivity,
+    sensitivity_as_text_lines,
+)
 from drumlin.fem.analysis.slope_by_key import exact_torque_slope_by_key
 from drumlin.fem.error_control.levels import REFINEMENT_LEVELS_FROM_COARSE_TO_FINE
 from drumlin.fem.preparation.prepare import make_prepared_model
@@ -497,6 +500,45 @@ def test_the_pull_of_a_spring_on_anchors_is_that_of_the_displaced_points():
     elastic = on_mesh(vary(duo_servo(), stiff))
     rigid = on_mesh(ON_ANCHORS["rigid"]())
     assert elastic.spring_pulls == pytest.approx(rigid.spring_pulls, rel=1e-5)
+
+
+UNLIKE_ARCS = (0.7, 0.9)
+"""Half the arcs of two linings: no small change brings a further node of them into contact."""
+
+
+@pytest.mark.parametrize(
+    ("spin", "sprung"),
+    [(1, True)]
+    + [pytest.param(*each, marks=pytest.mark.slow) for each in ((-1, True), (1, False))],
+)
+def test_slopes_on_anchors_are_those_of_differences(spin, sprung):
+    brake = vary(duo_servo(spin, half=UNLIKE_ARCS), {"shoe.lining.clearance": 1e-6})
+    if sprung:
+        brake = vary(brake, {"spring": [ACROSS | {"rate": 1e6}]})
+    scene = make_prepared_model(brake, elements=ELEMENTS)
+    slopes = compute_torque_sensitivity(scene, brake)
+
+    def by_difference(key, value, step):
+        return torque_slope_by_differences(brake, key, value, step)
+
+    assert slopes.friction == pytest.approx(by_difference("friction", 0.35, 1e-5), rel=1e-7)
+    for i, own in enumerate(slopes.shoes):
+        key = f"shoe[{i}]."
+        by_force = by_difference(key + "actuation.force", FORCE, 0.1)
+        assert own.force == pytest.approx(by_force, rel=1e-7)
+        by_clearance = by_difference(key + "lining.clearance", 1e-6, 1e-9)
+        assert own.clearance == pytest.approx(by_clearance, rel=1e-6)
+        for part, name, E in (("lining", "lining", 3e8), ("body", "shoe", 2.1e11)):
+            by_modulus = E * by_difference(f"{key}{part}.material.E", E, 1e-4 * E)
+            assert own.moduli[name] == pytest.approx(by_modulus, rel=3e-4)
+        assert not own.held and own.not_given == ("anchor", "abutment")
+    lines = sensitivity_as_text_lines(slopes, brake)
+    assert "anchor and abutment: not given, for the shoe can leave them" in " ".join(lines)
+    if sprung:
+        (spring,) = slopes.springs
+        by_preload = by_difference("spring[0].preload", 100.0, 0.1)
+        assert spring.preload == pytest.approx(by_preload, rel=1e-7)
+        assert spring.rate == pytest.approx(by_difference("spring[0].rate", 1e6, 1e2), rel=1e-7)
 
 
 # Springs with a rate in sensitivity.

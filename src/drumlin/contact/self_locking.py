@@ -15,9 +15,10 @@ force or clearance, which are negligible beside pressures that grow without boun
 The path of solutions over mu may also end where it turns back: at a change of the contact set
 beyond which the determinant has the other sign. Such an end depends on force and clearance: where a
 small force presses few nodes of a lining with a wide clearance, there is an equilibrium at a
-friction coefficient at which a larger force, which presses more nodes, has none. Beyond such an end there may be other solutions, to
-which the contact would jump. A step of mu over which the contact set changes must therefore be
-short: the contact force may grow by at most LARGEST_CONTACT_FORCE_GROWTH_PER_STEP.
+friction coefficient at which a larger force, which presses more nodes, has none. Beyond such an end
+there may be other solutions, to which the contact would jump. A step of mu over which the contact
+set changes must therefore be short: the contact force may grow by at most
+LARGEST_CONTACT_FORCE_GROWTH_PER_STEP.
 """
 
 from collections.abc import Callable

@@ -187,20 +187,9 @@ def contact_problem_with_spring_nodes(
 def opening_of_one_sided_supports_by_spring_forces(group: ShoeGroup, nodes: SpringNodes) -> Floats:
     """The opening (supports, m) of each one-sided support per force of each of m spring nodes.
 
-    The opening comes from the strain of the bodies. It is also the opening of the spring nodes per
-    force of a support, by the theorem of Maxwell and Betti.
+    It is also the opening of the spring nodes per force of a support.
     """
-    factors = group.spring_matrices_at_friction(0.0).load_column_factors
-    opening = np.zeros((len(group.one_sided_supports), len(nodes.numbers)))
-    for row, support in enumerate(group.one_sided_supports):
-        for side in support.sides:
-            flexibility = group.substructures_of_shoes[side.shoe].flexibility
-            motion = group.load_column_factors_of_support_push(side) @ (
-                flexibility.load_point_motion_by_load
-            )
-            for column, spring in enumerate(nodes.numbers.tolist()):
-                opening[row, column] += nodes.signs[column] * (motion @ factors[spring][side.shoe])
-    return opening
+    return group.openings_of_one_sided_supports_by_pulls()[:, nodes.numbers] * nodes.signs
 
 
 def _contact_problem_with_spring_nodes_on_bearing_supports(
