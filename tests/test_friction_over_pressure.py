@@ -605,6 +605,10 @@ def test_solve_compare_and_size_say_what_they_leave_out(brake):
     law = drumlin.solve(table, "uniform")
     assert any("friction.pressure: the distance from self-locking" in note for note in law.notes)
     assert law.self_locking is None
+    worn = drumlin.solve(table, elements=12, worn_in=True)
+    assert any(note.endswith("in plane stress for unworn linings") for note in worn.notes)
+    with pytest.raises(BadInput, match=r"friction: must be .* number, not a table over pressure;"):
+        drumlin.size(table, "friction", torque=300.0)
     assert [o.model for o in drumlin.compare(table, elements=12).outcomes] == [
         "fem",
         "uniform",

@@ -283,7 +283,7 @@ def _response_with_notes_and_self_locking(
     `chosen` is the model, and `options` are its options. Raises NoAnswer with the notes on unlikely
     values.
     """
-    from drumlin.brake.friction import reason_if_friction_depends_on_pressure
+    from drumlin.brake.friction import first_key_of_pressure_dependent_friction
     from drumlin.brake.plausibility import notes_on_implausible_brake_values
     from drumlin.laws.rigid import (
         response_with_note_on_ignored_keys,
@@ -299,9 +299,14 @@ def _response_with_notes_and_self_locking(
             raise
         raise NoAnswer("; ".join((str(error), *notes))) from error
     response = response_with_note_on_ignored_keys(whole, response)
-    unknown = reason_if_friction_depends_on_pressure(whole, "the distance from self-locking")
-    if unknown is not None and response.self_locking is None:
-        return replace(response, notes=(*response.notes, f"note: {unknown}", *notes))
+    key = first_key_of_pressure_dependent_friction(whole)
+    if key is not None and response.self_locking is None:
+        linings = " for unworn linings" if options.get("worn_in") else ""
+        unknown = (
+            f"note: {key}: the distance from self-locking is not given with this answer; "
+            f"drumlin.self_locking finds it in plane stress{linings}"
+        )
+        return replace(response, notes=(*response.notes, unknown, *notes))
     locking = response.self_locking or self_locking_by_rigid_shoe_law(whole)
     notes = (*response.notes, *locking.warnings(), *notes)
     return replace(response, notes=notes, self_locking=locking)

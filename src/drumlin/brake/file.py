@@ -21,6 +21,7 @@ from drumlin.brake.components import Lining
 from drumlin.brake.drive import key_that_sets_actuation_force_of_shoe
 from drumlin.brake.drum_brake import DrumBrake
 from drumlin.brake.fields import PartOfInputFile, Point, si_unit_of_field_type
+from drumlin.brake.friction import FrictionTable
 from drumlin.brake.units import quantity_in_si, quantity_with_usual_unit
 
 SI_UNITS_BY_POLAR_POINT_KEY = {"radius": "m", "angle": "rad"}
@@ -345,6 +346,12 @@ def numerical_value_of_brake_key(brake: PartOfInputFile, key: str) -> float:
     """
     values = values_of_brake_key(brake, key)
     if not all(isinstance(value, int | float) for value in values):
+        for value in values:
+            if isinstance(value, FrictionTable):
+                raise BadInput(
+                    f"{key}: must be a key of the brake with a number, not a table over "
+                    f"{' and '.join(value.given_columns_by_key)}; give one coefficient instead"
+                )
         raise BadInput(f"{key}: must be a key of the brake with a number, not {values[0]!r}")
     if len(set(values)) > 1:
         unit = si_unit_of_brake_key(brake, key) or ""

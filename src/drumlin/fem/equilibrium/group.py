@@ -741,7 +741,7 @@ def _friction_limit_by_bisection(
     high : friction coefficient without a solution
     """
     tried: set[tuple[object, ...]] = set()
-    reach = self_locking.TEST_DISTANCE_BELOW_SINGULAR_FRICTION * high
+    further = self_locking.TEST_DISTANCE_BELOW_SINGULAR_FRICTION * high
     while high - low > self_locking.TEST_DISTANCE_BELOW_SINGULAR_FRICTION * high:
         if at.friction_directions_and_bearing_supports not in tried:
             # The solution mostly ends where its directions of friction and its supports cease to
@@ -752,8 +752,8 @@ def _friction_limit_by_bisection(
             # Where one choice of directions and supports takes over from another choice, both hold
             # up to round-off, and an earlier choice may come back. The end of the solution is then
             # near. It is sought in growing steps.
-            end = low + min(reach, 0.5 * (high - low))
-            reach *= 2
+            end = low + min(further, 0.5 * (high - low))
+            further *= 2
         before, after = at, at.solution_at_higher_friction_or_none(end)
         if after is None:
             high = end
@@ -766,22 +766,14 @@ def _friction_limit_by_bisection(
         ):
             near_pole = _solution_followed_to_pole_or_none(at, low, high)
             if near_pole is not None:
-                low, at = near_pole
-                break
+                return near_pole.limit_at_pole(limit_before)
     # The search ends a little below a pole of the pressures. The pole is the limit if the solution
     # holds up to it.
     pole = at.friction_of_pole_with_present_supports(low)
     if pole <= (1 + RELATIVE_DISTANCE_OF_LAST_CHECK_BELOW_LOCKING) * high:
         near_pole = _solution_followed_to_pole_or_none(at, low, math.nextafter(pole, math.inf))
         if near_pole is not None:
-            low, at = near_pole
-            limit = limit_before._replace(
-                friction=pole,
-                pressure_stays_finite=False,
-                last_contact=at.solved_group.contact,
-                last_friction=low,
-            )
-            return DrumFrictionLimitOfShoeGroup(limit, text_on_part_that_would_pull="")
+            return near_pole.limit_at_pole(limit_before)
     limit = limit_before._replace(
         friction=low,
         pressure_stays_finite=True,
@@ -794,14 +786,40 @@ def _friction_limit_by_bisection(
     )
 
 
+class _SolutionNearPole(NamedTuple):
+    """A solution a little below the friction coefficient of infinite pressures.
+
+    Attributes
+    ----------
+    pole : friction coefficient of infinite pressures
+    friction : friction coefficient of the solution, mostly at the relative distance
+        TEST_DISTANCE_BELOW_SINGULAR_FRICTION below the pole
+    solution : the solution
+    """
+
+    pole: float
+    friction: float
+    solution: _FollowedSolution
+
+    def limit_at_pole(
+        self, limit_before: self_locking.LargestFrictionWithEquilibrium
+    ) -> DrumFrictionLimitOfShoeGroup:
+        """The pole as the limit of friction, with the count of steps of an earlier limit."""
+        limit = limit_before._replace(
+            friction=self.pole,
+            pressure_stays_finite=False,
+            last_contact=self.solution.solved_group.contact,
+            last_friction=self.friction,
+        )
+        return DrumFrictionLimitOfShoeGroup(limit, text_on_part_that_would_pull="")
+
+
 def _solution_followed_to_pole_or_none(
     at: _FollowedSolution, low: float, high: float
-) -> tuple[float, _FollowedSolution] | None:
+) -> _SolutionNearPole | None:
     """Follow a solution with its present directions and supports to infinite pressures.
 
-    Returns a friction coefficient at the relative distance TEST_DISTANCE_BELOW_SINGULAR_FRICTION
-    below the friction of infinite pressures, and the solution there. Returns None if the solution
-    ends before, or if its pressures stay finite up to `high`.
+    Returns None if the solution ends before, or if its pressures stay finite up to `high`.
 
     Parameters
     ----------
@@ -815,11 +833,11 @@ def _solution_followed_to_pole_or_none(
             return None
         last = (1 - self_locking.TEST_DISTANCE_BELOW_SINGULAR_FRICTION) * pole
         if last <= low:
-            return low, at
+            return _SolutionNearPole(pole, low, at)
         # If the contact set holds up to the pole, the solution near the pole continues this one.
         at_last = at.solution_continued_with_present_supports_or_none(last)
         if at_last is not None:
-            return last, at_last
+            return _SolutionNearPole(pole, last, at_last)
         # Over a quarter of the distance the contact force grows by a third. A solution that grows
         # by more than LARGEST_CONTACT_FORCE_GROWTH_PER_STEP would not count as its continuation.
         low += 0.25 * (pole - low)
