@@ -149,6 +149,7 @@ NOT_TUNED: dict[str, dict[str, str]] = {
         "LARGEST_FRICTION_STEP_BETWEEN_CHECKS": "a quarter of "
         "self_locking.LARGEST_STEP_OF_GROWING_FRICTION",
         "RELATIVE_DISTANCE_OF_LAST_CHECK_BELOW_LOCKING": "last digit of a limit that is printed",
+        "MOST_PRESSED_NODES_OF_CONTACT_AT_POINT": "a point lies between two nodes",
     },
     "fem/equilibrium/locking.py": {
         "SMALLEST_FRICTION_RATIO_FOR_ELASTIC_LIMIT": SAID,
