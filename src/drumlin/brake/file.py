@@ -335,8 +335,31 @@ def _field_name_of_brake_file_key(part: PartOfInputFile, key: str, whole: str) -
         # no fields.
         names |= {key: key for key in SI_UNITS_BY_POLAR_POINT_KEY}
     if key not in names:
+        longer = _keys_of_inner_parts_that_end_with(part, key) if key == whole else []
+        if longer and key not in part.hints_on_other_keys:
+            raise BadInput(
+                f"{whole}: unknown key {key!r} (did you mean {' or '.join(map(repr, longer))}?); "
+                f"allowed: {', '.join(names)}"
+            )
         raise BadInput(f"{whole}: {part.message_on_unknown_key(key, names)}")
     return names[key]
+
+
+def _keys_of_inner_parts_that_end_with(part: PartOfInputFile, word: str) -> list[str]:
+    """The dotted keys that lead from a part to a number `word` of a part within it, each once."""
+    found: dict[str, None] = {}
+    for name, field in type(part).model_fields.items():
+        value, step = getattr(part, name), field.alias or name
+        value = value.linings if isinstance(value, Lining) else value
+        for inner in value if isinstance(value, tuple) else (value,):
+            if not isinstance(inner, PartOfInputFile):
+                continue
+            fields = {own.alias or key: key for key, own in type(inner).model_fields.items()}
+            if word in fields and isinstance(getattr(inner, fields[word]), int | float):
+                found[f"{step}.{word}"] = None
+            for longer in _keys_of_inner_parts_that_end_with(inner, word):
+                found[f"{step}.{longer}"] = None
+    return list(found)
 
 
 def numerical_value_of_brake_key(brake: PartOfInputFile, key: str) -> float:
