@@ -27,6 +27,11 @@ from drumlin.fem.solve import solve
 from drumlin.peers.peer import mesh_shoes_for_peer_program
 from drumlin.response.balance import relative_imbalance_of_shoe
 from drumlin.response.resultants import integral_of_piecewise_polynomial
+from drumlin.verification.reference import (
+    MESHES_OF_PUBLISHED_REFERENCE_VALUES,
+    compute_reference_values,
+    solve_brake_for_reference_values,
+)
 from drumlin.verification.triangles import solve_brake_on_sequence_of_triangle_meshes
 from drumlin.verification.triangles.levels import TRIANGLE_MESH_LEVELS_FROM_COARSE_TO_FINE
 from drumlin_studies.random_brake import draw_random_brake
@@ -448,6 +453,17 @@ def test_the_second_solver_has_the_same_friction_over_pressure(file, friction):
     assert drumlin.solve(plain, model_error=False).torque > 1.05 * found.torque
 
 
+@pytest.mark.slow
+def test_reference_values_with_friction_over_pressure_come_from_both_solvers(brake):
+    table, meshes = over_pressure(brake), MESHES_OF_PUBLISHED_REFERENCE_VALUES
+    fewer = meshes._replace(triangles=meshes.triangles[:2])
+    found = solve_brake_for_reference_values(table, fewer)
+    assert found.other is not None and found.other.model == "triangles"
+    values = compute_reference_values(table, "", "", found)
+    assert values.torque.relative_uncertainty < 1e-5
+    assert values.torque.value == pytest.approx(drumlin.solve(table).torque, rel=1e-5)
+
+
 # Speed and temperature.
 
 GRID = {
@@ -581,7 +597,7 @@ def test_a_speed_without_a_table_over_speed_is_refused(brake):
 
 
 REFUSED = {
-    "reference": drumlin.reference,
+    "check": lambda brake: drumlin.check(brake, "no.csv"),
     "explore": SliderSolver,
     "finite width": lambda brake: drumlin.solve(brake, finite_width=True),
     "sine": lambda brake: drumlin.solve(brake, "sine"),
