@@ -36,6 +36,9 @@ NOT_TUNED: dict[str, dict[str, str]] = {
         "LARGEST_STEP_OF_GROWING_FRICTION": "first step of a search that adapts; a matter of time",
         "LARGEST_CONTACT_FORCE_GROWTH_PER_STEP": "growth up to half of mu_lock, by its pole",
         "NODES_ABOVE_WHICH_FRICTION_PATH_IS_COARSE": SPEED,
+        "DISTANCE_OF_PRESSURE_COMPARISON": "distance at which a pole doubles the pressure",
+        "LEAST_GROWTH_OF_UNBOUNDED_PRESSURE": "midway between a growth of 1 and of 2",
+        "LARGEST_ROUND_OFF_BETWEEN_EQUAL_PROBLEMS": ROUND_OFF,
         "LARGEST_PRESSURE_DIFFERENCE_OF_SAME_SOLUTION": "any number between 0.004 and 0.7 "
         "tells two answers from two meshes",
     },
@@ -76,8 +79,6 @@ NOT_TUNED: dict[str, dict[str, str]] = {
         "SMALLEST_FIRST_FRICTION_OF_REPEATED_SOLVES": "time of a search in friction",
         "FRICTION_STEP_OF_REPEATED_SOLVES": "step of a search whose first failure is bisected",
         "RESOLUTION_OF_REPEATED_SOLVES": "accuracy of a limit that is printed with four digits",
-        "DISTANCE_OF_PRESSURE_COMPARISON": "distance at which a pole doubles the pressure",
-        "LEAST_GROWTH_OF_UNBOUNDED_PRESSURE": "midway between a growth of 1 and of 2",
     },
     "fem/analysis/solid_fields.py": {
         "FEWEST_INTERVALS_ACROSS_WIDTH_PIECE": "points of fields that are written or drawn",
@@ -148,6 +149,7 @@ NOT_TUNED: dict[str, dict[str, str]] = {
         "LARGEST_FRICTION_STEP_BETWEEN_CHECKS": "a quarter of "
         "self_locking.LARGEST_STEP_OF_GROWING_FRICTION",
         "RELATIVE_DISTANCE_OF_LAST_CHECK_BELOW_LOCKING": "last digit of a limit that is printed",
+        "MOST_PRESSED_NODES_OF_CONTACT_AT_POINT": "a point lies between two nodes",
     },
     "fem/equilibrium/locking.py": {
         "SMALLEST_FRICTION_RATIO_FOR_ELASTIC_LIMIT": SAID,
@@ -316,6 +318,7 @@ NOT_TUNED: dict[str, dict[str, str]] = {
     "fem/mesh/arc.py": {"EDGE_ON_ARC_FACE_TOLERANCE": ROUND_OFF, "MESH_KINDS": DEFINITION},
     "fem/mesh/beam.py": {"EDGE_ON_BEAM_SHOE_FACE_TOLERANCE": ROUND_OFF},
     "fem/mesh/grading.py": {
+        "DECIMALS_OF_RATIO_FREE_OF_ROUND_OFF": ROUND_OFF,
         "MOST_ELEMENTS_BEYOND_LINING_END": MEMORY,
         "MOST_QUADRATIC_LAYERS_BEHIND_LINING": MEMORY,
         "MOST_LINEAR_LAYERS_BEHIND_LINING": MEMORY,

@@ -1,17 +1,21 @@
 """Moments and energy of a holding brake with springs and with friction over the pressure."""
 
+import itertools
 from typing import Any
 
 import numpy as np
 import pytest
 
+from anchored_shoes import duo_servo
 from drumlin.base.arrays import Floats
 from drumlin.brake.brake import Brake
+from drumlin.brake.file import vary
 from drumlin.fem.analysis.holding import (
     HoldingState,
     find_drum_rotation_of_full_slip,
     turn_holding_brake_and_return_states_at_rotations,
 )
+from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.preparation.scene import PreparedModel
 from friction_tables import FALLING, over_pressure
@@ -66,5 +70,32 @@ def test_a_holding_brake_balances_at_every_rotation_and_dissipates_its_work(name
         for index in range(len(brake.shoes)):
             assert abs(moment_about_hinge(scene, brake, state, index)) < 1e-9 * push
     for before, after in zip(states[-3:], states[-2:], strict=False):
+        work = 0.5 * (before.torque + after.torque) * (after.rotation - before.rotation)
+        assert after.dissipated - before.dissipated == pytest.approx(work, rel=1e-9)
+
+
+@pytest.mark.parametrize("elastic", [False, True])
+def test_a_holding_duo_servo_on_a_spring_balances_and_dissipates_its_work(elastic):
+    """The anchor alone holds both shoes against the drum's moment, so that its force is known.
+
+    The cylinder, the strut and the spring push or pull both shoes alike, without a moment on them.
+    """
+    spring = SPRING | {"point": {"x": 0.05, "y": 0.07}, "end": {"x": -0.05, "y": 0.07}}
+    brake = vary(duo_servo(body=elastic), {"spring": [spring]})
+    scene = make_prepared_model(brake, elements=8)
+    end = find_drum_rotation_of_full_slip(scene, brake)
+    rotations = np.array([1.0, 1.5, 2.0]) * end
+    states = turn_holding_brake_and_return_states_at_rotations(scene, brake, rotations)
+    solved = solve_prepared_model(scene, brake)
+    assert states[-1].torque == pytest.approx(solved.torque, rel=1e-9)
+    anchors = [
+        each.push.force
+        for shoe in solved.shoes
+        for each in shoe.supports
+        if each.name.startswith("anchor")
+    ]
+    height = brake.shoes[0].anchors[0].point.y
+    assert max(anchors) * height == pytest.approx(states[-1].torque, rel=1e-9)
+    for before, after in itertools.pairwise(states):
         work = 0.5 * (before.torque + after.torque) * (after.rotation - before.rotation)
         assert after.dissipated - before.dissipated == pytest.approx(work, rel=1e-9)

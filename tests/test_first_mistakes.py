@@ -56,8 +56,12 @@ def test_a_distance_without_a_unit_is_told_in_kilometres():
     unit = float(re.search(r"1/\(k K\) = ([0-9.]+) km", " ".join(said.split()))[1])
     assert first.startswith("--distance 0.5 has no unit: 0.5 times 1/(k K), ")
     assert float(re.search(r"([0-9.e-]+) km$", first)[1]) == pytest.approx(0.5 * unit, rel=1e-4)
-    named = command("wear", STUDY / "brake.toml", "--distance", "0.1 km", *quick).stdout
-    assert "has no unit" not in named
+    there_and_back = ("--distance", "0.1 km", "--reverse", "0.2", *quick)
+    named = command("wear", STUDY / "brake.toml", *there_and_back).stdout
+    assert "--distance 0.1 km has no unit" not in named
+    (line,) = (line for line in named.splitlines() if "has no unit" in line)
+    assert line.startswith("--reverse 0.2 has no unit: 0.2 times 1/(k K), ")
+    assert float(re.search(r"([0-9.e-]+) km$", line)[1]) == pytest.approx(0.2 * unit, rel=1e-4)
 
 
 def test_the_sweeps_of_init_say_where_the_own_brake_goes():

@@ -4,6 +4,7 @@ import math
 
 import pytest
 
+import drumlin
 from conftest import STUDY
 from drumlin.base.errors import BadInput
 from drumlin.brake.file import si_unit_of_brake_key, values_of_brake_key, vary
@@ -98,3 +99,14 @@ def test_sweeps_take_such_keys_as_lists_ranges_and_distributions():
     assert sweep.units["shoe.left.hinge.angle"] == "rad"
     first = vary(sweep.brake, {k: v for k, v in sweep.cases[0].changes.items() if "left" in k})
     assert first.shoes[1].hinge.angle == pytest.approx(math.radians(-106), rel=1e-12)
+
+
+def test_the_last_word_of_a_key_alone_is_answered_with_the_whole_key():
+    brake = drumlin.example("double_shoe")
+    for word, words in (
+        ("force", r"\(did you mean 'shoe\.actuation\.force'\?\)"),
+        ("width", r"\(did you mean 'shoe\.lining\.width' or 'shoe\.body\.width'\?\)"),
+        ("preload", r"'preload'; allowed: title"),
+    ):
+        with pytest.raises(BadInput, match=f"^{word}: unknown key .*{words}"):
+            values_of_brake_key(brake, word)

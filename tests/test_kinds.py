@@ -348,10 +348,6 @@ def unhinged(brake: Brake) -> bool:
     )
 
 
-def anchored(brake: Brake) -> bool:
-    return any(shoe.anchors for shoe in brake.shoes)
-
-
 HINGED = "takes shoes on hinges under forces of their own only: "
 REFUSALS = [
     Refusal({"export"}, flat, "is a brake on a plane; .* takes brakes on a drum"),
@@ -362,7 +358,6 @@ REFUSALS = [
         "its lining has no thickness and material to mesh",
     ),
     Refusal({"export"}, unhinged, f"CalculiX {HINGED}"),
-    Refusal({"sensitivity"}, anchored, "takes no shoes that can leave their supports"),
     Refusal({"foundation"}, lambda b: True, "does not apply to this brake: "),
 ]
 

@@ -16,8 +16,10 @@ from drumlin.fem.analysis.self_locking import (
     _limit_by_repeated_solves_of_brake,
     self_locking_friction_of_shoe_groups,
 )
+from drumlin.fem.equilibrium.group import ShoeGroup, divide_pressed_shoes_into_groups
 from drumlin.fem.error_control.levels import REFINEMENT_LEVELS_FROM_COARSE_TO_FINE
 from drumlin.fem.preparation.prepare import make_prepared_model
+from drumlin.response.self_locking import LockedShoesAndLockingFriction, SelfLockingFactor
 
 BRAKES = Path(__file__).parents[1] / "studies" / "brakes"
 ELEMENTS = 8
@@ -231,3 +233,109 @@ def test_an_equilibrium_that_ends_just_below_a_pole_ends_there():
     below = brake.brake_with_multiplied_friction(limit.friction * (1 - 1e-6) / brake.friction)
     found = drumlin.solve(below, elements=8, model_error=False)
     assert max(shoe.peak_pressure for shoe in found.shoes) < 1e5
+
+
+@pytest.mark.parametrize("degrees", [45.0, 40.0])
+def test_the_contact_of_a_floating_shoe_shrinks_to_the_start_of_its_lining(degrees):
+    """Cylinder and adjuster push the primary of a uni-servo brake along x.
+
+    A pressure at the angle t and its friction balance along y if mu = tan(-t). The lining begins at
+    the angle -`degrees`, so that mu_lock = tan(degrees). The contact there has the force of the
+    cylinder by the moments about the adjuster.
+    """
+    start = -math.radians(degrees)
+    brake = vary(
+        drumlin.read_brake(BRAKES / "uni_servo.toml"), {"shoe.primary.lining.start": start}
+    )
+    (found,) = drumlin.self_locking(brake, elements=16)
+    assert found.friction == pytest.approx(math.tan(-start), rel=1e-5)
+    assert (found.bounded, found.pressed_at_point) == (False, ("primary",))
+    assert found.least_friction_on_finer_elements == found.friction
+    (group,) = divide_pressed_shoes_into_groups(make_prepared_model(brake, elements=16), brake)
+    limit = group.find_friction_limit_by_following_contact(2.0).limit
+    nodes = group.contact_node_slices_of_shoes[0]
+    normal = float(limit.last_contact.p[nodes] @ group.contact_node_areas[nodes])
+    primary = brake.shoes[0]
+    foot = primary.abutment.point.y
+    arm_of_contact = brake.drum.radius * math.sin(start) - foot
+    along_x = (primary.actuation.point.y - foot) / arm_of_contact
+    assert normal == pytest.approx(along_x * math.cos(start), rel=2e-3)
+
+
+def test_a_pad_tips_about_its_edge():
+    """The pad of the rail clamp is dragged at its face and held by a pivot above the face.
+
+    The force on the face moves to the edge until mu = half the length/height of the pivot.
+    """
+    clamp = drumlin.read_brake(BRAKES / "rail_clamp.toml")
+    brake = vary(clamp, {"shoe.pivot.y": 0.060})
+    (found,) = drumlin.self_locking(brake, elements=ELEMENTS)
+    assert found.friction == pytest.approx(0.075 / 0.060, rel=1e-5)
+    assert (found.bounded, found.pressed_at_point) == (False, ("pad",))
+    near = drumlin.solve(vary(brake, {"friction": 1.0}), elements=ELEMENTS, model_error=False)
+    (warned,) = (note for note in near.notes if "for the elastic brake" in note)
+    assert warned.endswith("torque is finite and the contact of shoe 'pad' shrinks to a point")
+
+
+@pytest.mark.parametrize("friction", [0.7, 0.9, 1.0])
+def test_a_limit_at_infinite_force_is_not_called_finite(friction):
+    """The contact of the duplex brake gains a node just below the friction of infinite force."""
+    brake = vary(drumlin.example("duplex"), {"friction": friction})
+    answer = drumlin.solve(brake, model_error=False)
+    assert not answer.self_locking.elastic.pressure_stays_finite
+    limits = drumlin.self_locking(brake)
+    assert not any(limit.bounded for limit in limits)
+    assert answer.self_locking.elastic.friction == pytest.approx(limits[0].friction, rel=1e-9)
+
+
+def test_a_limit_with_a_wide_clearance_and_a_small_force_holds_for_that_force():
+    """With 1 mm at 1 kPa a few nodes press, and the path turns back; at 10 kPa more nodes press."""
+    wide = vary(drumlin.example("duplex"), {"shoe.lining.clearance": 1e-3})
+    small, large = (vary(wide, {"actuation.pressure": pressure}) for pressure in (1e3, 1e4))
+    found, *_ = drumlin.self_locking(small, elements=48)
+    finer, *_ = drumlin.self_locking(small, elements=96)
+    under_more_force, *_ = drumlin.self_locking(large, elements=48)
+    assert found.bounded and found.friction == pytest.approx(finer.friction, rel=2e-4)
+    assert not under_more_force.bounded and under_more_force.friction < 0.996 * found.friction
+    between = 0.5 * (found.friction + under_more_force.friction)
+    answer = drumlin.solve(vary(small, {"friction": between}), elements=48, model_error=False)
+    assert answer.torque > 0
+    with pytest.raises(NoAnswer, match="self-locking, no equilibrium"):
+        drumlin.solve(vary(large, {"friction": between}), elements=48, model_error=False)
+
+
+@pytest.mark.parametrize(
+    ("changes", "searches"),
+    [
+        ({}, 1),
+        ({"shoe.left.lining.friction": 0.4}, 2),
+        ({"shoe.left.abutment.friction": 0.1}, 2),
+        ({"shoe.left.lining.material.E": 2e8}, 2),
+    ],
+)
+def test_the_limit_of_equal_shoes_is_searched_once(changes, searches, monkeypatch):
+    brake = vary(drumlin.example("duplex"), changes)
+    search, groups = ShoeGroup.find_friction_limit_by_following_contact, []
+
+    def noted(group, largest):
+        groups.append(group.members)
+        return search(group, largest)
+
+    monkeypatch.setattr(ShoeGroup, "find_friction_limit_by_following_contact", noted)
+    right, left = drumlin.self_locking(brake, elements=ELEMENTS)
+    assert len(groups) == searches
+    assert (right.shoes, left.shoes) == (("right",), ("left",))
+    assert (right.friction == left.friction) == (searches == 1)
+
+
+@pytest.mark.parametrize(
+    ("finite", "end"),
+    [
+        (True, "at which the equilibrium ends while the torque is finite"),
+        (False, "towards which the torque grows without bound"),
+    ],
+)
+def test_the_warning_of_friction_over_pressure_says_how_the_equilibrium_ends(finite, end):
+    limit = LockedShoesAndLockingFriction(("left",), 1.2, finite)
+    (warned,) = SelfLockingFactor("friction", limit, 3.0).warnings()
+    assert warned.endswith(f"locks at 1.2 times its friction (friction), {end}")

@@ -291,11 +291,6 @@ def test_what_does_not_fit_anchors_is_named(changes, line) -> None:
         make_drum_brake_from_data(data)
 
 
-def test_what_takes_no_anchors_says_so() -> None:
-    with pytest.raises(BadInput, match=r"^shoe\[0\]\.anchor: sensitivity takes no shoes"):
-        drumlin.sensitivity(duo_servo(), elements=8)
-
-
 def test_a_brake_file_with_anchors_is_written_and_read_again(tmp_path) -> None:
     brake = duo_servo()
     path = tmp_path / "duo.toml"

@@ -9,6 +9,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 from scipy.integrate import quad
 
 import drumlin
+from anchored_shoes import FORCE, duo_servo
 from drumlin.base.arrays import slices_from_lengths_of_consecutive_parts
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.file import make_drum_brake_from_data, vary
@@ -20,7 +21,10 @@ from drumlin.contact.pressure_friction import (
 )
 from drumlin.contact.self_locking import FrictionDependentProblem
 from drumlin.contact.stick_slip import BACKWARD, FORWARD, STICK
-from drumlin.fem.analysis.sensitivity import sensitivity_as_text_lines
+from drumlin.fem.analysis.sensitivity import (
+    compute_torque_sensitivity,
+    sensitivity_as_text_lines,
+)
 from drumlin.fem.analysis.slope_by_key import exact_torque_slope_by_key
 from drumlin.fem.error_control.levels import REFINEMENT_LEVELS_FROM_COARSE_TO_FINE
 from drumlin.fem.preparation.prepare import make_prepared_model
@@ -426,6 +430,115 @@ def test_springs_and_friction_over_pressure_act_together():
     worn = drumlin.wear(brake, elements=ELEMENTS, distance="0.1").states[0]
     assert worn.torque == pytest.approx(exact.torque, rel=1e-9)
     assert worn.pulls == pytest.approx(exact.spring_pulls, rel=1e-9)
+
+
+# Springs with a rate on shoes that can leave their supports.
+
+ACROSS = PULL | {"point": {"x": 0.05, "y": 0.07}, "end": {"x": -0.05, "y": 0.07}}
+TO_FRAME = {key: value for key, value in ACROSS.items() if key != "to"}
+ON_ANCHORS = {
+    "elastic": lambda: vary(duo_servo(), {"spring": [ACROSS | {"rate": 1e6}]}),
+    "reversed": lambda: vary(duo_servo(-1), {"spring": [ACROSS | {"rate": 1e6}]}),
+    "rigid": lambda: vary(duo_servo(body=False), {"spring": [ACROSS | {"rate": 1e6}]}),
+    "to the frame": lambda: vary(duo_servo(), {"spring": [TO_FRAME | {"rate": 1e5}]}),
+    "fading": lambda: over_pressure(
+        vary(duo_servo(), {"spring": [ACROSS | {"rate": 1e5}]}), FALLING
+    ),
+}
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["elastic", "rigid"]
+    + [
+        pytest.param(name, marks=pytest.mark.slow)
+        for name in ("reversed", "to the frame", "fading")
+    ],
+)
+def test_springs_act_on_anchors_in_solve_in_holding_and_in_wear(name):
+    """The three find the pull in different ways: by iteration, beside tractions, beside pressures.
+
+    The forces of anchors and strut bend the shoes, which moves the points of the spring.
+    """
+    brake = ON_ANCHORS[name]()
+    solved = on_mesh(brake)
+    held = drumlin.hold(brake, elements=ELEMENTS, steps=3).states
+    assert held[-1].spring_pulls == pytest.approx(solved.spring_pulls, rel=1e-9)
+    assert held[-1].torque == pytest.approx(solved.torque, rel=1e-9)
+    assert not held[-1].notes
+    # At rest, constant springs of the pulls there hold the drum alike.
+    constant = {"spring[0].preload": held[0].spring_pulls[0], "spring[0].rate": 0.0}
+    rest = drumlin.hold(vary(brake, constant), elements=ELEMENTS, steps=3).states[0]
+    for a, b in zip(rest.pressure, held[0].pressure, strict=True):
+        assert_allclose(b, a, atol=1e-9 * a.max())
+    exact = solve(brake, elements=ELEMENTS, penalty=math.inf)
+    first, *_, last = drumlin.wear(brake, elements=ELEMENTS, distance="1").states
+    assert first.pulls == pytest.approx(exact.spring_pulls, rel=1e-9)
+    assert first.torque == pytest.approx(exact.torque, rel=1e-9)
+    assert abs(last.pulls[0] - first.pulls[0]) > 0.1
+
+
+def test_a_worn_brake_on_anchors_and_springs_is_the_brake_with_these_clearances():
+    """`solve` finds the pull on the worn linings anew, with the worn depth as their clearance."""
+    brake = ON_ANCHORS["rigid"]()
+    run = drumlin.wear(brake, elements=ELEMENTS, distance="1")
+    last, clearances = run.states[-1], {}
+    for surface in run.setup.surfaces:
+        name = brake.shoes[surface.shoe].name
+        theta = surface.contact_angles_in_growing_order
+        depth = surface.lining_values_by_growing_angle(last.depth)
+        rows = list(zip(theta.tolist(), depth.tolist(), strict=True))
+        clearances[f"shoe.{name}.lining.clearance"] = rows
+    worn = solve(vary(brake, clearances), elements=ELEMENTS, penalty=math.inf)
+    assert worn.spring_pulls == pytest.approx(last.pulls, rel=1e-6)
+    assert worn.torque == pytest.approx(last.torque, rel=1e-6)
+
+
+def test_the_pull_of_a_spring_on_anchors_is_that_of_the_displaced_points():
+    """An elastic shoe that is far stiffer than its lining moves as a rigid shoe does."""
+    stiff = {"shoe.body.material.E": 2.1e17, "spring": [ACROSS | {"rate": 1e6}]}
+    elastic = on_mesh(vary(duo_servo(), stiff))
+    rigid = on_mesh(ON_ANCHORS["rigid"]())
+    assert elastic.spring_pulls == pytest.approx(rigid.spring_pulls, rel=1e-5)
+
+
+UNLIKE_ARCS = (0.7, 0.9)
+"""Half the arcs of two linings: no small change brings a further node of them into contact."""
+
+
+@pytest.mark.parametrize(
+    ("spin", "sprung"),
+    [(1, True)]
+    + [pytest.param(*each, marks=pytest.mark.slow) for each in ((-1, True), (1, False))],
+)
+def test_slopes_on_anchors_are_those_of_differences(spin, sprung):
+    brake = vary(duo_servo(spin, half=UNLIKE_ARCS), {"shoe.lining.clearance": 1e-6})
+    if sprung:
+        brake = vary(brake, {"spring": [ACROSS | {"rate": 1e6}]})
+    scene = make_prepared_model(brake, elements=ELEMENTS)
+    slopes = compute_torque_sensitivity(scene, brake)
+
+    def by_difference(key, value, step):
+        return torque_slope_by_differences(brake, key, value, step)
+
+    assert slopes.friction == pytest.approx(by_difference("friction", 0.35, 1e-5), rel=1e-7)
+    for i, own in enumerate(slopes.shoes):
+        key = f"shoe[{i}]."
+        by_force = by_difference(key + "actuation.force", FORCE, 0.1)
+        assert own.force == pytest.approx(by_force, rel=1e-7)
+        by_clearance = by_difference(key + "lining.clearance", 1e-6, 1e-9)
+        assert own.clearance == pytest.approx(by_clearance, rel=1e-6)
+        for part, name, E in (("lining", "lining", 3e8), ("body", "shoe", 2.1e11)):
+            by_modulus = E * by_difference(f"{key}{part}.material.E", E, 1e-4 * E)
+            assert own.moduli[name] == pytest.approx(by_modulus, rel=3e-4)
+        assert not own.held and own.not_given == ("anchor", "abutment")
+    lines = sensitivity_as_text_lines(slopes, brake)
+    assert "anchor and abutment: not given, for the shoe can leave them" in " ".join(lines)
+    if sprung:
+        (spring,) = slopes.springs
+        by_preload = by_difference("spring[0].preload", 100.0, 0.1)
+        assert spring.preload == pytest.approx(by_preload, rel=1e-7)
+        assert spring.rate == pytest.approx(by_difference("spring[0].rate", 1e6, 1e2), rel=1e-7)
 
 
 # Springs with a rate in sensitivity.

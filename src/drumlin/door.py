@@ -303,7 +303,7 @@ def _response_with_notes_and_self_locking(
     `chosen` is the model, and `options` are its options. Raises NoAnswer with the notes on unlikely
     values.
     """
-    from drumlin.brake.friction import reason_if_friction_depends_on_pressure
+    from drumlin.brake.friction import first_key_of_pressure_dependent_friction
     from drumlin.brake.plausibility import notes_on_implausible_brake_values
     from drumlin.laws.rigid import (
         response_with_note_on_ignored_keys,
@@ -319,9 +319,14 @@ def _response_with_notes_and_self_locking(
             raise
         raise NoAnswer("; ".join((str(error), *notes))) from error
     response = response_with_note_on_ignored_keys(whole, response)
-    unknown = reason_if_friction_depends_on_pressure(whole, "the distance from self-locking")
-    if unknown is not None and response.self_locking is None:
-        return replace(response, notes=(*response.notes, f"note: {unknown}", *notes))
+    key = first_key_of_pressure_dependent_friction(whole)
+    if key is not None and response.self_locking is None:
+        linings = " for unworn linings" if options.get("worn_in") else ""
+        unknown = (
+            f"note: {key}: the distance from self-locking is not given with this answer; "
+            f"drumlin.self_locking finds it in plane stress{linings}"
+        )
+        return replace(response, notes=(*response.notes, unknown, *notes))
     locking = response.self_locking or self_locking_by_rigid_shoe_law(whole)
     notes = (*response.notes, *locking.warnings(), *notes)
     return replace(response, notes=notes, self_locking=locking)
@@ -871,18 +876,22 @@ class SelfLockingFrictionOfGroup(NamedTuple):
     friction : friction coefficient mu_lock; inf if the shoes do not lock up to the largest friction
         that was tried. If friction depends on the pressure, it is the coefficient at zero pressure,
         with all coefficients of the table raised in proportion
-    bounded : True if the pressure stays finite as friction rises to mu_lock; False if the pressure
-        grows without bound
+    bounded : True if the pressure stays finite as friction rises to mu_lock. The limit then holds
+        for the forces and clearances of the brake; under a larger force the equilibrium may end at
+        a smaller friction. False if the pressure grows without bound
     least_friction_on_finer_elements : friction coefficient to which mu_lock may fall as the
-        elements become smaller. It is smaller than `friction` if `bounded` is True and the friction
-        at a lining's corner is above pi/2: above pi/2 a right-angled corner of a lining may dig
-        into the drum, and mu_lock falls with the logarithm of the element size
+        elements become smaller. It is smaller than `friction` if the friction at a lining's corner
+        is above pi/2: above pi/2 a right-angled corner of a lining may dig into the drum, and
+        mu_lock falls with the logarithm of the element size
+    pressed_at_point : names of the shoes whose contact shrinks to a point as friction rises to
+        mu_lock. `bounded` is then False, while the contact forces and the torque stay finite
     """
 
     shoes: tuple[str, ...]
     friction: float
     bounded: bool
     least_friction_on_finer_elements: float
+    pressed_at_point: tuple[str, ...] = ()
 
 
 @_make_public_function_that_solves
@@ -946,8 +955,9 @@ def self_locking(
         SelfLockingFrictionOfGroup(
             tuple(whole.shoes[i].name for i in members),
             end.friction,
-            end.pressure_stays_finite,
+            end.pressure_stays_finite and not end.shoes_pressed_at_point,
             end.least_friction_on_finer_elements,
+            end.shoes_pressed_at_point,
         )
         for members, end in found.items()
     )
@@ -1072,6 +1082,7 @@ def check(
     ...     print(fault)
     tolerance = 2: must be greater than 0 and less than 1
     """
+    from drumlin.brake.friction import require_friction_independent_of_pressure
     from drumlin.studies import FOLDER_OF_INSTALLED_OR_SOURCE_STUDIES_AND_MESHES
     from drumlin.verification.check import compare_curves_with_reference as verdicts_on
     from drumlin.verification.check import read_pressure_curves
@@ -1084,6 +1095,8 @@ def check(
     if not 0 < tolerance < 1:
         raise BadInput(f"--tolerance = {tolerance:g}: must be greater than 0 and less than 1")
     source = _brake_with_text_of_its_file(brake)
+    # A missing reference takes minutes, so that the refusal comes before it.
+    require_friction_independent_of_pressure(source.brake, "check")
     curves = read_pressure_curves(Path(result), source.brake)
     # Stored values are searched in the brake file's folder, in the reports of the current folder
     # and among drumlin's own values, in this order.

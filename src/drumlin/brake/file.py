@@ -21,6 +21,7 @@ from drumlin.brake.components import Lining
 from drumlin.brake.drive import key_that_sets_actuation_force_of_shoe
 from drumlin.brake.drum_brake import DrumBrake
 from drumlin.brake.fields import PartOfInputFile, Point, si_unit_of_field_type
+from drumlin.brake.friction import FrictionTable
 from drumlin.brake.units import quantity_in_si, quantity_with_usual_unit
 
 SI_UNITS_BY_POLAR_POINT_KEY = {"radius": "m", "angle": "rad"}
@@ -378,8 +379,31 @@ def _field_name_of_brake_file_key(part: PartOfInputFile, key: str, whole: str) -
         # no fields.
         names |= {key: key for key in SI_UNITS_BY_POLAR_POINT_KEY}
     if key not in names:
+        longer = _keys_of_inner_parts_that_end_with(part, key) if key == whole else []
+        if longer and key not in part.hints_on_other_keys:
+            raise BadInput(
+                f"{whole}: unknown key {key!r} (did you mean {' or '.join(map(repr, longer))}?); "
+                f"allowed: {', '.join(names)}"
+            )
         raise BadInput(f"{whole}: {part.message_on_unknown_key(key, names)}")
     return names[key]
+
+
+def _keys_of_inner_parts_that_end_with(part: PartOfInputFile, word: str) -> list[str]:
+    """The dotted keys that lead from a part to a number `word` of a part within it, each once."""
+    found: dict[str, None] = {}
+    for name, field in type(part).model_fields.items():
+        value, step = getattr(part, name), field.alias or name
+        value = value.linings if isinstance(value, Lining) else value
+        for inner in value if isinstance(value, tuple) else (value,):
+            if not isinstance(inner, PartOfInputFile):
+                continue
+            fields = {own.alias or key: key for key, own in type(inner).model_fields.items()}
+            if word in fields and isinstance(getattr(inner, fields[word]), int | float):
+                found[f"{step}.{word}"] = None
+            for longer in _keys_of_inner_parts_that_end_with(inner, word):
+                found[f"{step}.{longer}"] = None
+    return list(found)
 
 
 def numerical_value_of_brake_key(brake: PartOfInputFile, key: str) -> float:
@@ -389,6 +413,12 @@ def numerical_value_of_brake_key(brake: PartOfInputFile, key: str) -> float:
     """
     values = values_of_brake_key(brake, key)
     if not all(isinstance(value, int | float) for value in values):
+        for value in values:
+            if isinstance(value, FrictionTable):
+                raise BadInput(
+                    f"{key}: must be a key of the brake with a number, not a table over "
+                    f"{' and '.join(value.given_columns_by_key)}; give one coefficient instead"
+                )
         raise BadInput(f"{key}: must be a key of the brake with a number, not {values[0]!r}")
     if len(set(values)) > 1:
         unit = si_unit_of_brake_key(brake, key) or ""

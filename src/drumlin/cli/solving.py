@@ -406,6 +406,7 @@ def wear(
 ) -> None:
     """Wear the linings by Archard's law until the pressure is that of the rigid-shoe law."""
     from drumlin.base.files import check_output_files_are_writable, write_json
+    from drumlin.lining_wear.run_in import sliding_distance_of_e_fold_pressure_change
 
     brake = drumlin.read_brake(brake_file)
     check_output_files_are_writable(json_file)
@@ -428,10 +429,12 @@ def wear(
         )
     if json_file is not None:
         write_json(json_file, run.as_dict())
-    if distance is not None and _is_number_without_unit(distance):
-        length = run.states[-1].s
-        print_line_folded_to_terminal_width(
-            f"--distance {distance} has no unit: {distance} times 1/(k K), {1e-3 * length:.5g} km"
-        )
+    unit = sliding_distance_of_e_fold_pressure_change(run.setup, run.law)
+    for option, value in (("--distance", distance), ("--reverse", reverse)):
+        if value is not None and _is_number_without_unit(value):
+            km = 1e-3 * float(value) * unit
+            print_line_folded_to_terminal_width(
+                f"{option} {value} has no unit: {value} times 1/(k K), {km:.5g} km"
+            )
     for line in run.lines():
         print_line_folded_to_terminal_width(line)

@@ -13,9 +13,12 @@ eigenvalue of a contact set that holds right up to the eigenvalue. Such a limit 
 force or clearance, which are negligible beside pressures that grow without bound.
 
 The path of solutions over mu may also end where it turns back: at a change of the contact set
-beyond which the determinant has the other sign. Beyond such an end there may be other solutions, to
-which the contact would jump. A step of mu over which the contact set changes must therefore be
-short: the contact force may grow by at most LARGEST_CONTACT_FORCE_GROWTH_PER_STEP.
+beyond which the determinant has the other sign. Such an end depends on force and clearance: where a
+small force presses few nodes of a lining with a wide clearance, there is an equilibrium at a
+friction coefficient at which a larger force, which presses more nodes, has none. Beyond such an end
+there may be other solutions, to which the contact would jump. A step of mu over which the contact
+set changes must therefore be short: the contact force may grow by at most
+LARGEST_CONTACT_FORCE_GROWTH_PER_STEP.
 """
 
 from collections.abc import Callable
@@ -93,6 +96,29 @@ RELATIVE_RESOLUTION_OF_FRICTION_LIMIT = 1e-12
 The limit is then the mu at which the path of solutions over mu turns back.
 """
 
+DISTANCE_OF_PRESSURE_COMPARISON = 1e-3
+"""Relative distance below a self-locking limit at which the pressure is compared.
+
+The peak pressure or the contact force at this distance is compared with that at twice this
+distance. It is twice as large if it grows without bound as 1/(mu_lock - mu), and nearly the same if
+it stays finite. The value is a judgement: near enough that the growth without bound is the largest
+part of the pressure, and far above the resolution of limits that are found by repeated solves.
+"""
+
+LEAST_GROWTH_OF_UNBOUNDED_PRESSURE = 1.5
+"""Growth of the peak pressure or of the contact force above which it counts as without bound.
+
+It lies midway between the two growths that DISTANCE_OF_PRESSURE_COMPARISON states, 1 and 2.
+"""
+
+
+LARGEST_ROUND_OFF_BETWEEN_EQUAL_PROBLEMS = 1e-13
+"""Largest difference of two contact problems that counts as round-off.
+
+It is relative to the largest value of each matrix or vector. Two shoes that a rotation of the brake
+carries into each other differ by 2e-15; the smallest change that a user makes is far larger.
+"""
+
 
 class FrictionDependentProblem(NamedTuple):
     """A contact problem as a linear function of the friction coefficient mu.
@@ -114,6 +140,17 @@ class FrictionDependentProblem(NamedTuple):
             frictionless,
             (other.A - frictionless.A) / friction,
             (other.C - frictionless.C) / friction,
+        )
+
+    def is_equal_up_to_round_off(self, other: "FrictionDependentProblem") -> bool:
+        """Whether another problem differs from this problem by round-off alone."""
+        ours = (*self.frictionless, self.A_per_friction, self.C_per_friction)
+        theirs = (*other.frictionless, other.A_per_friction, other.C_per_friction)
+        return all(
+            a.shape == b.shape
+            and np.abs(a - b).max(initial=0.0)
+            <= LARGEST_ROUND_OFF_BETWEEN_EQUAL_PROBLEMS * np.abs(a).max(initial=0.0)
+            for a, b in zip(ours, theirs, strict=True)
         )
 
     def contact_problem_at_friction_coefficient(self, friction: float) -> ContactProblem:
@@ -213,8 +250,37 @@ def find_largest_friction_with_equilibrium(
         has_failed_before = True
         step = 0.5 * (target - mu)
         if step < RELATIVE_RESOLUTION_OF_FRICTION_LIMIT * max(mu, 1e-3):
-            return LargestFrictionWithEquilibrium(mu, True, found, mu, steps)
+            grows = _does_contact_force_grow_without_bound_towards(problem, mu, found.active, areas)
+            return LargestFrictionWithEquilibrium(mu, not grows, found, mu, steps)
     return LargestFrictionWithEquilibrium(np.inf, False, found, mu, steps)
+
+
+def _does_contact_force_grow_without_bound_towards(
+    problem: FrictionDependentProblem, limit: float, active: Bools, areas: Floats
+) -> bool:
+    """Whether the contact force grows towards a limit of friction as towards an infinite force.
+
+    On a mesh the contact grows by whole nodes. As the pressure grows without bound, the next node
+    may close a little before the pressure would be infinite, and the path of solutions turns back
+    there. Without elements there is no turning back. The contact forces a little below the limit
+    therefore decide, see DISTANCE_OF_PRESSURE_COMPARISON.
+
+    Parameters
+    ----------
+    problem : the contact problem as a linear function of the friction coefficient
+    limit : the friction coefficient at which the path turns back
+    active : the contact set (n,) there
+    areas : areas (n,) of the nodes [m^2]
+    """
+    forces = []
+    for steps in (2, 1):
+        friction = limit * (1 - steps * DISTANCE_OF_PRESSURE_COMPARISON)
+        contact = _find_stable_contact_or_none(problem, friction, active)
+        if contact is None:
+            return False
+        forces.append(float(areas @ contact.p))
+    far, near = forces
+    return near > LEAST_GROWTH_OF_UNBOUNDED_PRESSURE * far
 
 
 def stable_contact_continued_to_higher_friction_or_none(

@@ -37,6 +37,7 @@ from drumlin.fem.mesh.from_file import notes_on_mesh_file
 from drumlin.fem.preparation.bodies import (
     force_resultant_of_unit_load_factors,
     moment_of_loads_besides_actuation_about_pin,
+    unit_load_factors_of_one_sided_support_push,
     unit_load_factors_under_all_loads,
 )
 from drumlin.fem.preparation.cache import cache_key_of_shoe_shape
@@ -730,6 +731,12 @@ def _spring_point_displacements_of_shoe_along_pulls(solution: _ShoePartOfGroupSo
     if not any(spring.rate for spring in brake.springs):
         return np.zeros(len(brake.springs))
     load = unit_load_factors_under_all_loads(body, shoe, solution.force)
+    # The force of a support that the shoe can leave bends the body as a load does.
+    for support in solution.support_forces:
+        if support.push.force > 0:
+            load = load + unit_load_factors_of_one_sided_support_push(
+                body, shoe, support.push, brake.size
+            )
     drag = brake.signed_friction_stress_over_pressure_in_shoe_frame(shoe)
     friction = drag * group.friction_stress_over_friction_coefficient_of_shoe(k, p)
     elastic = body.flexibility.motion_of_load_points(p, friction, load)

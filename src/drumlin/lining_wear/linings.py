@@ -21,7 +21,6 @@ from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.fields import InterpolationTable, table_rows_from_coordinates_and_values
 from drumlin.brake.file import vary
 from drumlin.brake.further_loads import brake_with_springs_of_constant_pull
-from drumlin.brake.one_sided import require_no_shoe_on_anchors
 from drumlin.contact.active_set import ContactSolution
 from drumlin.contact.equations import ContactProblem
 from drumlin.contact.pressure_friction import NodalFrictionAndSlope
@@ -193,7 +192,6 @@ def wear_setup_by_finite_elements(
     """
     springs = None
     if any(spring.rate for spring in brake.springs):
-        require_no_shoe_on_anchors(brake, "wear with a spring rate")
         springs = spring_nodes_of_brake(brake, _pulls_of_unworn_brake(scene, brake, penalty))
     interfaces: list[WearContactProblem] = []
     surfaces: list[WornLining] = []

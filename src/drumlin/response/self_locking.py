@@ -21,13 +21,26 @@ class LockedShoesAndLockingFriction(NamedTuple):
     ----------
     shoes : names of the shoes; on a rigid drum a single shoe
     friction : mu_lock; inf if no limit was found
-    pressure_stays_finite : whether the equilibrium ends at finite pressures, for example where a
-        shoe leaves a support
+    pressure_stays_finite : whether the equilibrium ends at finite pressures on the elements of the
+        solve, for example where a shoe leaves a support
+    shoes_pressed_at_point : names of the shoes whose contact shrinks to a point there. Their
+        contact forces stay finite, and their pressures grow without bound.
     """
 
     shoes: tuple[str, ...]
     friction: float
     pressure_stays_finite: bool = False
+    shoes_pressed_at_point: tuple[str, ...] = ()
+
+    def how_equilibrium_ends_as_text(self) -> str:
+        """How the equilibrium ends at this friction, as the end of a sentence on the friction."""
+        if not self.pressure_stays_finite:
+            return "towards which the torque grows without bound"
+        text = "at which the equilibrium ends while the torque is finite"
+        if self.shoes_pressed_at_point:
+            text += f" and the contact of {_shoe_names_as_text(self.shoes_pressed_at_point)}"
+            text += " shrinks to a point"
+        return text
 
 
 class SelfLocking(NamedTuple):
@@ -101,11 +114,7 @@ class SelfLocking(NamedTuple):
             and self.friction > WARNED_FRACTION_OF_LOCKING_FRICTION * self.elastic.friction
         ):
             near = self._friction_in_percent_of_limit_as_text(self.elastic, "for the elastic brake")
-            end = (
-                "at which the equilibrium ends while the torque is finite"
-                if self.elastic.pressure_stays_finite
-                else "towards which the torque grows without bound"
-            )
+            end = self.elastic.how_equilibrium_ends_as_text()
             yield f"warning: {_shoe_names_as_text(self.elastic.shoes)}: {near}, {end}"
         shoe = _shoe_names_as_text(self.law.shoes)
         if self.friction >= self.law.friction:
@@ -169,7 +178,7 @@ class SelfLockingFactor(NamedTuple):
             yield (
                 f"warning: {_shoe_names_as_text(self.elastic.shoes)}: the elastic brake locks at "
                 f"{self.elastic.friction:.4g} times its friction ({self.key}), "
-                "towards which the torque grows"
+                f"{self.elastic.how_equilibrium_ends_as_text()}"
             )
 
 

@@ -22,7 +22,6 @@ import drumlin
 from drumlin.base.arrays import Bools, Floats
 from drumlin.base.errors import BadInput
 from drumlin.brake.brake import Brake, Shoe
-from drumlin.brake.friction import require_friction_independent_of_pressure
 from drumlin.brake.further_loads import brake_with_springs_of_constant_pull
 from drumlin.brake.surface import FRICTION_SURFACE_OF_DRUM, FrictionSurface
 from drumlin.comparison import length_of_uncompared_zone_at_lining_end
@@ -135,7 +134,6 @@ def solve_brake_for_reference_values(
     Raises BadInput if finite elements cannot solve the brake or a shoe has a mesh file, and
     NoAnswer if the brake has no equilibrium.
     """
-    require_friction_independent_of_pressure(brake, "the reference by triangles")
     for shoe in brake.shoes:
         if shoe.mesh is not None:
             raise BadInput(

@@ -12,7 +12,8 @@ friction stress mu(p) p by p, and dmu changes all coefficients in proportion.
 The actuation forces are unknowns of the equations, so that forces of struts and cams need no
 special case: c is the change of T per newton of a given force. The pulls of springs are unknowns as
 well. A spring with the preload P_0 and the rate k, whose points come nearer to each other by s, has
-the pull P with P + k s = P_0. The multiplier of this equation is the change of T per preload.
+the pull P with P + k s = P_0. The multiplier of this equation is the change of T per preload. The
+forces of the one-sided supports that bear are unknowns, too: each of these supports stays closed.
 """
 
 from typing import NamedTuple
@@ -44,6 +45,10 @@ class ShoeAdjoint(NamedTuple):
     pressures : pressures (n,) [Pa] on the lining in the solution
     coordinates : generalised coordinates (k,) of the shoe's k rigid-body modes in the solution
     force : size of the shoe's actuation force [N] in the solution
+    load_of_supports : factors (l,) [N] by which the shoe's load columns make up the forces of the
+        one-sided supports on it
+    adjoint_load_of_supports : factors (l,) by which the load columns make up the adjoint load that
+        belongs to the openings of these supports
     """
 
     gap_multipliers: Floats
@@ -52,6 +57,8 @@ class ShoeAdjoint(NamedTuple):
     pressures: Floats
     coordinates: Floats
     force: float
+    load_of_supports: Floats
+    adjoint_load_of_supports: Floats
 
 
 class TorqueDerivativesAndAdjointOfGroup(NamedTuple):
@@ -104,27 +111,32 @@ def solve_adjoint_for_torque_of_shoe_group(group: ShoeGroup) -> TorqueDerivative
     y = group.rigid_body_coordinates_of_each_shoe(contact)
     F = np.abs(group.actuation_forces_under_contact_pressures(contact.p))
     coordinates = sum(map(len, y))
-    # The last unknowns are the travel of the points of actuation under a cam, and the pulls of
-    # springs. `answer` is multiplied below only by a matrix of derivatives by friction. This matrix
-    # is zero in the columns of these unknowns, so that zeros may stand for their values.
+    # The last unknowns are the travel of the points of actuation under a cam, or the forces of
+    # one-sided supports, and the pulls of springs. `answer` is multiplied below only by a matrix of
+    # derivatives by friction. This matrix is zero in the columns of these unknowns, so that zeros
+    # may stand for their values.
     further = np.zeros(len(without_friction) - n - coordinates - len(F))
     answer = np.concatenate([contact.p, *y, F, further])
     weights = np.zeros((len(answer), len(F)))
     weights[:n] = mu * tangent.torque_of_each_shoe_per_nodal_pressure
-    # Pressures are unknowns only at the nodes in contact. All other unknowns are always free.
+    # Pressures are unknowns only at the nodes in contact, and the forces of one-sided supports only
+    # where these bear. All other unknowns are always free.
     on = np.concatenate([contact.active, np.ones(len(answer) - n, dtype=bool)])
+    first_spring = len(answer) - len(group.brake.springs)
+    supports = slice(first_spring - len(group.one_sided_supports), first_spring)
+    on[supports] = group.bearing
     each = _solve_adjoint_equations_for_torques(
         without_friction + mu * tangent_per_friction, on, weights
     )
     # The torque of the group is the sum of the shoes' torques, and so is its adjoint.
-    first_spring = len(answer) - len(group.brake.springs)
     a, b, c, by_preload = np.split(each.sum(axis=1), [n, n + coordinates, first_spring])
+    loads = _loads_of_one_sided_supports(group, contact.p, each.sum(axis=1)[supports])
     shoes = []
     for k, (nodes, modes) in enumerate(
         zip(group.contact_node_slices_of_shoes, group.rigid_body_mode_slices_of_shoes, strict=True)
     ):
         p, force = size * contact.p[nodes], size * float(F[k])
-        shoes.append(ShoeAdjoint(a[nodes], b[modes], float(c[k]), p, size * y[k], force))
+        shoes.append(ShoeAdjoint(a[nodes], b[modes], float(c[k]), p, size * y[k], force, *loads[k]))
     # The first term is the change of the torque at fixed pressures. The second term comes from the
     # change of the pressures, because the equations contain the friction.
     by_friction = lever.T @ contact.p - each.T @ (per_friction @ answer)
@@ -167,9 +179,46 @@ def _approaches_of_springs(
     for k, own in enumerate(shoes):
         body = group.substructures_of_shoes[k]
         load = unit_load_factors_under_all_loads(body, group.shoes[k], own.force)
+        load = load + own.load_of_supports
         for j, factors in enumerate(springs.load_column_factors):
             found[j] += float(factors[k] @ body.flexibility.load_point_motion_by_load @ load)
     return np.asarray(found)
+
+
+class _LoadsOfOneSidedSupports(NamedTuple):
+    """The attributes of a `ShoeAdjoint` that belong to one-sided supports."""
+
+    load_of_supports: Floats
+    adjoint_load_of_supports: Floats
+
+
+def _loads_of_one_sided_supports(
+    group: ShoeGroup, p: Floats, multipliers: Floats
+) -> list[_LoadsOfOneSidedSupports]:
+    """The loads of one-sided supports on each shoe, and the adjoint loads.
+
+    Parameters
+    ----------
+    group : the solved group
+    p : pressures (n,) per newton of the group's actuation force
+    multipliers : adjoint multiplier (m,) of the opening of each support; 0 where a support is open
+    """
+    loads = []
+    for body in group.substructures_of_shoes:
+        nothing = np.zeros(body.load_matrix_columns_by_load_name.number_of_load_columns)
+        loads.append(_LoadsOfOneSidedSupports(nothing, nothing.copy()))
+    on_supports = group.contact_problem_on_bearing_supports_or_none
+    if on_supports is None:
+        return loads
+    forces = group.largest_actuation_force * on_supports.forces_of_one_sided_supports(p)
+    for support, force, multiplier in zip(
+        group.one_sided_supports, forces.tolist(), multipliers.tolist(), strict=True
+    ):
+        for side in support.sides:
+            factors = group.load_column_factors_of_support_push(side)
+            loads[side.shoe].load_of_supports[:] += force * factors
+            loads[side.shoe].adjoint_load_of_supports[:] -= multiplier * factors
+    return loads
 
 
 def _torque_slope_by_logarithm_of_ring_modulus(group: ShoeGroup, a: Floats, p: Floats) -> float:
@@ -216,11 +265,44 @@ def _equation_matrix_of_shoe_group(group: ShoeGroup, friction: float) -> Floats:
         group.indices_of_pushing_and_pushed_shoe_of_struts,
         group.indices_of_shoes_under_cam,
     )
+    if group.one_sided_supports:
+        matrix = _equation_matrix_with_support_forces(matrix, group, friction)
     if not group.brake.springs:
         return matrix
     return _equation_matrix_with_spring_pulls(
         matrix, group, group.spring_matrices_at_friction(friction)
     )
+
+
+def _equation_matrix_with_support_forces(
+    matrix: Floats, group: ShoeGroup, friction: float
+) -> Floats:
+    """The matrix of the equations of a group with the forces of its one-sided supports.
+
+    The last columns stand for the forces of all supports, and the last rows for their openings.
+
+    Parameters
+    ----------
+    matrix : the matrix without these forces
+    group : the group of shoes
+    friction : the friction coefficient of `matrix`
+    """
+    supports = group.one_sided_support_matrices_at_friction(friction)
+    n, k = supports.gap_by_force.shape[0], supports.opening_by_motion.shape[1]
+    count, first = len(supports.opening), len(matrix)
+    by_support = np.zeros((first, count))
+    by_support[:n], by_support[n : n + k] = supports.gap_by_force, supports.opening_by_motion.T
+    opening = np.zeros((count, first))
+    opening[:, :n] = supports.opening_by_pressure
+    opening[:, n : n + k] = supports.opening_by_motion
+    for row, support in enumerate(group.one_sided_supports):
+        for side in support.sides:
+            flexibility = group.substructures_of_shoes[side.shoe].flexibility
+            acting = group.actuation_of_each_shoe_by_one_newton[side.shoe].load_column_factors
+            push = group.load_column_factors_of_support_push(side)
+            motion = push @ flexibility.load_point_motion_by_load @ acting
+            opening[row, n + k + side.shoe] += motion
+    return np.block([[matrix, by_support], [opening, supports.opening_by_force]])
 
 
 def _equation_matrix_with_spring_pulls(
@@ -243,9 +325,14 @@ def _equation_matrix_with_spring_pulls(
         by_pull[force + to] = -springs.foot_force_by_pull[source]
     for i in group.indices_of_shoes_under_cam:
         by_pull[force + i] = springs.tip_travel_by_pull[i]
+    if group.one_sided_supports:
+        on_supports = slice(first - len(group.one_sided_supports), first)
+        by_pull[on_supports] = group.openings_of_one_sided_supports_by_pulls()
     approach = np.zeros((len(rates), first))
     approach[:, :n], approach[:, n:force] = springs.approach_by_pressure, springs.approach_by_motion
     approach[:, force : force + len(group.shoes)] = springs.approach_by_force
+    if group.one_sided_supports:
+        approach[:, on_supports] = by_pull[on_supports].T
     of_pulls = np.eye(len(rates)) + rates[:, None] * springs.approach_by_pull
     return np.block([[matrix, by_pull], [rates[:, None] * approach, of_pulls]])
 

@@ -25,6 +25,7 @@ from drumlin.fem.equilibrium.sharing import (
 from drumlin.fem.equilibrium.spring_nodes import (
     SpringNodes,
     actuation_effects_with_spring_nodes,
+    opening_of_one_sided_supports_by_spring_forces,
     spring_border_at_friction,
 )
 from drumlin.fem.model import DEFAULT_PENALTY_FACTOR
@@ -47,8 +48,8 @@ def make_stick_slip_problem_and_slip_per_drum_rotation(
     the brake.
 
     The nodes of the linings come first, then one node for each foot on a rough abutment, see
-    `FeetOnRoughAbutments`. The last nodes have no friction: one node for each one-sided support, or
-    for each of the `springs` with a rate. With `springs`, the group is a result of
+    `FeetOnRoughAbutments`. The last nodes have no friction: one node for each one-sided support,
+    then one for each of the `springs` with a rate. With `springs`, the group is a result of
     `group_under_spring_pulls` with the pulls None, so that no spring with a rate loads its shoes.
     """
     feet = FeetOnRoughAbutments.collect_feet_on_rough_abutments(group)
@@ -61,11 +62,12 @@ def make_stick_slip_problem_and_slip_per_drum_rotation(
     problem = feet.stick_slip_problem_with_abutment_nodes(
         _stick_slip_problem_without_abutments(still, shoes), still
     )
+    problem = _stick_slip_problem_with_one_sided_support_nodes(still, problem, shoes)
     if springs is not None:
         problem = _stick_slip_problem_with_spring_nodes(still, problem, shoes, springs)
+    # A brake has one-sided supports, or struts and a cam, but not both.
     if group.indices_of_pushing_and_pushed_shoe_of_struts or group.indices_of_shoes_under_cam:
         problem = _stick_slip_problem_with_strut_and_cam_forces(still, problem, shoes, springs)
-    problem = _stick_slip_problem_with_one_sided_support_nodes(still, problem, shoes)
     lever = np.concatenate([body.coupling.lever for body in group.substructures_of_shoes])
     return problem, np.append(lever, np.zeros(len(problem.q_w) - len(lever)))
 
@@ -365,7 +367,8 @@ def _stick_slip_problem_with_spring_nodes(
     Parameters
     ----------
     still : the group without friction
-    problem : the stick-slip problem of the linings, and of the feet on rough abutments
+    problem : the stick-slip problem of the linings, of the feet on rough abutments, and of the
+        one-sided supports
     shoes : the matrices of tractions on each lining
     springs : the springs
     """
@@ -375,6 +378,9 @@ def _stick_slip_problem_with_spring_nodes(
     by_pressure, by_traction = np.zeros((count, size)), np.zeros((count, size))
     gap, of_shoes = np.zeros((size, count)), still.contact_node_slices_of_shoes
     by_pressure[:, :linings], gap[:linings] = border.opening_by_pressure, border.gap_by_force
+    on_supports = opening_of_one_sided_supports_by_spring_forces(still, springs)
+    supports = slice(size - len(on_supports), size)
+    by_pressure[:, supports], gap[supports] = on_supports.T, on_supports
     for row, j in enumerate(springs.numbers.tolist()):
         for shoe, nodes, load in zip(shoes, of_shoes, factors[j], strict=True):
             by_traction[row, nodes] = springs.signs[row] * (shoe.load_travel @ load)

@@ -32,7 +32,6 @@ from drumlin.base.arrays import (
 )
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake
-from drumlin.brake.one_sided import require_no_shoe_on_anchors
 from drumlin.contact import stick_slip
 from drumlin.contact.active_set import ContactSolution
 from drumlin.contact.pressure_friction import (
@@ -384,7 +383,6 @@ def _apply_actuation_forces_to_resting_groups(
     scene = replace(scene, bodies=tuple(bodies))
     springs = None
     if any(spring.rate for spring in brake.springs):
-        require_no_shoe_on_anchors(brake, "hold with a spring rate")
         pulls = solve_prepared_model(scene, brake, penalty=penalty).spring_pulls
         springs = spring_nodes_of_brake(brake, pulls)
     touching = indices_of_pressed_shoes_in_brake(scene, brake)

@@ -16,11 +16,17 @@ from drumlin.brake.friction import (
 )
 from drumlin.brake.further_loads import require_springs_with_constant_pull
 from drumlin.contact.self_locking import (
+    DISTANCE_OF_PRESSURE_COMPARISON,
     LARGEST_SOUGHT_SELF_LOCKING_FRICTION,
+    LEAST_GROWTH_OF_UNBOUNDED_PRESSURE,
     FrictionDependentProblem,
     find_largest_friction_with_equilibrium,
 )
-from drumlin.fem.equilibrium.group import ShoeGroup, divide_pressed_shoes_into_groups
+from drumlin.fem.equilibrium.group import (
+    ShoeGroup,
+    divide_pressed_shoes_into_groups,
+    have_groups_equal_friction_limits,
+)
 from drumlin.fem.equilibrium.pressure_friction import (
     find_friction_factor_that_locks_group,
     solve_shoe_group_with_lining_friction,
@@ -64,19 +70,6 @@ RESOLUTION_OF_REPEATED_SOLVES = 1e-6
 Four digits of the limit are printed. Each further digit costs three solves. The limit itself is
 known to some 1e-4: on a hinged shoe it changes by 7e-5 between forces of 0.4 and 40 MPa.
 """
-DISTANCE_OF_PRESSURE_COMPARISON = 1e-3
-"""Relative distance below a self-locking limit at which the pressure is compared.
-
-The peak pressure at this distance is compared with the peak pressure at twice this distance. It is
-twice as large if the pressure grows without bound as 1/(mu_lock - mu), and nearly the same if it
-stays finite. The value is a judgement: near enough that the growth without bound is the largest
-part of the pressure, and far above RESOLUTION_OF_REPEATED_SOLVES.
-"""
-LEAST_GROWTH_OF_UNBOUNDED_PRESSURE = 1.5
-"""Growth of the peak pressure above which the pressure counts as growing without bound.
-
-It lies midway between the two growths that DISTANCE_OF_PRESSURE_COMPARISON states, 1 and 2.
-"""
 
 
 class LockingFrictionOfShoeGroup(NamedTuple):
@@ -85,7 +78,10 @@ class LockingFrictionOfShoeGroup(NamedTuple):
     Attributes
     ----------
     friction : the friction coefficient mu_lock; inf if the search found no limit
-    pressure_stays_finite : whether the equilibrium ends at finite pressures
+    pressure_stays_finite : whether the equilibrium ends at finite pressures on these elements
+    shoes_pressed_at_point : names of shoes whose contact shrinks to a point at this friction. The
+        contact force stays finite and the pressure grows without bound as the elements become
+        smaller.
     friction_at_which_corner_locks : the friction coefficient of the brake at which the friction at
         a corner of the group's linings is FRICTION_AT_WHICH_RIGHT_ANGLED_CORNER_LOCKS. It differs
         from this number if a lining has its own friction, or if friction depends on the pressure,
@@ -94,6 +90,7 @@ class LockingFrictionOfShoeGroup(NamedTuple):
 
     friction: float
     pressure_stays_finite: bool
+    shoes_pressed_at_point: tuple[str, ...] = ()
     friction_at_which_corner_locks: float = FRICTION_AT_WHICH_RIGHT_ANGLED_CORNER_LOCKS
 
     @property
@@ -103,7 +100,7 @@ class LockingFrictionOfShoeGroup(NamedTuple):
         It differs from `friction` where a corner of a lining may dig into the drum, see
         FRICTION_AT_WHICH_RIGHT_ANGLED_CORNER_LOCKS.
         """
-        if not self.pressure_stays_finite:
+        if math.isinf(self.friction):
             return self.friction
         return min(self.friction, self.friction_at_which_corner_locks)
 
@@ -140,7 +137,8 @@ def self_locking_friction_of_shoe_groups(
         raise BadInput("friction = 0: self-locking needs a friction coefficient above 0")
     have_springs_rate = any(spring.rate for spring in brake.springs)
     is_over_pressure = first_key_of_pressure_dependent_friction(brake) is not None
-    limits = {}
+    limits: dict[tuple[int, ...], LockingFrictionOfShoeGroup] = {}
+    searched: list[ShoeGroup] = []
     groups = divide_pressed_shoes_into_groups(scene, brake, penalty, springs_join=True)
     for group in groups:
         are_supports_fixed = group.has_neither_strut_cam_nor_abutment
@@ -154,8 +152,17 @@ def self_locking_friction_of_shoe_groups(
         elif is_over_pressure:
             limit = _limit_of_friction_over_pressure(group, most)
         else:
+            equal = (each for each in searched if have_groups_equal_friction_limits(group, each))
+            if (first := next(equal, None)) is not None:
+                limits[group.members] = limits[first.members]
+                continue
+            searched.append(group)
             found = group.find_friction_limit_by_following_contact(most).limit
-            limit = LockingFrictionOfShoeGroup(found.friction, found.pressure_stays_finite)
+            limit = LockingFrictionOfShoeGroup(
+                found.friction,
+                found.pressure_stays_finite,
+                group.names_of_shoes_whose_contact_shrinks_to_point(found),
+            )
         corner = _friction_of_brake_at_which_corner_locks(group)
         limits[group.members] = limit._replace(friction_at_which_corner_locks=corner)
     return limits

@@ -40,7 +40,6 @@ from drumlin.brake.file import vary
 from drumlin.brake.friction import first_key_of_pressure_dependent_friction
 from drumlin.brake.further_loads import brake_with_loads_assigned_to_shoes
 from drumlin.brake.heat import reason_if_any_shoe_is_heated
-from drumlin.brake.one_sided import require_no_shoe_on_anchors
 from drumlin.brake.orthotropic import names_of_orthotropic_parts
 from drumlin.brake.support import RigidBodyModeDerivativesByDatum, resultant_force_and_moment
 from drumlin.fem.analysis.adjoint import (
@@ -257,7 +256,6 @@ def compute_torque_sensitivity(
     """
     require_positive_penalty(penalty)
     _refuse_brake_whose_torque_has_no_slopes(scene, brake)
-    require_no_shoe_on_anchors(brake, "sensitivity")
     pulls = _pulls_of_springs_in_solved_brake(scene, brake, penalty)
     under = brake_with_loads_assigned_to_shoes(brake, pulls) if pulls else brake
     pressed: dict[int, ShoeSensitivity] = {}
@@ -454,7 +452,9 @@ class _TorqueSlopesOfShoe:
         forward = slice(None, None, shoe.frame.sense)
         phi, multipliers = body.line.angles_and_pressures_averaged_over_width(own.gap_multipliers)
         held, keys = {}, []
-        if self.wanted.supports:
+        if self.wanted.supports and shoe.anchors:
+            keys = ["anchor"] if shoe.abutment is None else ["anchor", "abutment"]
+        elif self.wanted.supports:
             held = self._torque_slopes_by_supports()
             keys = list(self._rigid_mode_derivatives_by_support_data())
         return ShoeSensitivity(
@@ -565,8 +565,11 @@ class _TorqueSlopesOfShoe:
         return self.adjoint.preload_slopes * np.array(rates)
 
     def _adjoint_load_of_springs(self) -> Floats:
-        """The factors (l,) of the shoe's load columns that make up the adjoint load of springs."""
-        load = np.zeros(self.body.load_matrix_columns_by_load_name.number_of_load_columns)
+        """The factors (l,) of the shoe's load columns under the adjoint load of springs.
+
+        The adjoint load of one-sided supports is included.
+        """
+        load = self.own.adjoint_load_of_supports.copy()
         for multiplier, factors in zip(
             self._spring_multipliers, self.adjoint.springs.load_column_factors, strict=True
         ):
@@ -575,7 +578,8 @@ class _TorqueSlopesOfShoe:
 
     def _load_column_factors_of_shoe(self) -> Floats:
         """The factors (l,) by which the load columns make up all loads on the shoe."""
-        return unit_load_factors_under_all_loads(self.body, self.shoe, self.own.force)
+        factors = unit_load_factors_under_all_loads(self.body, self.shoe, self.own.force)
+        return np.asarray(factors + self.own.load_of_supports)
 
     # The following methods compute slopes of the torque by data of supports.
 
@@ -983,11 +987,17 @@ def _torque_slopes_of_shoe_as_text_lines(
             f"{error_text_in_percent(own.modulus_error / T)}"
         )
     # Beside loads that move, plane stress gives the slope by a pivot alone.
-    loaded = [key for key in own.not_given if shoe.has_loads_besides_actuation and key != "pivot"]
+    loaded = [
+        key
+        for key in own.not_given
+        if shoe.has_loads_besides_actuation and key != "pivot" and not shoe.anchors
+    ]
+    one_sided = [key for key in own.not_given if shoe.anchors]
     for keys, reason in (
+        (one_sided, "the shoe can leave them"),
         (loaded, "the body and the places of its springs, weight or forces move with it"),
         (
-            [key for key in own.not_given if key not in loaded],
+            [key for key in own.not_given if key not in loaded + one_sided],
             "the body moves with it; --model fem gives it",
         ),
     ):

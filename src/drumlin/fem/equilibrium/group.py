@@ -59,6 +59,14 @@ slide at a friction coefficient still nearer to the limit, the limit changes by 
 fraction, which is the last of the four digits that are printed.
 """
 
+MOST_PRESSED_NODES_OF_CONTACT_AT_POINT = 2
+"""Number of pressed nodes up to which a contact that shrinks counts as shrunk to a point.
+
+The resultant of a contact moves towards its point continuously. It passes from one node to the next
+one, so that at most two nodes press in the end. The mesh cannot tell their pressure: without
+elements the pressure grows without bound under the finite force.
+"""
+
 
 class CamOrStrutWouldPullError(NoAnswer):
     """The error that a cam or a strut would have to pull a shoe, while it can only push."""
@@ -458,6 +466,40 @@ class ShoeGroup(ContactProblemsOfShoeGroup):
                 return DrumFrictionLimitOfShoeGroup(end, text_on_part_that_would_pull="")
         return _friction_limit_followed_from_solution(at, friction, largest_friction, end)
 
+    def names_of_shoes_whose_contact_shrinks_to_point(
+        self, limit: self_locking.LargestFrictionWithEquilibrium
+    ) -> tuple[str, ...]:
+        """The names of the shoes that press at a point alone as friction grows to a limit.
+
+        Such a shoe has a finite contact force at the limit, but presses on at most
+        MOST_PRESSED_NODES_OF_CONTACT_AT_POINT nodes, and on more nodes at half of the friction.
+        """
+        if not limit.pressure_stays_finite or math.isinf(limit.friction):
+            return ()
+        pressed = self._numbers_of_pressed_nodes_of_shoes(limit.last_contact)
+        few = [0 < number <= MOST_PRESSED_NODES_OF_CONTACT_AT_POINT for number in pressed]
+        if not any(few):
+            return ()
+        half = self.copy_of_group_with_other_drum_friction(0.5 * limit.friction)
+        try:
+            settled = half.solve_contact_and_abutment_friction()
+        except NoAnswer:
+            return ()
+        before = self._numbers_of_pressed_nodes_of_shoes(settled.contact)
+        return tuple(
+            shoe.name
+            for shoe, is_few, at_limit, at_half in zip(
+                self.shoes, few, pressed, before, strict=True
+            )
+            if is_few and at_half > at_limit
+        )
+
+    def _numbers_of_pressed_nodes_of_shoes(
+        self, contact: active_set.ContactSolution
+    ) -> tuple[int, ...]:
+        """For each shoe the number of contact nodes that press on the drum."""
+        return tuple(int((contact.p[part] > 0).sum()) for part in self.contact_node_slices_of_shoes)
+
     def _find_least_friction_with_equilibrium_and_its_solution(
         self, largest_friction: float
     ) -> tuple[float, "_FollowedSolution"]:
@@ -699,7 +741,7 @@ def _friction_limit_by_bisection(
     high : friction coefficient without a solution
     """
     tried: set[tuple[object, ...]] = set()
-    reach = self_locking.TEST_DISTANCE_BELOW_SINGULAR_FRICTION * high
+    further = self_locking.TEST_DISTANCE_BELOW_SINGULAR_FRICTION * high
     while high - low > self_locking.TEST_DISTANCE_BELOW_SINGULAR_FRICTION * high:
         if at.friction_directions_and_bearing_supports not in tried:
             # The solution mostly ends where its directions of friction and its supports cease to
@@ -710,8 +752,8 @@ def _friction_limit_by_bisection(
             # Where one choice of directions and supports takes over from another choice, both hold
             # up to round-off, and an earlier choice may come back. The end of the solution is then
             # near. It is sought in growing steps.
-            end = low + min(reach, 0.5 * (high - low))
-            reach *= 2
+            end = low + min(further, 0.5 * (high - low))
+            further *= 2
         before, after = at, at.solution_at_higher_friction_or_none(end)
         if after is None:
             high = end
@@ -724,22 +766,14 @@ def _friction_limit_by_bisection(
         ):
             near_pole = _solution_followed_to_pole_or_none(at, low, high)
             if near_pole is not None:
-                low, at = near_pole
-                break
+                return near_pole.limit_at_pole(limit_before)
     # The search ends a little below a pole of the pressures. The pole is the limit if the solution
     # holds up to it.
     pole = at.friction_of_pole_with_present_supports(low)
     if pole <= (1 + RELATIVE_DISTANCE_OF_LAST_CHECK_BELOW_LOCKING) * high:
         near_pole = _solution_followed_to_pole_or_none(at, low, math.nextafter(pole, math.inf))
         if near_pole is not None:
-            low, at = near_pole
-            limit = limit_before._replace(
-                friction=pole,
-                pressure_stays_finite=False,
-                last_contact=at.solved_group.contact,
-                last_friction=low,
-            )
-            return DrumFrictionLimitOfShoeGroup(limit, text_on_part_that_would_pull="")
+            return near_pole.limit_at_pole(limit_before)
     limit = limit_before._replace(
         friction=low,
         pressure_stays_finite=True,
@@ -752,14 +786,40 @@ def _friction_limit_by_bisection(
     )
 
 
+class _SolutionNearPole(NamedTuple):
+    """A solution a little below the friction coefficient of infinite pressures.
+
+    Attributes
+    ----------
+    pole : friction coefficient of infinite pressures
+    friction : friction coefficient of the solution, mostly at the relative distance
+        TEST_DISTANCE_BELOW_SINGULAR_FRICTION below the pole
+    solution : the solution
+    """
+
+    pole: float
+    friction: float
+    solution: _FollowedSolution
+
+    def limit_at_pole(
+        self, limit_before: self_locking.LargestFrictionWithEquilibrium
+    ) -> DrumFrictionLimitOfShoeGroup:
+        """The pole as the limit of friction, with the count of steps of an earlier limit."""
+        limit = limit_before._replace(
+            friction=self.pole,
+            pressure_stays_finite=False,
+            last_contact=self.solution.solved_group.contact,
+            last_friction=self.friction,
+        )
+        return DrumFrictionLimitOfShoeGroup(limit, text_on_part_that_would_pull="")
+
+
 def _solution_followed_to_pole_or_none(
     at: _FollowedSolution, low: float, high: float
-) -> tuple[float, _FollowedSolution] | None:
+) -> _SolutionNearPole | None:
     """Follow a solution with its present directions and supports to infinite pressures.
 
-    Returns a friction coefficient at the relative distance TEST_DISTANCE_BELOW_SINGULAR_FRICTION
-    below the friction of infinite pressures, and the solution there. Returns None if the solution
-    ends before, or if its pressures stay finite up to `high`.
+    Returns None if the solution ends before, or if its pressures stay finite up to `high`.
 
     Parameters
     ----------
@@ -773,11 +833,11 @@ def _solution_followed_to_pole_or_none(
             return None
         last = (1 - self_locking.TEST_DISTANCE_BELOW_SINGULAR_FRICTION) * pole
         if last <= low:
-            return low, at
+            return _SolutionNearPole(pole, low, at)
         # If the contact set holds up to the pole, the solution near the pole continues this one.
         at_last = at.solution_continued_with_present_supports_or_none(last)
         if at_last is not None:
-            return last, at_last
+            return _SolutionNearPole(pole, last, at_last)
         # Over a quarter of the distance the contact force grows by a third. A solution that grows
         # by more than LARGEST_CONTACT_FORCE_GROWTH_PER_STEP would not count as its continuation.
         low += 0.25 * (pole - low)
@@ -885,6 +945,35 @@ def divide_shoes_into_groups(
             )
         groups.append(group)
     return groups
+
+
+def have_groups_equal_friction_limits(one: ShoeGroup, other: ShoeGroup) -> bool:
+    """Whether two groups differ by the place of their shoes around the drum alone.
+
+    Their limits of self-locking are then the same. The friction of both groups must not depend on
+    the pressure. The result is False for groups with one-sided supports, which are not compared.
+    """
+    bodies, others = one.substructures_of_shoes, other.substructures_of_shoes
+    if (
+        len(bodies) != len(others)
+        or any(a is not b for a, b in zip(bodies, others, strict=True))
+        or any(a.frame.sense != b.frame.sense for a, b in zip(one.shoes, other.shoes, strict=True))
+        or one.one_sided_supports
+        or other.one_sided_supports
+    ):
+        return False
+    # The directions of friction at the abutments need not be known: if both groups have equal
+    # problems under one direction, they have them under each.
+    alike = (1,) * len(bodies)
+    first, second = (
+        group
+        if group.abutment_friction_directions_of_shoes == alike
+        else replace(group, abutment_friction_directions_of_shoes=alike)
+        for group in (one, other)
+    )
+    return first.contact_problem_as_function_of_friction.is_equal_up_to_round_off(
+        second.contact_problem_as_function_of_friction
+    )
 
 
 def _abutment_friction_direction_of_rigid_shoe(brake: Brake, shoe: Shoe) -> int:

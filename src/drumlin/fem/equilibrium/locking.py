@@ -17,7 +17,11 @@ from drumlin.contact.self_locking import (
     find_largest_friction_with_equilibrium,
     is_equilibrium_certain_up_to_friction,
 )
-from drumlin.fem.equilibrium.group import ShoeGroup, divide_pressed_shoes_into_groups
+from drumlin.fem.equilibrium.group import (
+    ShoeGroup,
+    divide_pressed_shoes_into_groups,
+    have_groups_equal_friction_limits,
+)
 from drumlin.fem.equilibrium.pressure_friction import (
     find_friction_factor_that_locks_group,
     solve_shoe_group_with_lining_friction,
@@ -93,13 +97,17 @@ def compare_friction_with_self_locking_limits(
 
     # The search begins with the group that locks at the least friction by the rigid-shoe law. The
     # limit of each group bounds the search in the next groups, since only the smallest limit is
-    # stated.
+    # stated. A group that equals an earlier one has its limit.
     limits, sought = [], friction / WARNED_FRACTION_OF_LOCKING_FRICTION
     if friction > SMALLEST_FRICTION_RATIO_FOR_ELASTIC_LIMIT * law.friction:
         sought = friction * LARGEST_SOUGHT_ELASTIC_LIMIT_OVER_FRICTION
+    searched: list[ShoeGroup] = []
     for group in sorted(groups, key=smallest_locking_friction_of_group_by_rigid_law):
+        if any(have_groups_equal_friction_limits(group, earlier) for earlier in searched):
+            continue
         limits.append(_locking_friction_of_elastic_group(group, sought))
         sought = min(sought, limits[-1].friction)
+        searched.append(group)
     return SelfLocking(friction, law, first_shoes_to_lock(limits), sought, scaled)
 
 
@@ -143,7 +151,9 @@ def compare_friction_over_pressure_with_self_locking_limit(
         shoes = tuple(brake.shoes[i].name for i in group.members)
         settled = solve_shoe_group_with_lining_friction(group)
         limit = find_friction_factor_that_locks_group(settled, sought, single_step=True)
-        limits.append(LockedShoesAndLockingFriction(shoes, limit.factor))
+        limits.append(
+            LockedShoesAndLockingFriction(shoes, limit.factor, limit.pressure_stays_finite)
+        )
         sought = min(sought, limit.factor)
     return SelfLockingFactor(key, first_shoes_to_lock(limits), sought)
 
@@ -162,13 +172,20 @@ def _locking_friction_of_elastic_group(
     """
     if group.has_neither_strut_cam_nor_abutment:
         limit = _limit_of_group_on_fixed_supports_or_none(group, sought)
+        solved = group
     else:
         settled = group.solve_contact_and_abutment_friction()
+        solved = settled.group
         limit = settled.group.find_friction_limit_above_solution(settled.contact, sought).limit
     shoes = tuple(shoe.name for shoe in group.shoes)
     if limit is None or not limit.friction < sought:
         return LockedShoesAndLockingFriction(shoes, math.inf)
-    return LockedShoesAndLockingFriction(shoes, limit.friction, limit.pressure_stays_finite)
+    return LockedShoesAndLockingFriction(
+        shoes,
+        limit.friction,
+        limit.pressure_stays_finite,
+        solved.names_of_shoes_whose_contact_shrinks_to_point(limit),
+    )
 
 
 def _limit_of_group_on_fixed_supports_or_none(

@@ -351,6 +351,25 @@ class ContactProblemsOfShoeGroup(ShoeGroupData):
                 by_force[i, j] += loads[i][k] @ flexibility.load_point_motion_by_load @ loads[j][k]
         return OneSidedSupportMatrices(opening, by_pressure, by_force, by_motion, gap, sizes)
 
+    def openings_of_one_sided_supports_by_pulls(self) -> Floats:
+        """The opening (supports, springs) of each one-sided support per pull of each spring.
+
+        The opening comes from the strain of the bodies. It is also the approach of the spring's
+        points per force of the support, by the theorem of Maxwell and Betti.
+        """
+        factors = self.spring_matrices_at_friction(0.0).load_column_factors
+        opening = np.zeros((len(self.one_sided_supports), len(self.brake.springs)))
+        for row, support in enumerate(self.one_sided_supports):
+            for side in support.sides:
+                flexibility = self.substructures_of_shoes[side.shoe].flexibility
+                motion = (
+                    self.load_column_factors_of_support_push(side)
+                    @ flexibility.load_point_motion_by_load
+                )
+                for column, of_shoes in enumerate(factors):
+                    opening[row, column] += motion @ of_shoes[side.shoe]
+        return opening
+
     def _mode_amounts_that_move_shoe_about_one_metre(self, shoe: Shoe) -> Floats:
         """The amount (k,) of each rigid-body motion of a shoe by which its points move about 1 m.
 

@@ -20,6 +20,7 @@ from drumlin.brake.further_loads import brake_with_loads_assigned_to_shoes
 from drumlin.contact.active_set import ContactSolution
 from drumlin.contact.equations import ContactProblem
 from drumlin.fem.equilibrium.group import ShoeGroup
+from drumlin.fem.equilibrium.one_sided import contact_problem_on_supports_that_bear
 from drumlin.fem.equilibrium.sharing import (
     EffectsOfActuationForceOnShoe,
     make_contact_problem_with_strut_and_cam_forces,
@@ -148,8 +149,9 @@ def contact_problem_with_spring_nodes(
 ) -> ContactProblem:
     """The contact problem of a group at a friction coefficient, with spring nodes at its end.
 
-    The group is a result of `group_under_spring_pulls` with the pulls None, and has no one-sided
-    supports. The problem is linear in the friction coefficient.
+    The group is a result of `group_under_spring_pulls` with the pulls None. If it has one-sided
+    supports, it must be known which of them bear, and they must hold the shoes. The problem is
+    linear in the friction coefficient.
     """
     A, q, B, C, h = group.contact_problem_with_given_actuation_forces(friction)
     border = spring_border_at_friction(group, nodes, friction)
@@ -162,6 +164,10 @@ def contact_problem_with_spring_nodes(
         C=np.hstack([C, border.work]),
         h=h,
     )
+    if group.one_sided_supports:
+        return _contact_problem_with_spring_nodes_on_bearing_supports(
+            group, nodes, friction, problem
+        )
     struts, cam = (
         group.indices_of_pushing_and_pushed_shoe_of_struts,
         group.indices_of_shoes_under_cam,
@@ -176,6 +182,35 @@ def contact_problem_with_spring_nodes(
         cam,
         group.sum_of_cam_forces_over_largest_force,
     ).problem
+
+
+def opening_of_one_sided_supports_by_spring_forces(group: ShoeGroup, nodes: SpringNodes) -> Floats:
+    """The opening (supports, m) of each one-sided support per force of each of m spring nodes.
+
+    It is also the opening of the spring nodes per force of a support.
+    """
+    return group.openings_of_one_sided_supports_by_pulls()[:, nodes.numbers] * nodes.signs
+
+
+def _contact_problem_with_spring_nodes_on_bearing_supports(
+    group: ShoeGroup, nodes: SpringNodes, friction: float, problem: ContactProblem
+) -> ContactProblem:
+    """The contact problem with spring nodes on the one-sided supports that bear.
+
+    `problem` is the problem with spring nodes in which no support acts. Raises RuntimeError if it
+    is not known which supports bear, or if they do not hold the shoes.
+    """
+    matrices = group.one_sided_support_matrices_at_friction(friction)
+    by_spring = opening_of_one_sided_supports_by_spring_forces(group, nodes)
+    with_springs = replace(
+        matrices,
+        opening_by_pressure=np.hstack([matrices.opening_by_pressure, by_spring]),
+        gap_by_force=np.vstack([matrices.gap_by_force, by_spring.T]),
+    )
+    found = contact_problem_on_supports_that_bear(problem, with_springs, group.bearing)
+    if found is None:
+        raise RuntimeError(f"{group.names_of_shoes_as_text}: it is not known which supports bear")
+    return found.problem
 
 
 def actuation_effects_with_spring_nodes(

@@ -23,7 +23,7 @@ from drumlin.fem.width.error import (
     coarse_solutions_with_and_without_shoe_width,
     relative_distance_of_plane_stress_from_width_solution,
 )
-from drumlin.fem.width.prepare import reason_why_width_model_does_not_apply
+from drumlin.fem.width.prepare import reason_why_effect_of_widths_is_not_estimated
 from drumlin.response.balance import (
     brake_with_forces_of_response,
     largest_imbalance_among_shoes,
@@ -122,7 +122,7 @@ def correct_response_for_shoe_widths(
 
 def require_that_width_model_applies_to_brake(brake: Brake) -> None:
     """Raise BadInput where the model of the width does not apply to a brake."""
-    reason = reason_why_width_model_does_not_apply(brake)
+    reason = reason_why_effect_of_widths_is_not_estimated(brake)
     if reason is not None:
         raise BadInput(f"--finite-width: does not apply to this brake: {reason}")
 

@@ -40,7 +40,7 @@ from drumlin.fem.preparation.scene import LockingFrictionsOfRigidShoes
 from drumlin.fem.width.pieces import pieces_with_a_cut_in_wide_webs
 from drumlin.fem.width.prepare import (
     prepare_model_with_widths_on_given_elements,
-    reason_why_width_model_does_not_apply,
+    reason_why_effect_of_widths_is_not_estimated,
     refinement_level_for_narrow_shoes,
 )
 from drumlin.response.norms import relative_distance_of_pressures
@@ -218,7 +218,7 @@ def estimate_error_of_plane_stress(
     penalty : factor alpha of the contact stiffness alpha E/t (lining modulus E, thickness t)
     cache : substructures of earlier solves
     """
-    reason = reason_why_width_model_does_not_apply(brake)
+    reason = reason_why_effect_of_widths_is_not_estimated(brake)
     if reason is not None:
         return EstimatedErrorOfPlaneStress({}, unknown=reason)
     try:

@@ -112,8 +112,18 @@ def reason_why_width_model_does_not_apply(brake: Brake) -> str | None:
         brake.reason_if_several_linings_are_not_allowed(model)
         or reason_if_any_part_is_orthotropic(brake, model)
         or reason_if_any_shoe_is_heated(brake, model)
-        or reason_if_friction_depends_on_pressure(brake, model)
         or plane_why_not(brake)
+    )
+
+
+def reason_why_effect_of_widths_is_not_estimated(brake: Brake) -> str | None:
+    """The reason why the effect of the widths on an answer of plane stress is not estimated.
+
+    It is None where the effect is estimated. How sure the estimate is was not judged on brakes
+    whose friction depends on the pressure, although their solid shoes can be solved.
+    """
+    return reason_why_width_model_does_not_apply(brake) or reason_if_friction_depends_on_pressure(
+        brake, "the correction for the widths"
     )
 
 
