@@ -257,7 +257,7 @@ def test_the_contact_of_a_floating_shoe_shrinks_to_the_start_of_its_lining(degre
     normal = float(limit.last_contact.p[nodes] @ group.contact_node_areas[nodes])
     primary = brake.shoes[0]
     foot = primary.abutment.point.y
-    arm_of_contact = brake.drum.radius * math.sin(start) - foot
+    arm_of_contact = brake.size * math.sin(start) - foot
     along_x = (primary.actuation.point.y - foot) / arm_of_contact
     assert normal == pytest.approx(along_x * math.cos(start), rel=2e-3)
 
