@@ -448,7 +448,7 @@ def _find_elements_in_named_groups(
     found = [np.zeros(0, dtype=np.int64)]
     for name in names:
         for cell, rows in content.cell_groups.get(name, {}).items():
-            if cell in plane.parent:
+            if cell in plane.parts:
                 found.append(plane.indices_of_new_cells_made_of_file_cells(cell, rows))
     return np.unique(np.concatenate(found))
 

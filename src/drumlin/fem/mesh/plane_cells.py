@@ -62,8 +62,8 @@ class PlaneCellsOfOneKind:
     cell : meshio's name of the kind
     cells : (m, k) nodes of each cell
     points : (n, 2) coordinates of the nodes: the nodes of the file first, then added nodes
-    parent : for each type of cells in the file, two arrays with an entry for each cell of this
-        type: the index of the first new cell made of the cell, and how many new cells were made
+    parts : for each type of cells in the file the indices of the new cells made of each cell of
+        this type: (number of cells of the type, 1), or (..., 2) for cells that were cut in two
     added : (n,) whether each node was added
     notes : lines that tell how the cells were changed
     """
@@ -71,7 +71,7 @@ class PlaneCellsOfOneKind:
     cell: str
     cells: Ints
     points: Floats
-    parent: Mapping[str, tuple[Ints, Ints]]
+    parts: Mapping[str, Ints]
     added: Bools
     notes: tuple[str, ...] = ()
 
@@ -85,9 +85,7 @@ class PlaneCellsOfOneKind:
 
         `cell` is the type of the file's cells, and `rows` are their numbers.
         """
-        first, count = self.parent[cell]
-        parts = [first[rows] + i for i in range(2)]
-        return np.sort(np.concatenate([part[count[rows] > i] for i, part in enumerate(parts)]))
+        return np.sort(self.parts[cell][rows].ravel())
 
 
 def convert_plane_cells_to_one_kind(
@@ -127,7 +125,7 @@ def convert_plane_cells_to_one_kind(
     notes: list[str] = []
     if set(kinds) & set(SECOND_ORDER_CELL_OF_THIRD_ORDER_CELL):
         kinds, points = _convert_third_order_cells_and_points_to_second_order(
-            kinds, points, on_drum
+            kinds, points, fault, on_drum
         )
         notes.append("its elements of third order are solved as elements of second order")
     flat = {name: _flat_corner_of_each_cell(cells, points, name) for name, cells in kinds.items()}
@@ -146,9 +144,9 @@ def convert_plane_cells_to_one_kind(
     cell = SECOND_ORDER_CELL_OF_THIRD_ORDER_CELL.get(source, source)
     if cell == "quad8":
         cell, cells, points = _add_centre_nodes_to_cells_and_points_of_quadrilaterals(cells, points)
-    whole = np.arange(len(cells)), np.ones(len(cells), dtype=np.int64)
+    parts = {source: np.arange(len(cells))[:, None]}
     added = np.arange(len(points)) >= own
-    return PlaneCellsOfOneKind(cell, cells, points, {source: whole}, added, tuple(notes))
+    return PlaneCellsOfOneKind(cell, cells, points, parts, added, tuple(notes))
 
 
 def _add_centre_nodes_to_cells_and_points_of_quadrilaterals(
@@ -158,44 +156,63 @@ def _add_centre_nodes_to_cells_and_points_of_quadrilaterals(
 
     Each cell (m, 8) gets a node in its centre, which is added to the points (n, 2).
     """
-    centres = points[cells[:, 4:8]].sum(axis=1) / 2 - points[cells[:, :4]].sum(axis=1) / 4
     numbers = len(points) + np.arange(len(cells))
+    centres = _centres_of_quadrilaterals(points, cells[:, :4], cells[:, 4:8])
     return "quad9", np.column_stack([cells, numbers]), np.vstack([points, centres])
 
 
+def _centres_of_quadrilaterals(points: Floats, corners: Ints, middles: Ints) -> Floats:
+    """The centres (m, 2) of quadrilaterals with given corners (m, 4) and middle nodes (m, 4)."""
+    return np.asarray(points[middles].sum(axis=1) / 2 - points[corners].sum(axis=1) / 4)
+
+
+def _number_of_each_edge(ends: Ints) -> tuple[Ints, Ints]:
+    """A number (m,) for each edge, and the position (n,) of the first edge with each number.
+
+    Edges between the same two nodes have the same number, from 0 on. `ends` (m, 2) are the nodes.
+    """
+    low, high = np.sort(ends, axis=1).T
+    key = low * (int(ends.max()) + 1) + high
+    _, first, number = np.unique(key, return_index=True, return_inverse=True)
+    return number, first
+
+
 def _convert_third_order_cells_and_points_to_second_order(
-    kinds: dict[str, Ints], points: Floats, on_drum: bool
+    kinds: dict[str, Ints], points: Floats, fault: str, on_drum: bool
 ) -> tuple[dict[str, Ints], Floats]:
     """The cells of a mesh file with second order in place of third order, and all points.
 
     `kinds` are the cells (m, k) by their type in the file. The result has the same keys, also for
     the converted cells. The points (n, 2) of the file are followed by new middle nodes of edges.
+    BadInput is raised for two cells with different nodes on their common edge; its message begins
+    with `fault`.
     """
-    middles: dict[tuple[int, int], int] = {}
-    new: list[Floats] = []
-    found: dict[str, Ints] = {}
-    for name, cells in kinds.items():
-        if name not in SECOND_ORDER_CELL_OF_THIRD_ORDER_CELL:
-            found[name] = cells
-            continue
+    # The nodes of each side stand in the order from end to end.
+    sides: dict[str, Ints] = {}
+    for name in set(kinds) & set(SECOND_ORDER_CELL_OF_THIRD_ORDER_CELL):
         corners = CORNERS_PER_PLANE_CELL[name]
-        rows = np.empty((len(cells), 2 * corners), dtype=np.int64)
-        rows[:, :corners] = cells[:, :corners]
-        for side in range(corners):
-            first, last = cells[:, side], cells[:, (side + 1) % corners]
-            inner = cells[:, corners + 2 * side : corners + 2 * side + 2]
-            # The two cells that share an edge also share the node added in the middle of the edge.
-            nodes = points[np.column_stack([first, inner, last])]
-            places = _middles_of_third_order_edges(nodes, on_drum)
-            for row, place in enumerate(places):
-                a, b = int(first[row]), int(last[row])
-                key = (min(a, b), max(a, b))
-                if key not in middles:
-                    middles[key] = len(points) + len(new)
-                    new.append(place)
-                rows[row, corners + side] = middles[key]
-        found[name] = rows
-    return found, np.vstack([points, *new])
+        ends = _ends_of_each_side(kinds[name], corners)
+        inner = kinds[name][:, corners : 3 * corners].reshape(ends.shape)
+        sides[name] = np.concatenate([ends[..., :1], inner, ends[..., 1:]], axis=-1)
+    # The two cells that share an edge also share the node added in the middle of the edge.
+    every = np.concatenate([side.reshape(-1, 4) for side in sides.values()])
+    number, first = _number_of_each_edge(every[:, [0, 3]])
+    inner = np.sort(every[:, 1:3], axis=1)
+    if not np.array_equal(inner, inner[first[number]]):
+        raise BadInput(f"{fault}: has cells that share an edge but not the nodes inside it")
+    found, done = dict(kinds), 0
+    for name, side in sides.items():
+        count = len(side) * side.shape[1]
+        middles = len(points) + number[done : done + count].reshape(len(side), -1)
+        found[name] = np.hstack([side[..., 0], middles])
+        done += count
+    return found, np.vstack([points, _middles_of_third_order_edges(points[every[first]], on_drum)])
+
+
+def _ends_of_each_side(cells: Ints, corners: int) -> Ints:
+    """The two corner nodes (m, corners, 2) at the ends of each side of m cells."""
+    first = cells[:, :corners]
+    return np.stack([first, np.roll(first, -1, axis=1)], axis=-1)
 
 
 def _middles_of_third_order_edges(nodes: Floats, on_drum: bool) -> Floats:
@@ -218,43 +235,6 @@ def _middles_of_third_order_edges(nodes: Floats, on_drum: bool) -> Floats:
     return middles
 
 
-@dataclass(frozen=True)
-class _NodesWithAddedMiddleNodes:
-    """The nodes of a mesh file, to which nodes in the middle of edges and cells are added.
-
-    Attributes
-    ----------
-    points : (n, 2) coordinates of the nodes before nodes are added
-    middles : number of the middle node of each edge that has one, by the edge's two corners, the
-        smaller number first
-    added : coordinates (2,) of each added node; the first added node has the index n, the next n +
-    1
-    """
-
-    points: Floats
-    middles: dict[tuple[int, int], int]
-    added: list[Floats]
-
-    def add_node_and_return_number(self, place: Floats) -> int:
-        """Add a node at a place (2,), and return its number."""
-        self.added.append(place)
-        return len(self.points) + len(self.added) - 1
-
-    def find_or_add_middle_node_of_edge(self, first: int, last: int) -> int:
-        """The number of the middle node between two corners, which is added if it is missing."""
-        key = (min(first, last), max(first, last))
-        if key not in self.middles:
-            self.middles[key] = self.add_node_and_return_number(
-                (self.points[first] + self.points[last]) / 2
-            )
-        return self.middles[key]
-
-    def coordinates_of_node(self, number: int) -> Floats:
-        """The coordinates (2,) of a node of the file or of an added node."""
-        count = len(self.points)
-        return self.points[number] if number < count else self.added[number - count]
-
-
 def _convert_cells_to_quadratic_triangles(
     kinds: dict[str, Ints], points: Floats, flat: Mapping[str, Ints], own: int
 ) -> PlaneCellsOfOneKind:
@@ -267,25 +247,21 @@ def _convert_cells_to_quadratic_triangles(
     flat : for each type the position (m,) of the corner of 180 degrees in each cell; -1 without one
     own : number of nodes in the file; nodes with a larger index were added
     """
-    nodes = _NodesWithAddedMiddleNodes(points, _middle_nodes_of_quadratic_cells(kinds), [])
-    # Each triangle of the file makes one triangle, and each quadrilateral makes two.
-    made: list[list[int]] = []
-    parent = {}
+    middles, points = _middle_nodes_of_each_side_and_all_points(kinds, points)
+    made, parts, count = [], {}, 0
     for source, cells in kinds.items():
-        corners = CORNERS_PER_PLANE_CELL[source]
-        first = np.empty(len(cells), dtype=np.int64)
-        for row, cell in enumerate(cells.tolist()):
-            first[row] = len(made)
-            made += _quadratic_triangles_of_cell(nodes, cell, corners, int(flat[source][row]))
-        parent[source] = (first, np.full(len(cells), 1 if corners == 3 else 2, dtype=np.int64))
-    every = np.vstack([points, *nodes.added]) if nodes.added else points
-    return PlaneCellsOfOneKind(
-        "triangle6",
-        np.array(made, dtype=np.int64),
-        every,
-        parent,
-        np.arange(len(every)) >= own,
-    )
+        # The triangles (m, 1 or 2, 6) are those made of each of the m cells.
+        if CORNERS_PER_PLANE_CELL[source] == 3:
+            triangles = np.hstack([cells[:, :3], middles[source]])[:, None]
+        else:
+            triangles, points = _triangles_of_quadrilaterals_and_all_points(
+                cells, middles[source], flat[source], points
+            )
+        made.append(triangles.reshape(-1, 6))
+        parts[source] = count + np.arange(len(made[-1])).reshape(triangles.shape[:2])
+        count += len(made[-1])
+    added = np.arange(len(points)) >= own
+    return PlaneCellsOfOneKind("triangle6", np.concatenate(made), points, parts, added)
 
 
 def _flat_corner_of_each_cell(cells: Ints, points: Floats, name: str) -> Ints:
@@ -315,80 +291,63 @@ def _flat_corner_of_each_cell(cells: Ints, points: Floats, name: str) -> Ints:
     return np.where(turn.min(axis=1) <= FLAT_CORNER, turn.argmin(axis=1), -1)
 
 
-def _middle_nodes_of_quadratic_cells(kinds: dict[str, Ints]) -> dict[tuple[int, int], int]:
-    """The middle node of each edge of the cells of second order, by the edge's two corners.
+def _middle_nodes_of_each_side_and_all_points(
+    kinds: Mapping[str, Ints], points: Floats
+) -> tuple[dict[str, Ints], Floats]:
+    """The middle nodes (m, corners) of the sides of all cells by type, and all points.
 
-    A linear cell beside a quadratic one takes the middle node of their common edge from here.
-    `kinds` are the cells (m, k) of each type.
+    A linear cell beside a quadratic one shares the middle node of their common side. A missing
+    middle node is added to the points (n, 2) of the file, half-way between the ends of its side.
     """
-    middles: dict[tuple[int, int], int] = {}
+    ends, own = [], []
     for name, cells in kinds.items():
         corners = CORNERS_PER_PLANE_CELL[name]
-        for side in range(corners if cells.shape[1] > corners else 0):
-            ends = np.sort(cells[:, [side, (side + 1) % corners]], axis=1)
-            middles |= zip(
-                map(tuple, ends.tolist()), cells[:, corners + side].tolist(), strict=True
-            )
-    return middles
+        ends.append(_ends_of_each_side(cells, corners).reshape(-1, 2))
+        is_linear = cells.shape[1] == corners
+        own.append(
+            np.full(cells.size, -1) if is_linear else cells[:, corners : 2 * corners].ravel()
+        )
+    every, given = np.concatenate(ends), np.concatenate(own)
+    number, first = _number_of_each_edge(every)
+    of_edge = np.full(len(first), -1)
+    of_edge[number[given >= 0]] = given[given >= 0]
+    missing = np.flatnonzero(of_edge < 0)
+    of_edge[missing] = len(points) + np.arange(len(missing))
+    middles = np.where(given >= 0, given, of_edge[number])
+    found, done = {}, 0
+    for (name, cells), sides in zip(kinds.items(), ends, strict=True):
+        found[name] = middles[done : done + len(sides)].reshape(len(cells), -1)
+        done += len(sides)
+    return found, np.vstack([points, points[every[first[missing]]].mean(axis=1)])
 
 
-def _quadratic_triangles_of_cell(
-    nodes: _NodesWithAddedMiddleNodes, cell: list[int], corners: int, flat: int
-) -> list[list[int]]:
-    """The nodes of the quadratic triangles, one or two, that replace a cell of a mesh file.
+def _triangles_of_quadrilaterals_and_all_points(
+    cells: Ints, middles: Ints, flat: Ints, points: Floats
+) -> tuple[Ints, Floats]:
+    """The two quadratic triangles (m, 2, 6) that replace each quadrilateral, and all points.
 
-    Parameters
-    ----------
-    nodes : nodes of the file, to which missing middle nodes are added
-    cell : nodes of the cell, its corners first
-    corners : number of its corners, 3 or 4
-    flat : position of its corner of 180 degrees; -1 without one
-    """
-    sides = cell[corners : 2 * corners] or [
-        nodes.find_or_add_middle_node_of_edge(cell[i], cell[(i + 1) % corners])
-        for i in range(corners)
-    ]
-    if corners == 3:
-        return [[*cell[:3], *sides]]
-    if flat >= 0:
-        # The cut from the flat corner is straight: a centre node may lie far off its middle.
-        a, b, c, d = cell[flat:4] + cell[:flat]
-        ab, bc, cd, da = sides[flat:] + sides[:flat]
-        middle = nodes.add_node_and_return_number((nodes.points[a] + nodes.points[c]) / 2)
-        return [[a, b, c, ab, bc, middle], [a, c, d, middle, cd, da]]
-    if len(cell) > 8:
-        centre = cell[8]
-    else:
-        centre = nodes.add_node_and_return_number(_centre_of_quadrilateral(nodes, cell, sides))
-    return _cut_quadrilateral_into_triangles(nodes.points, cell[:4], sides, centre)
-
-
-def _centre_of_quadrilateral(
-    nodes: _NodesWithAddedMiddleNodes, cell: list[int], sides: list[int]
-) -> Floats:
-    """The centre (2,) of a quadrilateral with straight or curved edges.
+    The cut begins at the corner of 180 degrees, or runs along the shorter diagonal. The middle node
+    of the cut is the centre node of the quadrilateral, or a node added to the points.
 
     Parameters
     ----------
-    nodes : nodes of the file, and added ones
-    cell : nodes of the quadrilateral, its four corners first
-    sides : middle nodes of its edges
+    cells : (m, k) nodes of the quadrilaterals, the corners first
+    middles : (m, 4) middle nodes of their sides
+    flat : (m,) position of the corner of 180 degrees; -1 without one
+    points : (n, 2) coordinates of the nodes
     """
-    middles = [nodes.coordinates_of_node(i) for i in sides]
-    return np.sum(middles, axis=0) / 2 - nodes.points[cell[:4]].sum(axis=0) / 4
-
-
-def _cut_quadrilateral_into_triangles(
-    points: Floats, corners: list[int], sides: list[int], centre: int
-) -> list[list[int]]:
-    """The nodes of the two quadratic triangles that a quadrilateral is cut into.
-
-    The cut runs along the shorter diagonal. `corners` and `sides` are the numbers of the corners
-    and of the middle nodes of the edges; `centre` is the number of the node in the middle of the
-    cut.
-    """
-    a, b, c, d = corners
-    ab, bc, cd, da = sides
-    if np.hypot(*(points[a] - points[c])) <= np.hypot(*(points[b] - points[d])):
-        return [[a, b, c, ab, bc, centre], [a, c, d, centre, cd, da]]
-    return [[a, b, d, ab, centre, da], [b, c, d, bc, cd, centre]]
+    # The corners a, b, c, d are turned so that the cut runs from a to c.
+    at = points[cells[:, :4]]
+    diagonals = np.hypot(*np.moveaxis(at[:, :2] - at[:, 2:], -1, 0))
+    begin = np.where(flat >= 0, flat, diagonals[:, 0] > diagonals[:, 1])
+    turned = (begin[:, None] + np.arange(4)) % 4
+    corners = np.take_along_axis(cells[:, :4], turned, axis=1)
+    sides = np.take_along_axis(middles, turned, axis=1)
+    # The cut from a flat corner is straight: a centre node may lie far off its middle.
+    places = _centres_of_quadrilaterals(points, corners, sides)
+    places[flat >= 0] = points[corners[flat >= 0]][:, [0, 2]].mean(axis=1)
+    has_own = (flat < 0) & (cells.shape[1] > 8)
+    centre = np.where(has_own, cells[:, -1], len(points) + np.cumsum(~has_own) - 1)
+    (a, b, c, d), (ab, bc, cd, da) = corners.T, sides.T
+    halves = [np.stack([a, b, c, ab, bc, centre]), np.stack([a, c, d, centre, cd, da])]
+    return np.array(halves).transpose(2, 0, 1), np.vstack([points, places[~has_own]])
