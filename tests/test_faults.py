@@ -15,8 +15,8 @@ from drumlin import solve
 from drumlin.base.errors import BadInput
 from drumlin.brake.plane_brake import read_drum_or_plane_brake
 from drumlin.cli import process
-from drumlin.fem.mesh import vtu
-from drumlin.fem.mesh.inp import read_mesh_from_inp_text
+from drumlin.mesh_files import vtu
+from drumlin.mesh_files.inp import read_mesh_from_inp_text
 from drumlin_studies.fuzzing import endings, soundness, trials
 from drumlin_studies.fuzzing.broken_meshes import (
     SUFFIXES_OF_BROKEN_MESH_FILES,

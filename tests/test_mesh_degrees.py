@@ -21,11 +21,9 @@ from drumlin.fem.error_control.estimate import (
 )
 from drumlin.fem.error_control.levels import REFINEMENT_LEVELS_FROM_COARSE_TO_FINE
 from drumlin.fem.mesh.arc import MESH_KINDS, parametric_mesh_of_shoe
-from drumlin.fem.mesh.content_of_file import MeshFileContent
 from drumlin.fem.mesh.degree import LagrangeElement, nodal_basis_of_mesh, nodal_basis_of_shoe_mesh
 from drumlin.fem.mesh.edges import nodes_along_element_edges
 from drumlin.fem.mesh.file import read_shoe_mesh_with_notes, write_shoe_mesh_to_file
-from drumlin.fem.mesh.plane_cells import CUBIC_EDGE_MIDDLE_WEIGHTS, convert_plane_cells_to_one_kind
 from drumlin.fem.mesh.smooth_outline import (
     node_displacements_onto_smooth_outline,
     singular_corners_of_mesh,
@@ -41,6 +39,11 @@ from drumlin.fem.preparation.cache import CacheOfCondensedBodies
 from drumlin.fem.preparation.meshes import DegreeAndSplittingOfMesh
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.solve import prepared_model_with_finest_elements, solve
+from drumlin.mesh_files.content_of_file import MeshFileContent
+from drumlin.mesh_files.plane_cells import (
+    CUBIC_EDGE_MIDDLE_WEIGHTS,
+    convert_plane_cells_to_one_kind,
+)
 from drumlin.peers import NAMES_OF_PEER_PROGRAMS
 from drumlin.report.comparison import draw_stress_fields
 from drumlin.response.resultants import gauss_lobatto_points

@@ -21,16 +21,16 @@ from drumlin import BadInput, vary
 from drumlin.cli.answer import print_brake_response
 from drumlin.fem.error_control import degrees
 from drumlin.fem.mesh.arc import parametric_mesh_of_shoe
-from drumlin.fem.mesh.content import digest_of_mesh_file
-from drumlin.fem.mesh.content_of_file import largest_rounding_errors_of_coordinates
 from drumlin.fem.mesh.file import (
     read_shoe_mesh_from_file,
     read_shoe_mesh_with_notes,
     write_shoe_mesh_to_file,
 )
 from drumlin.fem.mesh.from_file import count_changes_between_rise_and_fall
-from drumlin.fem.mesh.msh4 import read_mesh_in_gmsh_format_4
 from drumlin.fem.solve import solve
+from drumlin.mesh_files.content import digest_of_mesh_file
+from drumlin.mesh_files.content_of_file import largest_rounding_errors_of_coordinates
+from drumlin.mesh_files.msh4 import read_mesh_in_gmsh_format_4
 from picking import saying
 
 

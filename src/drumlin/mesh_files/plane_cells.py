@@ -8,13 +8,13 @@ the cut begins at the corner.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from drumlin.base.arrays import Bools, Floats, Ints
 from drumlin.base.errors import BadInput
-from drumlin.fem.mesh.content_of_file import MeshFileContent
+from drumlin.mesh_files.content_of_file import MeshFileContent
 
 CORNERS_PER_PLANE_CELL = {
     "triangle": 3,
@@ -105,20 +105,7 @@ def convert_plane_cells_to_one_kind(
     BadInput
         for cells that are not plane, or that have nodes which the file does not define
     """
-    kinds = {
-        name: cells
-        for name, cells in content.cells.items()
-        if name not in CELL_TYPES_BESIDES_PLANE_CELLS and len(cells)
-    }
-    strange = sorted(set(kinds) - set(CORNERS_PER_PLANE_CELL))
-    if strange or not kinds:
-        raise BadInput(
-            f"{fault}: has cells {strange or sorted(content.cells)}; allowed are triangles and "
-            f"quadrilaterals: {', '.join(CORNERS_PER_PLANE_CELL)}"
-        )
-    for cells in kinds.values():
-        if cells.min() < 0 or cells.max() >= len(points):
-            raise BadInput(f"{fault}: has cells with nodes that the file does not define")
+    kinds = _plane_cells_of_each_type(content, len(points), fault)
     # Cells of third order become cells of second order. If the mesh then has triangles and
     # quadrilaterals, all cells become triangles.
     own = len(points)
@@ -134,19 +121,91 @@ def convert_plane_cells_to_one_kind(
         counts = ", ".join(f"{len(cells)} {name}" for name, cells in kinds.items())
         word = "mixed cells" if len(kinds) > 1 else "cells"
         reason = f", {flat_cells} with a corner of 180 degrees" if flat_cells else ""
-        found = _convert_cells_to_quadratic_triangles(kinds, points, flat, own)
+        cell, (cells, parts, points) = "triangle6", _quadratic_triangles(kinds, points, flat)
         notes.append(
-            f"its {word} ({counts}{reason}) are solved as {len(found.cells)} quadratic triangles"
+            f"its {word} ({counts}{reason}) are solved as {len(cells)} quadratic triangles"
         )
-        return replace(found, notes=tuple(notes))
-    # All cells are of one type. Eight-node quadrilaterals get a node in their centre.
-    ((source, cells),) = kinds.items()
-    cell = SECOND_ORDER_CELL_OF_THIRD_ORDER_CELL.get(source, source)
-    if cell == "quad8":
-        cell, cells, points = _add_centre_nodes_to_cells_and_points_of_quadrilaterals(cells, points)
-    parts = {source: np.arange(len(cells))[:, None]}
+    else:
+        # All cells are of one type. Eight-node quadrilaterals get a node in their centre.
+        ((source, cells),) = kinds.items()
+        cell = SECOND_ORDER_CELL_OF_THIRD_ORDER_CELL.get(source, source)
+        if cell == "quad8":
+            cell, cells, points = _add_centre_nodes_to_cells_and_points_of_quadrilaterals(
+                cells, points
+            )
+        parts = {source: np.arange(len(cells))[:, None]}
+    _check_cells_share_nodes_consistently(cells, CORNERS_PER_PLANE_CELL[cell], fault)
     added = np.arange(len(points)) >= own
     return PlaneCellsOfOneKind(cell, cells, points, parts, added, tuple(notes))
+
+
+def _plane_cells_of_each_type(
+    content: MeshFileContent, number_of_nodes: int, fault: str
+) -> dict[str, Ints]:
+    """The plane cells (m, k) of a mesh file by their type.
+
+    BadInput is raised for cells that are not plane, and for cells with nodes that the file does not
+    define. Its message begins with `fault`.
+    """
+    kinds = {
+        name: cells
+        for name, cells in content.cells.items()
+        if name not in CELL_TYPES_BESIDES_PLANE_CELLS and len(cells)
+    }
+    strange = sorted(set(kinds) - set(CORNERS_PER_PLANE_CELL))
+    if strange or not kinds:
+        raise BadInput(
+            f"{fault}: has cells {strange or sorted(content.cells)}; allowed are triangles and "
+            f"quadrilaterals: {', '.join(CORNERS_PER_PLANE_CELL)}"
+        )
+    for cells in kinds.values():
+        if cells.min() < 0 or cells.max() >= number_of_nodes:
+            raise BadInput(f"{fault}: has cells with nodes that the file does not define")
+    return kinds
+
+
+def _check_cells_share_nodes_consistently(cells: Ints, corners: int, fault: str) -> None:
+    """Refuse cells of a mesh file whose lists of nodes contradict each other.
+
+    A cell may not have a node twice. No node may be a corner of one cell and a middle node of
+    another. Cells that share an edge must share its middle node, and cells that share a middle node
+    must share its edge.
+
+    Parameters
+    ----------
+    cells : (m, k) nodes of the cells in meshio's order
+    corners : number of corners of a cell
+    fault : beginning of each message
+
+    Raises
+    ------
+    BadInput
+        for the first fault that is found
+    """
+    # meshio's order of nodes is the corners, then the middle nodes of the edges, then the centre.
+    ends, middles, centres = np.split(cells, [corners, 2 * corners], axis=1)
+    edges = np.sort(np.stack([ends, np.roll(ends, -1, axis=1)], axis=-1).reshape(-1, 2), axis=1)
+    # The two nodes of an edge make one number, which is faster to compare than pairs.
+    one_more = int(cells.max()) + 1
+    edge = edges[:, 0].astype(np.int64) * one_more + edges[:, 1]
+    distinct = [len(np.unique(nodes)) for nodes in (ends, middles, centres)]
+    repeated = (np.diff(np.sort(cells, axis=1), axis=1) == 0).any()
+    of_two_kinds = sum(distinct) > len(np.unique(cells))
+    if repeated or of_two_kinds:
+        raise BadInput(
+            f"{fault}: has nodes that a cell has twice, "
+            "or that are a corner here and inside an edge there"
+        )
+    # Each edge has its own middle node if three counts are equal: edges, middle nodes, and pairs of
+    # an edge and its middle node.
+    bonds = {len(np.unique(edge))}
+    if middles.size:
+        bonds |= {distinct[1], len(np.unique(np.column_stack([edge, middles.ravel()]), axis=0))}
+    if len(bonds) > 1 or distinct[2] not in {0, len(cells)}:
+        raise BadInput(
+            f"{fault}: has cells that share an edge but not its middle node, "
+            "or a middle but not the edge"
+        )
 
 
 def _add_centre_nodes_to_cells_and_points_of_quadrilaterals(
@@ -235,17 +294,18 @@ def _middles_of_third_order_edges(nodes: Floats, on_drum: bool) -> Floats:
     return middles
 
 
-def _convert_cells_to_quadratic_triangles(
-    kinds: dict[str, Ints], points: Floats, flat: Mapping[str, Ints], own: int
-) -> PlaneCellsOfOneKind:
-    """All cells of a mesh file as quadratic triangles.
+def _quadratic_triangles(
+    kinds: dict[str, Ints], points: Floats, flat: Mapping[str, Ints]
+) -> tuple[Ints, dict[str, Ints], Floats]:
+    """All cells of a mesh file as quadratic triangles (m, 6), their parts by type, and all points.
+
+    The parts are those of `PlaneCellsOfOneKind`. Added nodes follow the nodes of the file.
 
     Parameters
     ----------
     kinds : cells (m, k) of each type, of first or second order
     points : (n, 2) coordinates of the nodes
     flat : for each type the position (m,) of the corner of 180 degrees in each cell; -1 without one
-    own : number of nodes in the file; nodes with a larger index were added
     """
     middles, points = _middle_nodes_of_each_side_and_all_points(kinds, points)
     made, parts, count = [], {}, 0
@@ -260,8 +320,7 @@ def _convert_cells_to_quadratic_triangles(
         made.append(triangles.reshape(-1, 6))
         parts[source] = count + np.arange(len(made[-1])).reshape(triangles.shape[:2])
         count += len(made[-1])
-    added = np.arange(len(points)) >= own
-    return PlaneCellsOfOneKind("triangle6", np.concatenate(made), points, parts, added)
+    return np.concatenate(made), parts, points
 
 
 def _flat_corner_of_each_cell(cells: Ints, points: Floats, name: str) -> Ints:

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import numpy as np
 
-from drumlin.fem.mesh.inp_keywords import refuse_or_note_ignored_section
-from drumlin.fem.mesh.inp_parts import (
+from drumlin.mesh_files.inp_keywords import refuse_or_note_ignored_section
+from drumlin.mesh_files.inp_parts import (
     IDENTITY_PLACEMENT,
     DeckInstance,
     DeckPart,
@@ -20,7 +20,7 @@ from drumlin.fem.mesh.inp_parts import (
     placement_of_instance_in_assembly,
     placement_of_nodes_after_system_section,
 )
-from drumlin.fem.mesh.inp_text import KeywordSectionOfDeck, split_input_file_into_sections
+from drumlin.mesh_files.inp_text import KeywordSectionOfDeck, split_input_file_into_sections
 
 MOST_MEMBERS_OF_ALL_DECK_SETS = 2_000_000
 """Largest number of members of all sets of an Abaqus deck together; a deck with more is refused.

@@ -12,10 +12,13 @@ from typing import NamedTuple, TypeVar
 import numpy as np
 
 from drumlin.base.arrays import Floats, Ints
-from drumlin.fem.mesh.abaqus import MESHIO_CELL_OF_ABAQUS_TYPE, NODES_PER_MESHIO_CELL
-from drumlin.fem.mesh.content_of_file import MeshFileContent, largest_rounding_errors_of_coordinates
-from drumlin.fem.mesh.inp_deck import AbaqusDeck
-from drumlin.fem.mesh.inp_parts import DeckInstance
+from drumlin.mesh_files.abaqus import MESHIO_CELL_OF_ABAQUS_TYPE, NODES_PER_MESHIO_CELL
+from drumlin.mesh_files.content_of_file import (
+    MeshFileContent,
+    largest_rounding_errors_of_coordinates,
+)
+from drumlin.mesh_files.inp_deck import AbaqusDeck
+from drumlin.mesh_files.inp_parts import DeckInstance
 
 IGNORED_ABAQUS_ELEMENT_PREFIXES = (
     *("SPRING", "DASHPOT", "MASS", "ROTARYI", "CONN", "GAP", "JOINT", "ITS", "DCOUP", "HEATCAP"),
