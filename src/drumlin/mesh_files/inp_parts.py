@@ -71,6 +71,10 @@ class DeckPart:
     surfaces: dict[str, tuple[str, list[list[str]]]] = field(default_factory=dict)
     refused: dict[str, str] = field(default_factory=dict)
 
+    def names_of_surfaces(self, *, of_nodes: bool) -> list[str]:
+        """The names of all surfaces of nodes, or of all other surfaces."""
+        return [name for name, (kind, _) in self.surfaces.items() if (kind == "NODE") == of_nodes]
+
     def add_labelled_node_to_part(
         self, label: int, xyz: Sequence[float], coordinates_as_written: list[float]
     ) -> None:

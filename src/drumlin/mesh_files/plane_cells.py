@@ -250,7 +250,7 @@ def _convert_third_order_cells_and_points_to_second_order(
     sides: dict[str, Ints] = {}
     for name in set(kinds) & set(SECOND_ORDER_CELL_OF_THIRD_ORDER_CELL):
         corners = CORNERS_PER_PLANE_CELL[name]
-        ends = _ends_of_each_side(kinds[name], corners)
+        ends = ends_of_each_side(kinds[name], corners)
         inner = kinds[name][:, corners : 3 * corners].reshape(ends.shape)
         sides[name] = np.concatenate([ends[..., :1], inner, ends[..., 1:]], axis=-1)
     # The two cells that share an edge also share the node added in the middle of the edge.
@@ -268,7 +268,7 @@ def _convert_third_order_cells_and_points_to_second_order(
     return found, np.vstack([points, _middles_of_third_order_edges(points[every[first]], on_drum)])
 
 
-def _ends_of_each_side(cells: Ints, corners: int) -> Ints:
+def ends_of_each_side(cells: Ints, corners: int) -> Ints:
     """The two corner nodes (m, corners, 2) at the ends of each side of m cells."""
     first = cells[:, :corners]
     return np.stack([first, np.roll(first, -1, axis=1)], axis=-1)
@@ -361,7 +361,7 @@ def _middle_nodes_of_each_side_and_all_points(
     ends, own = [], []
     for name, cells in kinds.items():
         corners = CORNERS_PER_PLANE_CELL[name]
-        ends.append(_ends_of_each_side(cells, corners).reshape(-1, 2))
+        ends.append(ends_of_each_side(cells, corners).reshape(-1, 2))
         is_linear = cells.shape[1] == corners
         own.append(
             np.full(cells.size, -1) if is_linear else cells[:, corners : 2 * corners].ravel()

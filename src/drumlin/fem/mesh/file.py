@@ -244,29 +244,22 @@ def _find_element_edges_in_named_groups(
     fault : beginning of each message
     """
     ends = [np.zeros((0, 2), dtype=np.int64)]
-    outer_ends = list(ends)
     for name in names:
         for cell, rows in content.cell_groups.get(name, {}).items():
             if cell.startswith("line"):
                 ends.append(content.cells[cell][rows, :2])
-        ends += [content.edge_groups[name]] if name in content.edge_groups else []
-        outer_ends += (
-            [content.outline_edge_groups[name]] if name in content.outline_edge_groups else []
-        )
+        if name in content.edge_groups:
+            ends.append(content.edge_groups[name])
     # A set of nodes is used only if the file has no edges of the same name.
     found = _numbers_of_element_edges_between_vertices(mesh, vertex[np.concatenate(ends)], fault)
-    outlined = _numbers_of_element_edges_between_vertices(
-        mesh, vertex[np.concatenate(outer_ends)], fault
-    )
-    outer = mesh.boundary_facets()
-    found = np.union1d(found, np.intersect1d(outlined, outer))
     nodes = [content.node_groups[name] for name in names if name in content.node_groups]
     if len(found) or not nodes:
         return found
     inside = np.zeros(len(vertex), dtype=bool)
     inside[np.concatenate(nodes)] = True
     return np.intersect1d(
-        _element_edges_with_all_nodes_in_set(plane, mesh, vertex, inside, fault), outer
+        _element_edges_with_all_nodes_in_set(plane, mesh, vertex, inside, fault),
+        mesh.boundary_facets(),
     )
 
 
