@@ -71,6 +71,7 @@ class ElementKindAndGradingOfGmshMesh(NamedTuple):
     recombined : whether triangles are recombined to quadrilaterals
     decimals : number of decimals to which coordinates in mm are rounded; None for all digits
     graded : whether elements at the ends of the contact line are smaller than others
+    fine_contact : whether all elements along the contact line are smaller than others
     """
 
     order: int
@@ -78,6 +79,7 @@ class ElementKindAndGradingOfGmshMesh(NamedTuple):
     recombined: bool
     decimals: int | None = None
     graded: bool = False
+    fine_contact: bool = False
 
 
 ELEMENT_KINDS_AND_GRADINGS_OF_JUDGED_MESHES = (
@@ -192,9 +194,7 @@ def write_gmsh_mesh_of_shoe(
         gmsh.option.setNumber("Mesh.MeshSizeMax", size)
         gmsh.option.setNumber("Mesh.RecombineAll", form.recombined)
         gmsh.option.setNumber("Mesh.SecondOrderLinear", form.straight)
-        _add_shoe_outline_to_gmsh_model(
-            gmsh.model, brake, size * END_ELEMENT_SIZE_OVER_INNER_SIZE if form.graded else None
-        )
+        _add_shoe_outline_to_gmsh_model(gmsh.model, brake, form, size)
         gmsh.model.mesh.generate(2)
         gmsh.model.mesh.setOrder(form.order)
         tags, xyz, _ = gmsh.model.mesh.getNodes()
@@ -206,11 +206,12 @@ def write_gmsh_mesh_of_shoe(
         gmsh.finalize()
 
 
-def _add_shoe_outline_to_gmsh_model(model: Any, brake: Brake, size_at_ends: float | None) -> None:
+def _add_shoe_outline_to_gmsh_model(
+    model: Any, brake: Brake, form: ElementKindAndGradingOfGmshMesh, size: float
+) -> None:
     """Draw lining and body of a shoe in Gmsh's `model`, with the groups that drumlin needs.
 
-    `size_at_ends` is the largest size [m] of elements at the two ends of a graded contact line;
-    None without grading.
+    `size` is the size of most elements [m]. The form of the mesh tells where they are smaller.
     """
     (shoe,) = brake.shoes
     lining, body = shoe.lining, shoe.body
@@ -223,9 +224,11 @@ def _add_shoe_outline_to_gmsh_model(model: Any, brake: Brake, size_at_ends: floa
         """The tag of the point at a depth [m] behind the friction surface and an angle [rad]."""
         r = brake.size - shoe.sign_internal_plus_external_minus * depth
         if (depth, angle) not in points:
-            is_end_of_contact = depth == 0 and angle in (lining.start, lining.end)
-            size = size_at_ends if is_end_of_contact and size_at_ends else 0
-            points[depth, angle] = geo.addPoint(r * math.cos(angle), r * math.sin(angle), 0, size)
+            # A size of 0 leaves the size to Gmsh.
+            is_end = depth == 0 and angle in (lining.start, lining.end)
+            is_fine = is_end and (form.graded or form.fine_contact)
+            own = END_ELEMENT_SIZE_OVER_INNER_SIZE * size if is_fine else 0
+            points[depth, angle] = geo.addPoint(r * math.cos(angle), r * math.sin(angle), 0, own)
         return points[depth, angle]
 
     def add_arc_between_angles(depth: float, first: float, last: float) -> int:
@@ -251,7 +254,7 @@ def _add_shoe_outline_to_gmsh_model(model: Any, brake: Brake, size_at_ends: floa
     # A graded contact line has a point in its middle. Gmsh would otherwise give the size of the
     # elements at the two ends to the whole line.
     angles = [lining.start, lining.end]
-    if size_at_ends is not None:
+    if form.graded:
         angles.insert(1, (lining.start + lining.end) / 2)
     contact = [add_arc_between_angles(0.0, first, last) for first, last in pairwise(angles)]
     face = add_arc_between_angles(behind, lining.start, lining.end)
