@@ -14,10 +14,11 @@ the same shoe without the file, in hp elements to a tolerance of 1e-4. The diffe
 two responses is the true error. The command prints a line for each mesh and the ratios of stated to
 true errors.
 
-On the seeds 551000 to 551149 one stated error of 421 is too small, 0.59 of the true error of a
-peak. The medians of stated over true errors are 5.1 for p, 4.5 for its peak, 1.8 for the torque and
-1.6 for the reaction. On the seeds 550000 to 550199, with the code before straight sides were judged
-by a load, one of 530 was too small, 0.69 of the true error of a reaction.
+On the seeds 553000 to 553399 three stated errors of 1137 are too small: 0.52 of the true error of a
+peak, 0.80 and 0.94 of the true errors of two reactions. The medians of stated over true errors are
+4.8 for p, 4.5 for its peak, 2.0 for the torque and 1.6 for the reaction. No torque is more than
+0.5 % off. On the same seeds and 400 more, with small elements along the whole contact line in place
+of its ends, six errors of 2185 were too small.
 """
 
 import json
