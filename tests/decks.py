@@ -76,7 +76,22 @@ def sets_of_the_assembly(text):
     return in_part(mesh, "").replace("*END ASSEMBLY", sets + surface + "*END ASSEMBLY")
 
 
+def contact_as_faces(text):
+    """The deck with the contact as a surface of elements with faces, S1 to S4."""
+    on = re.search(r"\*NSET, NSET=CONTACT\n(.*?)(?=\*|$)", text, re.DOTALL)
+    nodes = {word.strip() for word in on[1].replace("\n", ",").split(",")}
+    kind, rows = re.search(r"\*ELEMENT, TYPE=(\w+)\n(.*?)(?=\*)", text, re.DOTALL).groups()
+    count, faces = 3 if kind in ("CPS3", "CPS6") else 4, ""
+    for row in rows.strip().split("\n"):
+        label, *corners = [word.strip() for word in row.split(",")][: count + 1]
+        for side in range(count):
+            if {corners[side], corners[(side + 1) % count]} <= nodes:
+                faces += f"{label}, S{side + 1}\n"
+    return text.replace(on[0], f"*SURFACE, NAME=CONTACT, TYPE=ELEMENT\n{faces}")
+
+
 SAME = {
+    "a surface of faces": contact_as_faces,
     "an instance moves the part": lambda t: in_part(moved_nodes(t, back), "0.0004, 0., 0.\n"),
     "an instance turns the part": turned,
     "a *SYSTEM moves the nodes": lambda t: "*SYSTEM\n0.0004, 0., 0.\n" + moved_nodes(t, back),

@@ -1,5 +1,5 @@
-"""Module-level numbers of fem, contact and response that were not found by trying: the reason of
-each.
+"""Module-level numbers of fem, contact, response and mesh_files that were not found by trying: the
+reason of each.
 
 There are five kinds of reasons. A definition follows from a formula or a name. A format comes from
 a file or a library. A limit bounds memory, time or repetitions; beyond the limit drumlin prints a
@@ -208,7 +208,7 @@ NOT_TUNED: dict[str, dict[str, str]] = {
         "MOST_NEWTON_STEPS_TO_RAY_CROSSING": PASSES,
         "RAY_CROSSING_STEP_TOLERANCE": ROUND_OFF,
     },
-    "fem/mesh/abaqus.py": {
+    "mesh_files/abaqus.py": {
         "NODES_PER_MESHIO_CELL": FORMAT,
         "LABELS_PER_LINE_OF_SET": FORMAT,
     },
@@ -227,7 +227,7 @@ NOT_TUNED: dict[str, dict[str, str]] = {
         ),
         SAID,
     ),
-    "fem/mesh/content.py": {"LARGEST_MESH_FILE_SIZE": MEMORY, "LARGEST_INCLUDE_DEPTH": PASSES},
+    "mesh_files/content.py": {"LARGEST_MESH_FILE_SIZE": MEMORY, "LARGEST_INCLUDE_DEPTH": PASSES},
     "fem/mesh/contact_surface.py": dict.fromkeys(
         (
             "LINING_SHAPE_OFFSET_IN_STANDARD_ERRORS",
@@ -239,7 +239,7 @@ NOT_TUNED: dict[str, dict[str, str]] = {
         ),
         JUDGED_MOVE,
     ),
-    "fem/mesh/content_of_file.py": {
+    "mesh_files/content_of_file.py": {
         "FEWEST_DIGITS_OF_EXACT_COORDINATE": FORMAT,
         "ROUND_DECIMAL_COORDINATE_TOLERANCE": ROUND_OFF,
     },
@@ -253,11 +253,11 @@ NOT_TUNED: dict[str, dict[str, str]] = {
         ),
         SAID,
     ),
-    "fem/mesh/inp_deck.py": {"MOST_MEMBERS_OF_ALL_DECK_SETS": MEMORY},
-    "fem/mesh/inp_parts.py": {"IDENTITY_PLACEMENT": DEFINITION},
-    "fem/mesh/msh4.py": {"CELL_NAME_AND_NODE_COUNT_OF_GMSH_TYPE": FORMAT},
-    "fem/mesh/of_meshio.py": {"MOST_GROUP_NUMBERS_IN_ARRAY": MEMORY},
-    "fem/mesh/plane_cells.py": {
+    "mesh_files/inp_deck.py": {"MOST_MEMBERS_OF_ALL_DECK_SETS": MEMORY},
+    "mesh_files/inp_parts.py": {"IDENTITY_PLACEMENT": DEFINITION},
+    "mesh_files/msh4.py": {"CELL_NAME_AND_NODE_COUNT_OF_GMSH_TYPE": FORMAT},
+    "mesh_files/of_meshio.py": {"MOST_GROUP_NUMBERS_IN_ARRAY": MEMORY},
+    "mesh_files/plane_cells.py": {
         "CIRCULAR_EDGE_RADIUS_TOLERANCE": "judgement; edges along circles and all others are "
         "far from it",
         "CORNERS_PER_PLANE_CELL": FORMAT,
@@ -309,11 +309,11 @@ NOT_TUNED: dict[str, dict[str, str]] = {
         "triangles",
         "EQUAL_MESH_LENGTH_TOLERANCE": ROUND_OFF,
     },
-    "fem/mesh/file.py": {
+    "fem/mesh/file.py": {"METRES_PER_MESH_FILE_UNIT": FORMAT},
+    "mesh_files/reading.py": {
         "LONGEST_REPEATED_MESHIO_MESSAGE": "length of a message",
         "MOST_NODES_IN_MESH_FILE": MEMORY,
         "LARGEST_NODE_NUMBER_IN_FILE": MEMORY,
-        "METRES_PER_MESH_FILE_UNIT": FORMAT,
     },
     "fem/mesh/arc.py": {"EDGE_ON_ARC_FACE_TOLERANCE": ROUND_OFF, "MESH_KINDS": DEFINITION},
     "fem/mesh/beam.py": {"EDGE_ON_BEAM_SHOE_FACE_TOLERANCE": ROUND_OFF},
@@ -323,7 +323,7 @@ NOT_TUNED: dict[str, dict[str, str]] = {
         "MOST_QUADRATIC_LAYERS_BEHIND_LINING": MEMORY,
         "MOST_LINEAR_LAYERS_BEHIND_LINING": MEMORY,
     },
-    "fem/mesh/vtu.py": {
+    "mesh_files/vtu.py": {
         "LARGEST_UNPACKED_VTU_SIZE": MEMORY,
         "MOST_VTU_ARRAYS": MEMORY,
         "_BYTES_OF_VTU_HEADER_INTEGER": FORMAT,

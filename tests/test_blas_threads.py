@@ -2,14 +2,19 @@
 
 import json
 import os
+import pickle
 import subprocess
 import sys
+import time
+from concurrent.futures import ThreadPoolExecutor
+from threading import Barrier
 
 import pytest
 import threadpoolctl
 
 import drumlin
 from drumlin.base import threads
+from drumlin.sweeps.workers import call_pickled_function
 
 DOORS_THAT_SOLVE = (
     "check",
@@ -51,6 +56,39 @@ for solving, call in {
 }.items():
     call()
 print(json.dumps({"before": before, "seen": seen, "after": numbers()}))
+"""
+
+
+FORKS_WHILE_ANOTHER_THREAD_HOLDS_THE_LOCK = """
+import os, signal, threading, time
+from types import SimpleNamespace
+from drumlin.base import threads
+
+holds = threading.Event()
+
+class Slow:
+    def limit(self, **given):
+        holds.set()
+        time.sleep(0.3)
+        return SimpleNamespace(restore_original_limits=lambda: None)
+
+threads._controller_of_loaded_blas = Slow
+
+def block():
+    with threads.one_blas_thread_unless_user_set_number():
+        pass
+
+other = threading.Thread(target=block)
+other.start()
+holds.wait()
+child = os.fork()
+if child == 0:
+    signal.alarm(3)
+    block()
+    os._exit(0)
+other.join()
+block()
+print(os.waitpid(child, 0)[1])
 """
 
 
@@ -129,6 +167,57 @@ def test_overlapping_blocks_of_several_threads_restore_the_number(monkeypatch):
         assert blas_numbers() == {1}
         second.__exit__(None, None, None)
         assert blas_numbers() == {2}
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="processes are not forked here")
+def test_a_process_forked_while_another_thread_holds_the_lock_does_not_hang():
+    """The signal SIGALRM ends a process that waits for the lock, and the status is then 14."""
+    mine = {k: v for k, v in os.environ.items() if k not in threads.THREAD_NUMBER_VARIABLES_OF_BLAS}
+    done = subprocess.run(
+        [sys.executable, "-W", "ignore", "-c", FORKS_WHILE_ANOTHER_THREAD_HOLDS_THE_LOCK],
+        env=mine,
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert done.stdout.split() == ["0"]
+
+
+BOTH_WORK = Barrier(2)
+
+
+def blas_numbers_while_both_threads_work(waits_before_its_end):
+    """The numbers of threads while two blocks run; the block that waits ends last."""
+    BOTH_WORK.wait(10)
+    found = blas_numbers()
+    BOTH_WORK.wait(10)
+    time.sleep(0.05 * waits_before_its_end)
+    return found
+
+
+@pytest.mark.parametrize("last", [0, 1])
+def test_threads_of_a_dask_worker_have_one_blas_thread_each(monkeypatch, last):
+    """A Dask worker calls its function in several threads of one process at the same time.
+
+    The thread that began first may end first. The numbers of threads then return as well.
+    """
+    for name in threads.THREAD_NUMBER_VARIABLES_OF_BLAS:
+        monkeypatch.delenv(name, raising=False)
+    works = [
+        pickle.dumps((blas_numbers_while_both_threads_work, (index == last,), {}))
+        for index in range(2)
+    ]
+    # A thread that ends leaves its limit, and no claim to be the only one that may set numbers.
+    with ThreadPoolExecutor(1) as pool:
+        before = pool.submit(threadpoolctl.threadpool_limits, 2, "blas").result()
+    try:
+        with ThreadPoolExecutor(2) as pool:
+            found = list(pool.map(call_pickled_function, works))
+            assert found == [{1}, {1}]
+            assert blas_numbers() == {2}
+    finally:
+        with ThreadPoolExecutor(1) as pool:
+            pool.submit(before.restore_original_limits).result()
 
 
 def test_new_processes_get_one_thread_unless_the_user_has_set_a_number(monkeypatch):

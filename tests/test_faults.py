@@ -15,8 +15,8 @@ from drumlin import solve
 from drumlin.base.errors import BadInput
 from drumlin.brake.plane_brake import read_drum_or_plane_brake
 from drumlin.cli import process
-from drumlin.fem.mesh import vtu
-from drumlin.fem.mesh.inp import read_mesh_from_inp_text
+from drumlin.mesh_files import vtu
+from drumlin.mesh_files.inp import read_mesh_from_inp_text
 from drumlin_studies.fuzzing import endings, soundness, trials
 from drumlin_studies.fuzzing.broken_meshes import (
     SUFFIXES_OF_BROKEN_MESH_FILES,
@@ -300,6 +300,29 @@ def test_a_small_vtu_that_unpacks_to_much_is_refused_before(monkeypatch):
     )
     with pytest.raises(ValueError, match="entities"):
         vtu.check_decompressed_vtu_size_fits_memory(b'<!DOCTYPE x [<!ENTITY a "b">]>' + data)
+
+
+@pytest.mark.parametrize("is_base64", [True, False])
+def test_arrays_that_vtk_appends_are_unpacked_to_their_size(tmp_path, monkeypatch, is_base64):
+    xml = pytest.importorskip("vtkmodules.vtkIOXML")
+    source, path = tmp_path / "inline.vtu", tmp_path / "appended.vtu"
+    source.write_bytes(valid_mesh_files_by_suffix()[".vtu"])
+    reader, writer = xml.vtkXMLUnstructuredGridReader(), xml.vtkXMLUnstructuredGridWriter()
+    reader.SetFileName(str(source))
+    reader.Update()
+    grid = reader.GetOutput()
+    writer.SetFileName(str(path))
+    writer.SetInputData(grid)
+    writer.SetDataModeToAppended()
+    writer.SetEncodeAppendedData(is_base64)
+    writer.SetCompressorTypeToZLib()
+    writer.Write()
+    # The points alone have three doubles each.
+    monkeypatch.setattr(vtu, "LARGEST_UNPACKED_VTU_SIZE", 24 * grid.GetNumberOfPoints())
+    with pytest.raises(ValueError, match="unpacks to more than"):
+        vtu.check_decompressed_vtu_size_fits_memory(path.read_bytes())
+    monkeypatch.setattr(vtu, "LARGEST_UNPACKED_VTU_SIZE", 200 * grid.GetNumberOfPoints())
+    vtu.check_decompressed_vtu_size_fits_memory(path.read_bytes())
 
 
 @pytest.mark.parametrize(

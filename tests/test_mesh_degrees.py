@@ -9,7 +9,7 @@ import skfem
 
 from conftest import partly
 from drumlin import hold, sensitivity, vary
-from drumlin.base.errors import NoAnswer
+from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.base.texts import error_text_in_percent
 from drumlin.fem.analysis.fields import stress_and_displacement_fields_of_shoe
 from drumlin.fem.error_control import degrees
@@ -21,11 +21,9 @@ from drumlin.fem.error_control.estimate import (
 )
 from drumlin.fem.error_control.levels import REFINEMENT_LEVELS_FROM_COARSE_TO_FINE
 from drumlin.fem.mesh.arc import MESH_KINDS, parametric_mesh_of_shoe
-from drumlin.fem.mesh.content_of_file import MeshFileContent
 from drumlin.fem.mesh.degree import LagrangeElement, nodal_basis_of_mesh, nodal_basis_of_shoe_mesh
 from drumlin.fem.mesh.edges import nodes_along_element_edges
 from drumlin.fem.mesh.file import read_shoe_mesh_with_notes, write_shoe_mesh_to_file
-from drumlin.fem.mesh.plane_cells import convert_plane_cells_to_one_kind
 from drumlin.fem.mesh.smooth_outline import (
     node_displacements_onto_smooth_outline,
     singular_corners_of_mesh,
@@ -41,6 +39,11 @@ from drumlin.fem.preparation.cache import CacheOfCondensedBodies
 from drumlin.fem.preparation.meshes import DegreeAndSplittingOfMesh
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.solve import prepared_model_with_finest_elements, solve
+from drumlin.mesh_files.content_of_file import MeshFileContent
+from drumlin.mesh_files.plane_cells import (
+    CUBIC_EDGE_MIDDLE_WEIGHTS,
+    convert_plane_cells_to_one_kind,
+)
 from drumlin.peers import NAMES_OF_PEER_PROGRAMS
 from drumlin.report.comparison import draw_stress_fields
 from drumlin.response.resultants import gauss_lobatto_points
@@ -399,6 +402,7 @@ CLOSE = {
     520033: 70.0,
     520041: 70.0,
     530003: 100.0,
+    553177: 100.0,
 }
 """Seeds of meshes whose stated errors are little above the true ones, and their finest size.
 
@@ -700,6 +704,22 @@ def test_a_quadrilateral_with_a_corner_of_180_degrees_is_cut_from_there(sense):
         MeshFileContent(dented, {"quad9": cell}), dented, "file", on_drum=True
     )
     assert kept.cell == "quad9"
+
+
+def test_third_order_cells_with_different_nodes_on_their_common_edge_are_refused():
+    points = np.random.default_rng(0).random((30, 2))
+    sides = [4, 5, 6, 7, 8, 9]
+    first, second = [0, 1, 2, *sides, 10], [1, 3, 2, 11, 12, 13, 14, 7, 6, 15]
+    cells = np.array([first, second])
+    content = MeshFileContent(points, {"triangle10": cells})
+    found = convert_plane_cells_to_one_kind(content, points, "file", on_drum=False)
+    assert found.cells[0, 4] == found.cells[1, 5]
+    assert found.points[found.cells[0, 4]] == pytest.approx(
+        CUBIC_EDGE_MIDDLE_WEIGHTS @ points[[1, 6, 7, 2]]
+    )
+    cells[1, 7] = 20
+    with pytest.raises(BadInput, match="file: has cells that share an edge but not the nodes"):
+        convert_plane_cells_to_one_kind(content, points, "file", on_drum=False)
 
 
 def renumbered(cells):

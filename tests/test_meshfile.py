@@ -15,9 +15,9 @@ from drumlin.base.errors import BadInput, DrumlinError
 from drumlin.brake.file import read_brake, vary
 from drumlin.fem.mesh.arc import MESH_KINDS, parametric_mesh_of_shoe
 from drumlin.fem.mesh.file import read_shoe_mesh_from_file, write_shoe_mesh_to_file
-from drumlin.fem.mesh.inp import read_mesh_from_inp_text
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.solve import require_element_options_have_effect, solve
+from drumlin.mesh_files.inp import read_mesh_from_inp_text
 from drumlin.models import model_with_name_that_applies_to_brake
 from drumlin.response.norms import relative_distance_of_pressures
 from shared_parts import solve_on_elements_of_files

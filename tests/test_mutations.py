@@ -21,7 +21,7 @@ from mutations import (
 )
 from not_tuned import NOT_TUNED
 
-PARTS = ("fem", "contact", "response")
+PARTS = ("fem", "contact", "response", "mesh_files")
 MODULES = [
     path.relative_to(PACKAGE).as_posix()
     for part in PARTS

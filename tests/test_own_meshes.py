@@ -21,16 +21,17 @@ from drumlin import BadInput, vary
 from drumlin.cli.answer import print_brake_response
 from drumlin.fem.error_control import degrees
 from drumlin.fem.mesh.arc import parametric_mesh_of_shoe
-from drumlin.fem.mesh.content import digest_of_mesh_file
-from drumlin.fem.mesh.content_of_file import largest_rounding_errors_of_coordinates
 from drumlin.fem.mesh.file import (
     read_shoe_mesh_from_file,
     read_shoe_mesh_with_notes,
     write_shoe_mesh_to_file,
 )
 from drumlin.fem.mesh.from_file import count_changes_between_rise_and_fall
-from drumlin.fem.mesh.msh4 import read_mesh_in_gmsh_format_4
 from drumlin.fem.solve import solve
+from drumlin.mesh_files.content import digest_of_mesh_file
+from drumlin.mesh_files.content_of_file import largest_rounding_errors_of_coordinates
+from drumlin.mesh_files.inp import read_mesh_from_inp_text
+from drumlin.mesh_files.msh4 import read_mesh_in_gmsh_format_4
 from picking import saying
 
 
@@ -89,6 +90,35 @@ def test_what_would_change_the_mesh_and_is_not_read_is_refused_by_name(
     with pytest.raises(BadInput, match=REFUSED[added]) as refusal:
         read_shoe_mesh_from_file(path, shoe, brake.drum.radius)
     assert "\n" not in str(refusal.value)
+
+
+def test_surfaces_of_elements_name_edges(tmp_path, brake, shoe):
+    """Without a face an element stands for its edges on the outline, and a line for itself."""
+    text = deck_of(tmp_path, shoe, brake.drum.radius)
+    text += "*ELEMENT, TYPE=T2D2, ELSET=LINES\n9999, 1, 2\n"
+    text += "*ELEMENT, TYPE=SPRINGA, ELSET=LINES\n10000, 1, 2\n"
+    for name, lines in {
+        "OUTSIDE": "LINING,\nSHOE,\n",
+        "LINES": "LINES,\n",
+        "FACE": "1, S2\n",
+        "BEYOND": "1, S5\n",
+        "UNKNOWN": "77777, S1\n",
+        "CUT": "1, SPOS\n",
+    }.items():
+        text += f"*SURFACE, NAME={name}\n{lines}"
+    found = read_mesh_from_inp_text(text + "*SURFACE, NAME=OTHER, TYPE=CYLINDER\n0., 0.\n")
+    mesh = read_shoe_mesh_from_file(tmp_path / "plain.inp", shoe, brake.drum.radius)
+    assert len(found.edge_groups["outside"]) == len(mesh.boundary_facets())
+    assert found.edge_groups["lines"].tolist() == [[0, 1]]
+    assert found.edge_groups["face"].tolist() == [found.cells["quad"][0, 1:3].tolist()]
+    assert found.broken["beyond"] == (
+        "the surface BEYOND: S5 is no edge of a plane element; must be S1 to S4"
+    )
+    assert found.broken["unknown"] == (
+        "the surface UNKNOWN names the element 77777, which the file does not define"
+    )
+    assert "SPOS is no edge" in found.broken["cut"]
+    assert found.broken["other"] == "the surface OTHER: TYPE=CYLINDER is not read"
 
 
 def test_included_files_are_read_and_belong_to_the_content(tmp_path, brake, shoe):

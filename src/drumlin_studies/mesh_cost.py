@@ -96,7 +96,7 @@ def write_mesh_and_return_brakes_of_main_example(
     shoes = example("double_shoe").shoes
     brake = vary(example("double_shoe"), {"shoe": [shoes[0].model_dump()]})
     form = ElementKindAndGradingOfGmshMesh(
-        order, straight=order == 1, recombined=False, graded=graded
+        order, straight=order == 1, recombined=False, fine_contact=graded
     )
     write_gmsh_mesh_of_shoe(brake, form, size, path)
     return brake, vary(brake, {"shoe.mesh": str(path), "shoe.mesh_unit": "mm"})

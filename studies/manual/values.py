@@ -17,6 +17,7 @@ import drumlin
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.fields import NUMBER_OF_ROWS_OF_TABULATED_CLEARANCE
 from drumlin.brake.friction import PRESSURES_OF_TABULATED_FRICTION
+from drumlin.contact.equations import MAX_NODES_OF_CONTACT_PROBLEM
 from drumlin.fem.analysis.prepared import DEGREE_ACROSS_WIDTH_FOR_ANALYSES
 from drumlin.fem.error_control.adapt import DEFAULT_TOLERANCES_OF_PRESSURE_AND_TORQUE
 from drumlin.fem.error_control.degrees import (
@@ -89,6 +90,7 @@ def quoted_values() -> dict[str, str]:
             - REFINEMENT_LEVELS_ON_MESH_FILES.degrees_below_level
         ),
         "fine_mesh": str(FEWEST_VERTICES_OF_FINE_MESH_FILE),
+        "most_contact_nodes": f"{MAX_NODES_OF_CONTACT_PROBLEM:,}".replace(",", " "),
         "most_raised_nodes": f"{MOST_NODES_AT_RAISED_DEGREE:,}".replace(",", " "),
         "solid_poisson": f"{LARGEST_POISSON_RATIO_OF_WIDTH_MODEL:g}",
         "solid_tolerance": f"{100 * DEFAULT_ERROR_TOLERANCE_OF_SOLID_MODEL:g} %",

@@ -6,11 +6,12 @@ nodes takes 4.3 s of processor time with two threads, and 0.3 s with one thread.
 """
 
 import os
+import sys
 import threading
 from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import contextmanager
 from functools import cache
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from threadpoolctl import ThreadpoolController
@@ -80,7 +81,7 @@ class _RunningBlocksWithOneBlasThread:
         """No block runs yet."""
         self._lock = threading.Lock()
         self._count = 0
-        self._limit = ExitStack()
+        self._limit: Any = None
 
     def begin_block(self) -> None:
         """Count one more block; the first one limits the BLAS to one thread."""
@@ -88,7 +89,7 @@ class _RunningBlocksWithOneBlasThread:
         controller = _controller_of_loaded_blas()
         with self._lock:
             if self._count == 0:
-                self._limit.enter_context(controller.limit(limits=1, user_api="blas"))
+                self._limit = controller.limit(limits=1, user_api="blas")
             self._count += 1
 
     def end_block(self) -> None:
@@ -96,11 +97,30 @@ class _RunningBlocksWithOneBlasThread:
         with self._lock:
             self._count -= 1
             if self._count == 0:
-                self._limit.close()
+                # The first and the last block may belong to different threads of Python.
+                _let_every_python_thread_set_number_of_blas_threads()
+                self._limit.restore_original_limits()
+                _let_every_python_thread_set_number_of_blas_threads()
+
+    def keep_lock_usable_in_forked_processes(self) -> None:
+        """Let each later fork of this process wait until no thread counts a block.
+
+        A fork copies the lock and only the thread that forks. If another thread held the lock at
+        this moment, nobody would release the copy. Forks that wait copy a lock that is free, and a
+        count that fits the limit. Blocks of other threads do not end in the new process, so that it
+        keeps one thread if another thread's block runs during the fork.
+        """
+        if sys.platform != "win32":
+            os.register_at_fork(
+                before=self._lock.acquire,
+                after_in_parent=self._lock.release,
+                after_in_child=self._lock.release,
+            )
 
 
 _RUNNING_BLOCKS = _RunningBlocksWithOneBlasThread()
 """The blocks of this process that now run with one BLAS thread."""
+_RUNNING_BLOCKS.keep_lock_usable_in_forked_processes()
 
 
 @cache
@@ -113,3 +133,14 @@ def _controller_of_loaded_blas() -> "ThreadpoolController":
     from threadpoolctl import ThreadpoolController  # noqa: PLC0415
 
     return ThreadpoolController()
+
+
+def _let_every_python_thread_set_number_of_blas_threads() -> None:
+    """Let every thread of Python set the number of threads of OpenBLAS.
+
+    From version 3.8 on threadpoolctl ignores all threads but the first one that sets the number.
+    """
+    from threadpoolctl import OpenBLASController  # noqa: PLC0415
+
+    if hasattr(OpenBLASController, "clear_controlling_thread"):
+        OpenBLASController.clear_controlling_thread(force=True)

@@ -20,12 +20,12 @@ from drumlin.base.errors import BadInput
 from drumlin.brake.brake import Brake
 from drumlin.brake.fields import Material, OrthotropicMaterial
 from drumlin.fem.equilibrium.state import unloaded_lining_gaps_at_points
-from drumlin.fem.mesh.abaqus import ABAQUS_TYPE_OF_MESHIO_CELL
 from drumlin.fem.mesh.arc import mesh_kind_of_scikit_fem_mesh
 from drumlin.fem.mesh.edges import nodes_along_element_edges
 from drumlin.fem.preparation.meshes import materials_and_widths_of_shoe_parts
 from drumlin.fem.substructure.elasticity import elastic_layers_of_shoe
 from drumlin.fem.substructure.interface import nodal_forces_of_unit_end_loads_and_end_centre
+from drumlin.mesh_files.abaqus import ABAQUS_TYPE_OF_MESHIO_CELL
 from drumlin.peers.peer import MeshedShoeUnderActuation
 
 MM_PER_METRE = 1e3

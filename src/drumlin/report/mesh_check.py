@@ -104,7 +104,7 @@ def text_lines_about_mesh_to_be_solved(
     shoe, mesh = checked.shoe, checked.read.mesh
     kind = mesh_kind_of_scikit_fem_mesh(mesh)
     form = "triangles" if len(mesh.t) == 3 else "quadrilaterals"
-    degree = "quadratic" if kind.edge == "line3" else "linear"
+    degree = "quadratic" if kind.degree == 2 else "linear"
     parts = ", ".join(f"{name} {len(of)}" for name, of in mesh.subdomains.items())
     yield (
         f"shoe {shoe.name!r}: {mesh.nelements} {degree} {form} ({parts}), "

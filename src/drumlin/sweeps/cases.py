@@ -31,8 +31,8 @@ from drumlin.base.journal import (
 )
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import vary
-from drumlin.fem.mesh.content import digest_of_mesh_file
 from drumlin.fem.preparation.cache import CacheOfCondensedBodies
+from drumlin.mesh_files.content import digest_of_mesh_file
 from drumlin.models import model_with_name_that_applies_to_brake
 from drumlin.response.merit import brake_factor
 from drumlin.response.response import Response, ShoeResponse

@@ -35,8 +35,8 @@ from drumlin.brake.file import (
 )
 from drumlin.brake.plane_brake import make_drum_or_plane_brake_from_data, read_drum_or_plane_brake
 from drumlin.brake.units import quantity_in_si
-from drumlin.fem.mesh.content import read_bytes_of_mesh_file
 from drumlin.foundation.model import validated_names_of_effects_to_include
+from drumlin.mesh_files.content import read_bytes_of_mesh_file
 from drumlin.models import MODELS, model_options_given_by_user
 from drumlin.sweeps.cases import SweepCase, is_key_of_mesh_file, paths_of_mesh_files
 from drumlin.sweeps.options import OPTION_CLASSES_BY_MODEL_NAME

@@ -17,8 +17,9 @@ import meshio
 import numpy as np
 
 from drumlin.brake.file import make_drum_brake_from_data
-from drumlin.fem.mesh.file import MESH_FILE_SUFFIXES, write_shoe_mesh_to_file
+from drumlin.fem.mesh.file import write_shoe_mesh_to_file
 from drumlin.fem.preparation.prepare import make_prepared_model
+from drumlin.mesh_files.reading import MESH_FILE_SUFFIXES
 from drumlin_studies.fuzzing.inputs import (
     NAMES_OF_VALID_BRAKE_FILES_TO_BREAK,
     FilesAndCommandLineOfBrokenInput,

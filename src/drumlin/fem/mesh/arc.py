@@ -31,13 +31,12 @@ class MeshKind(NamedTuple):
     ----------
     mesh_name : name of scikit-fem's class of the mesh
     degree : polynomial degree of the sides of the elements, 1 or 2
-    cell, edge : meshio's names of the elements and of their edges
+    cell : meshio's name of the elements
     """
 
     mesh_name: str
     degree: int
     cell: str
-    edge: str
 
     @property
     def mesh(self) -> Any:
@@ -54,10 +53,10 @@ def _scikit_fem_class_of_name(name: str) -> Any:
 
 
 MESH_KINDS = {
-    "quad2": MeshKind("MeshQuad2", 2, "quad9", "line3"),
-    "quad1": MeshKind("MeshQuad1", 1, "quad", "line"),
-    "tri2": MeshKind("MeshTri2", 2, "triangle6", "line3"),
-    "tri1": MeshKind("MeshTri1", 1, "triangle", "line"),
+    "quad2": MeshKind("MeshQuad2", 2, "quad9"),
+    "quad1": MeshKind("MeshQuad1", 1, "quad"),
+    "tri2": MeshKind("MeshTri2", 2, "triangle6"),
+    "tri1": MeshKind("MeshTri1", 1, "triangle"),
 }
 """The kinds of meshes by their names in options: quadrilaterals or triangles, of degree 1 or 2."""
 DEFAULT_MESH_KIND = "quad2"

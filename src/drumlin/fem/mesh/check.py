@@ -113,50 +113,6 @@ def check_mesh_and_drop_unneeded_groups(
     return mesh
 
 
-def check_cells_share_nodes_consistently(cells: Ints, corners: int, fault: str) -> None:
-    """Refuse cells of a mesh file whose lists of nodes contradict each other.
-
-    A cell may not have a node twice. No node may be a corner of one cell and a middle node of
-    another. Cells that share an edge must share its middle node, and cells that share a middle node
-    must share its edge.
-
-    Parameters
-    ----------
-    cells : (m, k) nodes of the cells in meshio's order
-    corners : number of corners of a cell
-    fault : beginning of each message
-
-    Raises
-    ------
-    BadInput
-        for the first fault that is found
-    """
-    # meshio's order of nodes is the corners, then the middle nodes of the edges, then the centre.
-    ends, middles, centres = np.split(cells, [corners, 2 * corners], axis=1)
-    edges = np.sort(np.stack([ends, np.roll(ends, -1, axis=1)], axis=-1).reshape(-1, 2), axis=1)
-    # The two nodes of an edge make one number, which is faster to compare than pairs.
-    one_more = int(cells.max()) + 1
-    edge = edges[:, 0].astype(np.int64) * one_more + edges[:, 1]
-    distinct = [len(np.unique(nodes)) for nodes in (ends, middles, centres)]
-    repeated = (np.diff(np.sort(cells, axis=1), axis=1) == 0).any()
-    of_two_kinds = sum(distinct) > len(np.unique(cells))
-    if repeated or of_two_kinds:
-        raise BadInput(
-            f"{fault}: has nodes that a cell has twice, "
-            "or that are a corner here and inside an edge there"
-        )
-    # Each edge has its own middle node if three counts are equal: edges, middle nodes, and pairs of
-    # an edge and its middle node.
-    bonds = {len(np.unique(edge))}
-    if middles.size:
-        bonds |= {distinct[1], len(np.unique(np.column_stack([edge, middles.ravel()]), axis=0))}
-    if len(bonds) > 1 or distinct[2] not in {0, len(cells)}:
-        raise BadInput(
-            f"{fault}: has cells that share an edge but not its middle node, "
-            "or a middle but not the edge"
-        )
-
-
 def _mesh_with_only_needed_groups(mesh: Any, shoe: Shoe, fault: str, names: Sequence[str]) -> Any:
     """The mesh with only the groups that the shoe needs; others are left out.
 

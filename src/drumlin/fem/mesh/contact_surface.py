@@ -100,8 +100,9 @@ def move_contact_nodes_onto_drum_or_plane(
     # The array `target` (n,) has the offset from the drum or the plane that each contact node will
     # have after the move [m].
     line = _contact_nodes_in_order_of_angle(mesh, rounding, shoe, radius)
-    straight = _which_nodes_are_middles_of_straight_edges(mesh, line, shoe, radius)
-    largest = _largest_middle_node_offsets_of_straight_edges(mesh, line, shoe, radius)
+    straight, largest = _middles_of_straight_edges_and_largest_unseen_offsets(
+        mesh, line, shoe, radius
+    )
     target = line.off.copy()
     free = ~(straight & line.middle) & (largest == 0)
     target[free] = _contact_offsets_without_rounding(line, free, shoe, radius)
@@ -199,66 +200,32 @@ def _unit_normals_away_from_drum(xy: Floats, shoe: Shoe) -> Floats:
     return -shoe.sign_internal_plus_external_minus * xy / np.hypot(*xy)
 
 
-def _which_nodes_are_middles_of_straight_edges(
+def _middles_of_straight_edges_and_largest_unseen_offsets(
     mesh: Any, line: _ContactNodes, shoe: Shoe, radius: float
-) -> Bools:
-    """A mask (n,) of the contact nodes, True for each middle node of a straight edge.
+) -> tuple[Bools, Floats]:
+    """Which contact nodes (n,) are middles of straight edges, and how far others may be off (n,).
 
-    On a straight edge of a quadratic element the middle node lies off the drum. The mask is False
-    for all nodes if less than LEAST_STRAIGHT_EDGE_FRACTION of the edges on the lining's face are
-    straight.
+    On a straight edge of a quadratic element the middle node lies off the drum. No edge counts as
+    straight if less than LEAST_STRAIGHT_EDGE_FRACTION of the edges on the lining's face are. If the
+    arc over an edge is lower than twice the rounding of the coordinates, the coordinates do not
+    show whether the edge is straight. Its middle node may then lie off the drum by up to the sum of
+    the arc's height and the rounding [m], the second result. This is 0 for all other nodes.
     """
-    found = np.zeros(len(line.nodes), dtype=bool)
-    at = np.flatnonzero(line.middle)
-    if shoe.is_on_plane or not len(at) or at[0] == 0 or at[-1] == len(found) - 1:
-        return found
-    xy = mesh.doflocs[:, line.nodes]
-    height = _heights_of_drum_arc_over_chords(mesh, line, at, radius)
-    beside = np.hypot(*(xy[:, at] - (xy[:, at - 1] + xy[:, at + 1]) / 2))
-    # If the arc over an edge is lower than the rounding, a straight edge cannot be told from a
-    # curved one.
-    seen = height > 2 * line.offset_bound_by_rounding[at] + NODE_ON_DRUM_TOLERANCE * radius
-    straight = seen & (
-        beside
-        <= LARGEST_STRAIGHT_EDGE_OFFSET_OVER_ARC_HEIGHT * height
-        + 2 * line.offset_bound_by_rounding[at]
-    )
-    counted = max(int(np.count_nonzero(seen)), 1)
-    if np.count_nonzero(straight) >= LEAST_STRAIGHT_EDGE_FRACTION * counted:
-        found[at[straight]] = True
-    return found
-
-
-def _heights_of_drum_arc_over_chords(
-    mesh: Any, line: _ContactNodes, at: Ints, radius: float
-) -> Floats:
-    """The heights (k,) [m] of the drum's arc over the chords of the edges with middle nodes `at`.
-
-    `at` (k,) are the positions of these middle nodes in `line.nodes`.
-    """
-    xy = mesh.doflocs[:, line.nodes]
-    return np.asarray(((xy[:, at + 1] - xy[:, at - 1]) ** 2).sum(axis=0) / (8 * radius))
-
-
-def _largest_middle_node_offsets_of_straight_edges(
-    mesh: Any, line: _ContactNodes, shoe: Shoe, radius: float
-) -> Floats:
-    """The largest offset (n,) [m] of middle nodes whose edge may be straight; 0 for other nodes.
-
-    If the arc over an edge is lower than twice the rounding of the coordinates, the coordinates do
-    not show whether the edge is straight. Its middle node may then lie off the drum by the sum of
-    the arc's height and the rounding.
-    """
-    largest = np.zeros(len(line.nodes))
+    straight, largest = np.zeros(len(line.nodes), dtype=bool), np.zeros(len(line.nodes))
     at = np.flatnonzero(line.middle)
     if shoe.is_on_plane or not len(at) or at[0] == 0 or at[-1] == len(line.nodes) - 1:
-        return largest
-    height = _heights_of_drum_arc_over_chords(mesh, line, at, radius)
-    unseen = (height <= 2 * line.offset_bound_by_rounding[at]) & (
-        line.offset_bound_by_rounding[at] > NODE_ON_DRUM_TOLERANCE * radius
-    )
-    largest[at] = np.where(unseen, height + line.offset_bound_by_rounding[at], 0.0)
-    return largest
+        return straight, largest
+    xy, bound = mesh.doflocs[:, line.nodes], line.offset_bound_by_rounding[at]
+    before, middle, after = xy[:, at - 1], xy[:, at], xy[:, at + 1]
+    height = ((after - before) ** 2).sum(axis=0) / (8 * radius)
+    beside = np.hypot(*(middle - (before + after) / 2))
+    seen = height > 2 * bound + NODE_ON_DRUM_TOLERANCE * radius
+    is_chord = seen & (beside <= LARGEST_STRAIGHT_EDGE_OFFSET_OVER_ARC_HEIGHT * height + 2 * bound)
+    if is_chord.sum() >= LEAST_STRAIGHT_EDGE_FRACTION * max(seen.sum(), 1):
+        straight[at] = is_chord
+    unseen = (height <= 2 * bound) & (bound > NODE_ON_DRUM_TOLERANCE * radius)
+    largest[at] = np.where(unseen, height + bound, 0.0)
+    return straight, largest
 
 
 def _contact_offsets_without_rounding(
@@ -316,19 +283,10 @@ def _lining_offsets_beyond_rounding(
         near = np.flatnonzero(np.abs(place - place[i]) <= SMOOTHING_NODES_ON_EACH_SIDE * apart)
         scatter = float(offset_bound_by_rounding[near].mean()) / np.sqrt(6.0)
         independent = max(len(near) * min(1.0, step / apart), 1.0)
-        mean = float(off[near].mean())
-        beyond = (
-            np.abs(off[near])
-            > offset_bound_by_rounding[near] * (1 + 1e-6) + NODE_ON_DRUM_TOLERANCE * radius
-        )
-        if (
-            abs(mean) <= LINING_SHAPE_OFFSET_IN_STANDARD_ERRORS * scatter / np.sqrt(independent)
-            and not beyond.any()
-        ):
-            continue
-        if abs(off[i]) <= offset_bound_by_rounding[i] and abs(
-            mean
-        ) <= LINING_SHAPE_OFFSET_IN_STANDARD_ERRORS * scatter / np.sqrt(independent):
+        standard_error = scatter / np.sqrt(independent)
+        most = offset_bound_by_rounding[i] * (1 + 1e-6) + NODE_ON_DRUM_TOLERANCE * radius
+        mean = abs(float(off[near].mean()))
+        if mean <= LINING_SHAPE_OFFSET_IN_STANDARD_ERRORS * standard_error and abs(off[i]) <= most:
             continue
         fit = np.polynomial.Polynomial.fit(place[near], off[near], min(2, len(near) - 1))
         rest = off[near] - fit(place[near])

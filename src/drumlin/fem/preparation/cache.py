@@ -10,11 +10,11 @@ from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.components import BeamBody
 from drumlin.brake.fields import Point
 from drumlin.brake.further_loads import NO_SPRING_LEVER_AND_MASS_LOADS, SpringLeverAndMassLoads
-from drumlin.fem.mesh.content import digest_of_mesh_file
 from drumlin.fem.preparation.bodies import ShoeSubstructure
 from drumlin.fem.preparation.load_places import points_where_shoe_body_is_loaded
 from drumlin.fem.substructure.body import UncondensedBodySystem
 from drumlin.fem.substructure.ring import RingSubstructure
+from drumlin.mesh_files.content import digest_of_mesh_file
 
 MOST_BYTES_OF_CACHED_BODIES = 400_000_000
 """Largest memory [bytes] of the condensed bodies that a cache keeps for later solves.

@@ -85,10 +85,13 @@ The arguments of the function are the shoe and the drum's radius [m].
 """
 
 
-MOST_NODES_AT_RAISED_DEGREE = 150_000
+MOST_NODES_AT_RAISED_DEGREE = 500_000
 """Largest number of nodes of a shoe whose mesh gets elements of a higher degree than in the file.
 
-A solve with this number of nodes takes a minute. A degree that needs more nodes is refused.
+A degree that needs more nodes is refused, because the factors of the stiffness matrix take
+gigabytes of memory. A shoe of a drum of 300 mm, in triangles of 0.5 mm, has 158 508 nodes at degree
+2 and some 360 000 at degree 3: a solve takes 17 s of processor time and 2.8 GB. In triangles of 0.3
+mm it has 434 832 nodes at degree 2: 21 s and 2.2 GB.
 """
 
 

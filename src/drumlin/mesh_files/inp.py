@@ -5,17 +5,23 @@ that move nodes.
 """
 
 from collections import defaultdict
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Iterable, Iterator
+from functools import cached_property
+from itertools import chain, pairwise
 from pathlib import Path
 from typing import NamedTuple, TypeVar
 
 import numpy as np
 
 from drumlin.base.arrays import Floats, Ints
-from drumlin.fem.mesh.abaqus import MESHIO_CELL_OF_ABAQUS_TYPE, NODES_PER_MESHIO_CELL
-from drumlin.fem.mesh.content_of_file import MeshFileContent, largest_rounding_errors_of_coordinates
-from drumlin.fem.mesh.inp_deck import AbaqusDeck
-from drumlin.fem.mesh.inp_parts import DeckInstance
+from drumlin.mesh_files.abaqus import MESHIO_CELL_OF_ABAQUS_TYPE, NODES_PER_MESHIO_CELL
+from drumlin.mesh_files.content_of_file import (
+    MeshFileContent,
+    largest_rounding_errors_of_coordinates,
+)
+from drumlin.mesh_files.inp_deck import AbaqusDeck
+from drumlin.mesh_files.inp_parts import DeckInstance, DeckPart
+from drumlin.mesh_files.plane_cells import CORNERS_PER_PLANE_CELL, ends_of_each_side
 
 IGNORED_ABAQUS_ELEMENT_PREFIXES = (
     *("SPRING", "DASHPOT", "MASS", "ROTARYI", "CONN", "GAP", "JOINT", "ITS", "DCOUP", "HEATCAP"),
@@ -181,11 +187,20 @@ class _AssembledDeckMesh:
 
     def nodes_cells_and_groups(self) -> MeshFileContent:
         """The content of the deck as the reader returns it: nodes, cells, groups and notes."""
-        nodes, cells = (
-            self._members_of_each_set("node_sets"),
-            self._members_of_each_set("element_sets"),
+        cells = self._members_of_each_group(
+            lambda part: part.element_sets,
+            lambda body, name: self._keys_named_in_set(body, "element_sets", name),
         )
-        surfaces = self._edges_and_nodes_of_surfaces()
+        nodes = self._members_of_each_group(
+            lambda part: part.node_sets,
+            lambda body, name: self._keys_named_in_set(body, "node_sets", name),
+        )
+        surfaces = self._members_of_each_group(
+            lambda part: part.names_of_surfaces(of_nodes=True), self._keys_of_surface_of_nodes
+        )
+        edges = self._members_of_each_group(
+            lambda part: part.names_of_surfaces(of_nodes=False), self._edges_of_surface_of_elements
+        )
         return MeshFileContent(
             points=self.points,
             cells={
@@ -198,14 +213,9 @@ class _AssembledDeckMesh:
             },
             node_groups={
                 name: np.unique(np.array([self.number[key] for key in keys], dtype=np.int64))
-                for name, keys in (nodes | surfaces.nodes).items()
+                for name, keys in (nodes | surfaces).items()
             },
-            edge_groups={
-                name: _integer_array_of_rows(edges, 2) for name, edges in surfaces.edges.items()
-            },
-            outline_edge_groups={
-                name: _integer_array_of_rows(edges, 2) for name, edges in surfaces.outlines.items()
-            },
+            edge_groups={name: _integer_array_of_rows(ends, 2) for name, ends in edges.items()},
             rounding=self.rounding,
             turned=any(
                 body.placement.has_rotation_of_part_axes or body.part.turned for body in self.bodies
@@ -230,43 +240,9 @@ class _AssembledDeckMesh:
             notes.append(f"TYPE={kinds} is plane strain; it is solved in plane stress")
         return tuple(notes)
 
-    def _members_of_each_set(self, which: str) -> dict[str, list[NodeOrElementKey]]:
-        """The members of each node set or element set of the deck, by the set's name.
-
-        `which` is "node_sets" or "element_sets". A set of the assembly replaces sets of the same
-        name in parts.
-        """
-        known = self.number if which == "node_sets" else self.place
-        what = "node" if which == "node_sets" else "element"
-
-        def members_of_one_set(body: DeckInstance, name: str) -> list[NodeOrElementKey]:
-            """The members of the set `name` of a body that are in the mesh.
-
-            ValueError is raised for a member that the file does not define.
-            """
-            keys = [
-                (owner.name, label)
-                for owner, label in self.deck.members_of_named_set(body, which, name)
-            ]
-            strange = next((key for key in keys if key not in known), None)
-            if strange is not None and self._is_chosen_instance(strange[0]):
-                raise ValueError(
-                    f"the set {name.upper()} names the {what} {strange[1]}, "
-                    "which the file does not define"
-                )
-            return [key for key in keys if key in known]
-
-        return self._collect_members_by_group_name(
-            lambda body: getattr(body.part, which), members_of_one_set
-        )
-
-    def _is_chosen_instance(self, owner: str) -> bool:
-        """Whether `owner` is the name of a chosen body, or "", which stands for no instance."""
-        return owner == "" or any(body.name == owner for body in self.bodies)
-
-    def _collect_members_by_group_name(
+    def _members_of_each_group(
         self,
-        named: Callable[[DeckInstance], Collection[str]],
+        named: Callable[[DeckPart], Collection[str]],
         found: Callable[[DeckInstance, str], list[ParsedMemberTypeVariable]],
     ) -> dict[str, list[ParsedMemberTypeVariable]]:
         """The members of each named group of the deck, by the group's name.
@@ -277,7 +253,7 @@ class _AssembledDeckMesh:
 
         Parameters
         ----------
-        named : function that returns the names of the groups of a body
+        named : function that returns the names of the groups of a part
         found : function that returns the members of a group of a body
         """
         # The assembly is first, so that its groups are known before the groups of parts.
@@ -285,14 +261,43 @@ class _AssembledDeckMesh:
         assembly = self.deck.bodies[-1]
         bodies = [body for body in self.bodies if body.part is not assembly.part]
         for body in [assembly, *bodies]:
-            for name in named(body):
-                if body is not assembly and name in named(assembly):
+            for name in named(body.part):
+                if body is not assembly and name in named(assembly.part):
                     continue
                 try:
                     groups.setdefault(name, []).extend(found(body, name))
                 except ValueError as error:
                     self.broken[name] = str(error)
         return groups
+
+    def _keys_named_in_set(
+        self, body: DeckInstance, which: str, name: str
+    ) -> list[NodeOrElementKey]:
+        """The members of the set `name` of a body that are in the mesh.
+
+        `which` is "node_sets" or "element_sets".
+        """
+        members = self.deck.members_of_named_set(body, which, name)
+        return self._keys_in_mesh(members, which, f"the set {name.upper()}")
+
+    def _keys_in_mesh(
+        self, members: Iterable[tuple[DeckInstance, int]], which: str, where: str
+    ) -> list[NodeOrElementKey]:
+        """The keys of those members of a set or surface that are in the mesh.
+
+        ValueError is raised for a member that the file does not define; its message begins with
+        `where`. Members of instances that were not chosen are left out.
+        """
+        known = self.number if which == "node_sets" else self.place
+        chosen = {"", *(body.name for body in self.bodies)}
+        keys = [(owner.name, label) for owner, label in members]
+        for owner, label in keys:
+            if (owner, label) not in known and owner in chosen:
+                what = which.removesuffix("_sets")
+                raise ValueError(
+                    f"{where} names the {what} {label}, which the file does not define"
+                )
+        return [key for key in keys if key in known]
 
     def _cell_numbers_of_elements_by_cell_type(
         self, keys: list[NodeOrElementKey]
@@ -309,116 +314,64 @@ class _AssembledDeckMesh:
                 rows[place.cell].append(place.row)
         return {cell: np.array(found, dtype=np.int64) for cell, found in rows.items()}
 
-    def _edges_and_nodes_of_surfaces(self) -> "_EdgesAndNodesOfDeckSurfaces":
-        """The edges and nodes of all *SURFACE sections of the deck."""
-        found = _EdgesAndNodesOfDeckSurfaces({}, {}, {})
+    def _keys_of_surface_of_nodes(self, body: DeckInstance, name: str) -> list[NodeOrElementKey]:
+        """The nodes of a *SURFACE of nodes; each line has a label or a set of nodes."""
+        return list(chain.from_iterable(keys for _, keys in self._rows_of_surface(body, name)))
 
-        def add_edges_and_nodes_of_one_surface(body: DeckInstance, name: str) -> list[None]:
-            """Add the edges or nodes of the surface `name` of a body to `found`; return no members.
+    def _rows_of_surface(
+        self, body: DeckInstance, name: str
+    ) -> Iterator[tuple[list[str], list[NodeOrElementKey]]]:
+        """Yield each line of a *SURFACE, and the nodes or elements that its first word names."""
+        where = f"the surface {name.upper()}"
+        if name in body.part.refused:
+            raise ValueError(f"{where}: {body.part.refused[name]}")
+        kind, rows = body.part.surfaces[name]
+        if kind not in ("NODE", "ELEMENT"):
+            raise ValueError(f"{where}: TYPE={kind} is not read")
+        which = "node_sets" if kind == "NODE" else "element_sets"
+        for row in rows:
+            members = self.deck.members_named_by_word(body, which, row[0].lower(), where)
+            yield row, self._keys_in_mesh(members, which, where)
 
-            The empty list is what `_collect_members_by_group_name` collects in place of members.
-            """
-            if name in body.part.refused:
-                raise ValueError(f"the surface {name.upper()}: {body.part.refused[name]}")
-            kind, rows = body.part.surfaces[name]
-            # A line of a surface of nodes has a label or a set of nodes. A line of a surface of
-            # elements has a label or a set of elements, and may have a face (S1 to S4).
-            if kind == "NODE":
-                keys = [
-                    key
-                    for row in rows
-                    for key in self._nodes_or_elements_named_by_word_of_surface(
-                        body, "node_sets", row[0]
-                    )
-                ]
-                found.nodes.setdefault(name, []).extend(keys)
-            elif kind == "ELEMENT":
-                for row in rows:
-                    face = row[1].upper() if len(row) > 1 else ""
-                    edges = self._edges_named_by_line_of_surface(body, row[0], face, name)
-                    (found.edges if face else found.outlines).setdefault(name, []).extend(edges)
-            else:
-                raise ValueError(f"the surface {name.upper()}: TYPE={kind} is not read")
-            return []
+    def _edges_of_surface_of_elements(self, body: DeckInstance, name: str) -> list[list[int]]:
+        """The corner nodes of the edges of a *SURFACE of elements.
 
-        self._collect_members_by_group_name(
-            lambda body: body.part.surfaces, add_edges_and_nodes_of_one_surface
-        )
-        return found
-
-    def _nodes_or_elements_named_by_word_of_surface(
-        self, body: DeckInstance, which: str, word: str
-    ) -> list[NodeOrElementKey]:
-        """The nodes or elements that a word on a line of *SURFACE stands for.
-
-        The word is the name of a set or the label of one node or element. `which` is "node_sets" or
-        "element_sets".
-        """
-        # In an assembly the word may begin with the name of an instance, as in Shoe-1.Contact.
-        name = word.lower()
-        holder = body
-        if "." in name and name not in getattr(body.part, which):
-            before, _, name = name.rpartition(".")
-            holder = self.deck.instance_of_given_name(before)
-        known = self.number if which == "node_sets" else self.place
-        if name in getattr(holder.part, which):
-            keys = [
-                (owner.name, label)
-                for owner, label in self.deck.members_of_named_set(holder, which, name)
-            ]
-            return [key for key in keys if key in known]
-        if not name.isdigit() or (holder.name, int(name)) not in known:
-            raise ValueError(f"a surface names {word!r}, which is no label and no set")
-        return [(holder.name, int(name))]
-
-    def _edges_named_by_line_of_surface(
-        self, body: DeckInstance, word: str, face: str, name: str
-    ) -> list[list[int]]:
-        """The corner nodes of the edges that a line of a *SURFACE section stands for.
-
-        Parameters
-        ----------
-        body : body of the surface
-        word : name of an element set or label of an element
-        face : S1 to S4 for one edge of each element; "" for all edges
-        name : name of the surface, for messages
+        A line has a label or a set of elements, and may have a face, S1 to S4. Without a face it
+        stands for the edges of these elements on the outline of the mesh.
         """
         edges = []
-        # Elements without a cell are springs and masses, which have no edges.
-        for key in self._nodes_or_elements_named_by_word_of_surface(body, "element_sets", word):
-            place = self.place[key]
-            if place is None:
-                continue
-            corners = self.cells[place.cell][place.row][: 3 if "triangle" in place.cell else 4]
-            if place.cell.startswith("line"):
-                edges.append(corners[:2])
-                continue
-            sides = range(len(corners))
-            if face:
-                if face[:1] not in "SE" or face[1:] not in {str(side + 1) for side in sides}:
+        for row, keys in self._rows_of_surface(body, name):
+            face = row[1].upper() if len(row) > 1 else ""
+            # Elements without a cell are springs and masses, which have no edges.
+            for place in filter(None, map(self.place.get, keys)):
+                nodes = self.cells[place.cell][place.row]
+                if place.cell.startswith("line"):
+                    edges.append(nodes[:2])
+                    continue
+                corners = nodes[: CORNERS_PER_PLANE_CELL[place.cell]]
+                sides = dict(enumerate(map(list, pairwise([*corners, corners[0]])), start=1))
+                if not face:
+                    edges += [
+                        side for side in sides.values() if tuple(sorted(side)) in self._outline
+                    ]
+                elif face[0] in "SE" and face[1:] in map(str, sides):
+                    edges.append(sides[int(face[1:])])
+                else:
                     raise ValueError(
                         f"the surface {name.upper()}: {face} is no edge of a plane element; "
                         f"must be S1 to S{len(corners)}"
                     )
-                sides = range(int(face[1:]) - 1, int(face[1:]))
-            edges += [[corners[i], corners[(i + 1) % len(corners)]] for i in sides]
         return edges
 
-
-class _EdgesAndNodesOfDeckSurfaces(NamedTuple):
-    """The edges and nodes of the surfaces of a deck, by the name of the surface.
-
-    Attributes
-    ----------
-    edges : corner nodes of the edges that a surface names as elements with a face (S1 to S4)
-    outlines : corner nodes of all edges of the elements that a surface names without a face; only
-        edges on the outline of the mesh are used
-    nodes : nodes of surfaces of TYPE=NODE
-    """
-
-    edges: dict[str, list[list[int]]]
-    outlines: dict[str, list[list[int]]]
-    nodes: dict[str, list[NodeOrElementKey]]
+    @cached_property
+    def _outline(self) -> set[tuple[int, ...]]:
+        """The corner nodes of the edges on the outline of the mesh, the smaller number first."""
+        sides = [np.zeros((0, 2), dtype=np.int64)]
+        for cell in set(self.cells) & set(CORNERS_PER_PLANE_CELL):
+            rows = _integer_array_of_rows(self.cells[cell], NODES_PER_MESHIO_CELL[cell])
+            sides.append(ends_of_each_side(rows, CORNERS_PER_PLANE_CELL[cell]).reshape(-1, 2))
+        edges, count = np.unique(np.sort(np.concatenate(sides)), axis=0, return_counts=True)
+        return set(map(tuple, edges[count == 1].tolist()))
 
 
 def meshio_cell_name_of_abaqus_element(kind: str) -> str | None:

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import numpy as np
 
-from drumlin.fem.mesh.inp_keywords import refuse_or_note_ignored_section
-from drumlin.fem.mesh.inp_parts import (
+from drumlin.mesh_files.inp_keywords import refuse_or_note_ignored_section
+from drumlin.mesh_files.inp_parts import (
     IDENTITY_PLACEMENT,
     DeckInstance,
     DeckPart,
@@ -20,7 +20,7 @@ from drumlin.fem.mesh.inp_parts import (
     placement_of_instance_in_assembly,
     placement_of_nodes_after_system_section,
 )
-from drumlin.fem.mesh.inp_text import KeywordSectionOfDeck, split_input_file_into_sections
+from drumlin.mesh_files.inp_text import KeywordSectionOfDeck, split_input_file_into_sections
 
 MOST_MEMBERS_OF_ALL_DECK_SETS = 2_000_000
 """Largest number of members of all sets of an Abaqus deck together; a deck with more is refused.
@@ -142,7 +142,7 @@ class AbaqusDeck:
         """
         kind, found = section.value_of_option_in_keyword_line("TYPE"), dict[int, list[int]]()
         for row in section.rows:
-            label, *nodes = (_parse_label_in_element_line(word) for word in row)
+            label, *nodes = (parse_node_or_element_label(word, "*ELEMENT") for word in row)
             if label in found:
                 raise ValueError(f"element {label} is defined twice")
             found[label] = nodes
@@ -163,9 +163,7 @@ class AbaqusDeck:
         """
         if not name:
             return
-        for option, reason in REFUSED_SET_OPTIONS.items():
-            if option in section.options and option != section.keyword:
-                self._scope.refused[name.lower()] = f"*{section.keyword}, {option}= {reason}"
+        self._note_refused_options_of_set(section, name)
         owner = section.options.get("INSTANCE", "").lower()
         found = sets.setdefault(name.lower(), [])
         for row in section.rows:
@@ -182,13 +180,15 @@ class AbaqusDeck:
     def _add_surface_of_section(self, section: KeywordSectionOfDeck) -> None:
         """Keep the type and the data lines of a *SURFACE section under the surface's name."""
         name = section.options.get("NAME", "").lower()
+        self._note_refused_options_of_set(section, name)
+        kind = section.value_of_option_in_keyword_line("TYPE") or "ELEMENT"
+        self._scope.surfaces[name] = (kind, section.rows)
+
+    def _note_refused_options_of_set(self, section: KeywordSectionOfDeck, name: str) -> None:
+        """Keep the reason why a set or surface cannot be read, if it has such an option."""
         for option, reason in REFUSED_SET_OPTIONS.items():
-            if option in section.options:
-                self._scope.refused[name] = f"*SURFACE, {option}= {reason}"
-        self._scope.surfaces[name] = (
-            section.value_of_option_in_keyword_line("TYPE") or "ELEMENT",
-            section.rows,
-        )
+            if option in section.options and option != section.keyword:
+                self._scope.refused[name.lower()] = f"*{section.keyword}, {option}= {reason}"
 
     def _begin_part_of_input_deck(self, section: KeywordSectionOfDeck) -> None:
         """Begin a new part; the sections up to *END PART belong to it."""
@@ -258,27 +258,56 @@ class AbaqusDeck:
             raise ValueError(f"the set {name.upper()} is a member of itself")
         if name in body.part.refused:
             raise ValueError(f"the set {name.upper()}: {body.part.refused[name]}")
-        above = (*above, (body.name, name))
-        for owner, given in getattr(body.part, which)[name]:
-            holder, word = self.instance_of_given_name(owner) if owner else body, given
-            if isinstance(word, str) and word not in getattr(holder.part, which) and "." in word:
+        for owner, word in getattr(body.part, which)[name]:
+            holder = self.instance_of_given_name(owner) if owner else body
+            yield from self.members_named_by_word(
+                holder, which, word, f"the set {name.upper()}", (*above, (body.name, name))
+            )
+
+    def members_named_by_word(
+        self,
+        body: DeckInstance,
+        which: str,
+        word: range | str,
+        where: str,
+        above: tuple[tuple[str, str], ...] = (),
+    ) -> Iterator[tuple[DeckInstance, int]]:
+        """Yield the instance and the label of each member that a word of a set or surface names.
+
+        Parameters
+        ----------
+        body : instance or part that the word belongs to
+        which : "node_sets" or "element_sets"
+        word : range of labels, one label, or the name of a set
+        where : set or surface of the word, for messages
+        above : body and name of each set that the word is a member of
+
+        Raises
+        ------
+        ValueError
+            for a word that is neither a label nor a set, and for too many members
+        """
+        if isinstance(word, str):
+            if word not in getattr(body.part, which) and "." in word:
                 # An assembly writes Shoe-1.12 or Shoe-1.Contact for label 12 or set Contact of the
                 # instance Shoe-1.
                 before, _, word = word.rpartition(".")
-                holder = self.instance_of_given_name(before)
-            if isinstance(word, str) and word in getattr(holder.part, which):
-                yield from self.members_of_named_set(holder, which, word, above)
-                continue
-            labels = word if isinstance(word, range) else (_parse_label_in_set(word, name),)
-            # There are more labels than allowed if the slice after the allowed number is not empty.
-            # The function len would fail for a very long range.
-            if labels[self._room :]:
-                raise ValueError(
-                    f"the sets have more than {MOST_MEMBERS_OF_ALL_DECK_SETS} members together"
-                )
-            self._room -= len(labels)
-            for label in labels:
-                yield holder, label
+                body = self.instance_of_given_name(before)
+            if word in getattr(body.part, which):
+                yield from self.members_of_named_set(body, which, word, above)
+                return
+            if not word.isdigit():
+                raise ValueError(f"{where} names {word!r}, which is no label and no set")
+            word = range(int(word), int(word) + 1)
+        # There are more labels than allowed if the slice after the allowed number is not empty. The
+        # function len would fail for a very long range.
+        if word[self._room :]:
+            raise ValueError(
+                f"the sets have more than {MOST_MEMBERS_OF_ALL_DECK_SETS} members together"
+            )
+        self._room -= len(word)
+        for label in word:
+            yield body, label
 
     def instance_of_given_name(self, name: str) -> DeckInstance:
         """The instance of the given name. ValueError is raised if the deck has none."""
@@ -300,21 +329,3 @@ METHODS_OF_BEGIN_AND_END_KEYWORDS = {
 
 The keywords of the assembly are among them.
 """
-
-
-def _parse_label_in_element_line(word: str) -> int:
-    """Convert a word on a line of an *ELEMENT section to a label, which is a whole number.
-
-    Raises ValueError for another word.
-    """
-    return parse_node_or_element_label(word, "*ELEMENT")
-
-
-def _parse_label_in_set(word: str, name: str) -> int:
-    """Convert a word of the set `name` to the label of a node or element.
-
-    Raises ValueError, with the name of the set, for a word that is no whole number.
-    """
-    if not word.isdigit():
-        raise ValueError(f"the set {name.upper()} names {word!r}, which is no label and no set")
-    return int(word)

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from drumlin.base.arrays import Floats
 
@@ -70,6 +71,10 @@ class DeckPart:
     element_sets: dict[str, list[DeckSetMember]] = field(default_factory=dict)
     surfaces: dict[str, tuple[str, list[list[str]]]] = field(default_factory=dict)
     refused: dict[str, str] = field(default_factory=dict)
+
+    def names_of_surfaces(self, *, of_nodes: bool) -> list[str]:
+        """The names of all surfaces of nodes, or of all other surfaces."""
+        return [name for name, (kind, _) in self.surfaces.items() if (kind == "NODE") == of_nodes]
 
     def add_labelled_node_to_part(
         self, label: int, xyz: Sequence[float], coordinates_as_written: list[float]
@@ -149,17 +154,9 @@ def placement_of_instance_in_assembly(
             f"*INSTANCE, NAME={name}: its second data line must be two points and an angle"
         )
     # The translated part is rotated about the axis, which need not run through the origin.
-    turn = _rotation_matrix_about_axis(
-        (second - first) / np.linalg.norm(second - first), math.radians(given[6])
-    )
+    axis = (second - first) / np.linalg.norm(second - first)
+    turn = Rotation.from_rotvec(math.radians(given[6]) * axis).as_matrix()
     return PlacementOfPartInAssembly(turn, turn @ (shift - first) + first)
-
-
-def _rotation_matrix_about_axis(axis: Floats, angle: float) -> Floats:
-    """The rotation matrix (3, 3) for an angle [rad] about a unit vector (3,) (Rodrigues)."""
-    x, y, z = axis
-    cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-    return np.eye(3) + math.sin(angle) * cross + (1 - math.cos(angle)) * cross @ cross
 
 
 def placement_of_nodes_after_system_section(rows: list[list[str]]) -> PlacementOfPartInAssembly:

@@ -5,7 +5,7 @@ read or refused. All other keywords are ignored. A note names an ignored keyword
 is known to be harmless.
 """
 
-from drumlin.fem.mesh.inp_text import KeywordSectionOfDeck
+from drumlin.mesh_files.inp_text import KeywordSectionOfDeck
 
 REASON_TO_REFUSE_MESH_GENERATION = (
     "makes nodes or elements that do not stand in the file; write the mesh out in full"

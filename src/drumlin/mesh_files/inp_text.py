@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
 
-from drumlin.fem.mesh.content import LARGEST_INCLUDE_DEPTH, read_bytes_of_mesh_file
+from drumlin.mesh_files.content import LARGEST_INCLUDE_DEPTH, read_bytes_of_mesh_file
 
 FIRST_CHARACTERS_OF_KEYWORD_AND_NUMBER_LINES = frozenset("*+-.0123456789")
 """First characters of lines of an Abaqus input file that begin with a keyword or a number.

@@ -12,7 +12,7 @@ from itertools import islice
 import numpy as np
 
 from drumlin.base.arrays import Ints
-from drumlin.fem.mesh.content_of_file import MeshFileContent
+from drumlin.mesh_files.content_of_file import MeshFileContent
 
 CELL_NAME_AND_NODE_COUNT_OF_GMSH_TYPE = {
     1: ("line", 2),
@@ -174,7 +174,7 @@ def _sorted_node_tags_with_indices(number: dict[int, int]) -> tuple[Ints, Ints]:
 
 
 def _indices_of_nodes(tags: Ints, tags_in_order: Ints, index: Ints) -> Ints:
-    """The indices of the nodes with the given tags; KeyError for a tag without a node.
+    """The indices of the nodes with the given tags; ValueError for a tag without a node.
 
     `tags_in_order` and `index` are those of `_sorted_node_tags_with_indices`.
     """
@@ -183,7 +183,9 @@ def _indices_of_nodes(tags: Ints, tags_in_order: Ints, index: Ints) -> Ints:
     place = np.minimum(np.searchsorted(tags_in_order, tags), len(tags_in_order) - 1)
     unknown = tags_in_order[place] != tags
     if unknown.any():
-        raise KeyError(int(tags[unknown][0]))
+        raise ValueError(
+            f"$Elements has the node {tags[unknown][0]}, which the file does not define"
+        )
     return np.asarray(index[place])
 
 

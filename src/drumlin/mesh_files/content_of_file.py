@@ -25,8 +25,6 @@ class MeshFileContent:
     cell_groups : cells in each named group
     node_groups : nodes (m,) in each named group
     edge_groups : corner nodes (m, 2) of the edges in each named group
-    outline_edge_groups : corner nodes (m, 2) of the edges in each named group of which only the
-        edges on the outline of the mesh count
     rounding : (n, 2) largest rounding error of x and y in the file, in the file's unit; None if it
         has to be found from the coordinates
     turned : whether the reader rotated the coordinates, which mixes the rounding errors of x and y
@@ -39,7 +37,6 @@ class MeshFileContent:
     cell_groups: CellNumbersByGroupAndType = field(default_factory=dict)
     node_groups: Mapping[str, Ints] = field(default_factory=dict)
     edge_groups: Mapping[str, Ints] = field(default_factory=dict)
-    outline_edge_groups: Mapping[str, Ints] = field(default_factory=dict)
     rounding: Floats | None = None
     turned: bool = False
     broken: Mapping[str, str] = field(default_factory=dict)
@@ -48,7 +45,7 @@ class MeshFileContent:
     @property
     def names_of_all_groups(self) -> list[str]:
         """The names of all groups in the file, each once."""
-        groups = (self.cell_groups, self.node_groups, self.edge_groups, self.outline_edge_groups)
+        groups = (self.cell_groups, self.node_groups, self.edge_groups)
         return list(dict.fromkeys(name for kind in groups for name in kind))
 
 

@@ -10,7 +10,7 @@ import lzma
 import re
 import zlib
 from collections.abc import Callable, Iterator
-from typing import Any
+from typing import Any, NamedTuple
 from xml.etree import ElementTree
 
 LARGEST_UNPACKED_VTU_SIZE = 400_000_000
@@ -74,65 +74,54 @@ def _compressed_blocks_of_vtu_arrays(
     Parameters
     ----------
     root : root element of the file's XML
-    raw : raw bytes of all arrays; None if the arrays are text in base64
+    raw : raw bytes of all appended arrays; None if they are text in base64
     width : size [bytes] of an integer in the header of an array
     order : order of the bytes of an integer: "big" or "little"
+
+    Raises
+    ------
+    ValueError
+        for an array that is shorter than its header says
     """
-    # Raw arrays follow each other without a gap. Arrays in base64 are texts of XML elements.
-    if raw is not None:
-        at = 0
-        while at + width <= len(raw):
-            sizes = _compressed_sizes_of_vtu_array_blocks(raw[at:], width, order)
-            at += width * (3 + len(sizes))
-            for size in sizes:
-                yield raw[at : at + size]
-                at += size
-        return
     appended = root.find("AppendedData")
-    rest = "" if appended is None else (appended.text or "").strip()[1:]
+    text = "" if appended is None else (appended.text or "").strip()[1:]
     for array in root.iter("DataArray"):
-        kind = array.get("format")
-        if kind not in {"binary", "appended"}:
+        # An array stands in its XML element, or at its offset in the appended data.
+        if array.get("format") == "binary":
+            stored = _StoredVtuArray((array.text or "").strip().encode(), is_base64=True)
+        elif array.get("format") == "appended":
+            data = text.encode() if raw is None else raw
+            stored = _StoredVtuArray(data[int(array.get("offset", "0")) :], is_base64=raw is None)
+        else:
             continue
-        text = (array.text or "").strip()
-        if kind == "appended":
-            text = rest[int(array.get("offset", "0")) :]
-        sizes = _compressed_sizes_of_vtu_array_blocks(
-            base64.b64decode(text[: _number_of_base64_letters_for_bytes(width)])[:width],
-            width,
-            order,
-            text,
-        )
-        at = _number_of_base64_letters_for_bytes(width * (3 + len(sizes)))
-        content = base64.b64decode(text[at : at + _number_of_base64_letters_for_bytes(sum(sizes))])
+        # The first integer is the number of blocks. Then follow the unpacked sizes of a block and
+        # of the last block, and the packed size of each block.
+        count = int.from_bytes(stored.bytes_of_part(0, width), order)
+        length = width * (3 + count)
+        header = stored.bytes_of_part(0, length)
+        if len(header) < length:
+            raise ValueError("has an array that is shorter than its head says")
+        sizes = [
+            int.from_bytes(header[i : i + width], order) for i in range(3 * width, length, width)
+        ]
+        content = stored.bytes_of_part(length, sum(sizes))
         for size in sizes:
             yield content[:size]
             content = content[size:]
 
 
-def _compressed_sizes_of_vtu_array_blocks(
-    data: bytes, width: int, order: Any, text: str | None = None
-) -> list[int]:
-    """The packed sizes [bytes] of the blocks of an array in a .vtu file, from the array's header.
+class _StoredVtuArray(NamedTuple):
+    """A compressed array as a .vtu file stores it, and whether it is text in base64."""
 
-    Parameters
-    ----------
-    data : bytes of the array from its beginning on; for base64 the first integer suffices
-    width : size [bytes] of an integer in the header
-    order : order of the bytes of an integer: "big" or "little"
-    text : the whole array in base64; None for an array of raw bytes
-    """
-    # The first integer is the number of blocks. Then follow the unpacked sizes of a block and of
-    # the last block, and the packed size of each block.
-    count = int.from_bytes(data[:width], order)
-    length = width * (3 + count)
-    if text is not None:
-        if _number_of_base64_letters_for_bytes(length) > len(text):
-            raise ValueError("has an array that is shorter than its head says")
-        data = base64.b64decode(text[: _number_of_base64_letters_for_bytes(length)])
-    if length > len(data):
-        raise ValueError("has an array that is shorter than its head says")
-    return [int.from_bytes(data[i : i + width], order) for i in range(3 * width, length, width)]
+    data: bytes
+    is_base64: bool
+
+    def bytes_of_part(self, start: int, count: int) -> bytes:
+        """The `count` bytes that follow the first part of `start` bytes; base64 codes each part."""
+        if not self.is_base64:
+            return self.data[start : start + count]
+        first, length = map(_number_of_base64_letters_for_bytes, (start, count))
+        return base64.b64decode(self.data[first : first + length])[:count]
 
 
 def _number_of_base64_letters_for_bytes(count: int) -> int:

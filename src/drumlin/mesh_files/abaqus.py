@@ -1,11 +1,11 @@
 """Element types of Abaqus and CalculiX input files (.inp), and the writing of such files."""
 
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
-from drumlin.base.arrays import Ints
+from drumlin.base.arrays import Floats, Ints
 
 MESHIO_LINE_CELL_OF_ABAQUS_TYPE = {
     "T2D2": "line",
@@ -54,32 +54,33 @@ The file format allows up to 16.
 
 def write_mesh_as_inp_file(
     path: Path,
-    points: Any,
+    xy: Floats,
     cell: str,
     cells: Ints,
-    subdomains: dict[str, Ints],
-    nodes: dict[str, Ints],
+    subdomains: Mapping[str, Ints],
+    edges: Mapping[str, Ints],
 ) -> None:
     """Write a mesh of plane-stress elements, with element sets and node sets, to an .inp file.
 
     Parameters
     ----------
     path : path of the file to write
-    points : (n, 2) coordinates of the nodes [m]
+    xy : (n, 2) coordinates of the nodes [m]
     cell : meshio's name of the elements' type
     cells : (m, k) nodes of each element in meshio's order
     subdomains : elements of each element set, by the set's name
-    nodes : nodes of each node set, by the set's name
+    edges : (2 or 3, k) nodes of the edges that become a node set, by the set's name
     """
     # Plane-stress elements of Abaqus have at most eight nodes, so that centre nodes are left out.
     if cell == "quad9":
         cell, cells = "quad8", cells[:, :8]
     used = np.unique(cells)
     lines = ["*NODE"]
-    lines += [f"{i + 1}, {points[i][0]:.16e}, {points[i][1]:.16e}, 0." for i in used]
+    lines += [f"{i + 1}, {xy[i][0]:.16e}, {xy[i][1]:.16e}, 0." for i in used]
     lines.append(f"*ELEMENT, TYPE={ABAQUS_TYPE_OF_MESHIO_CELL[cell]}")
     lines += [", ".join(map(str, [i, *(row + 1)])) for i, row in enumerate(cells, start=1)]
     # Labels of nodes and elements count from 1 in the file, and from 0 in the arrays.
+    nodes = {name: np.unique(along) for name, along in edges.items()}
     for keyword, sets in (("ELSET", subdomains), ("NSET", nodes)):
         for name, members in sets.items():
             lines.append(f"*{keyword}, {keyword}={name.upper()}")

@@ -10,7 +10,7 @@ import meshio
 import numpy as np
 
 from drumlin.base.arrays import Ints
-from drumlin.fem.mesh.content_of_file import MeshFileContent
+from drumlin.mesh_files.content_of_file import MeshFileContent
 
 MOST_GROUP_NUMBERS_IN_ARRAY = 1000
 """Largest number of different values in an array of whole numbers that defines groups of cells.
