@@ -271,6 +271,10 @@ class ColumnSubstructureMadeWhenNeeded:
         return self.make()
 
 
+AnyColumnSubstructure = ColumnSubstructure | ColumnSubstructureMadeWhenNeeded
+"""A substructure of element columns, made already or when it is needed."""
+
+
 class _JoinOfNeighbours(NamedTuple):
     """Two neighbouring stretches of a row of columns that are joined, and the joined stretch.
 
@@ -284,7 +288,7 @@ class _JoinOfNeighbours(NamedTuple):
 
 
 def assemble_and_condense_row_of_element_columns(
-    pieces: Sequence[ColumnSubstructure | ColumnSubstructureMadeWhenNeeded],
+    pieces: Sequence[AnyColumnSubstructure],
     shared: int,
     extra: int = 0,
 ) -> ColumnSubstructure:
@@ -347,9 +351,7 @@ class _SizeOfSubstructure(NamedTuple):
     right: int
 
     @classmethod
-    def size_of_column_substructure(
-        cls, piece: ColumnSubstructure | ColumnSubstructureMadeWhenNeeded
-    ) -> "_SizeOfSubstructure":
+    def size_of_column_substructure(cls, piece: AnyColumnSubstructure) -> "_SizeOfSubstructure":
         """The size of a substructure, which need not be computed yet."""
         unknowns = len(piece.K) if isinstance(piece, ColumnSubstructure) else piece.unknowns
         return cls(unknowns, piece.left, piece.right)
@@ -399,7 +401,7 @@ def _order_of_joins_of_row(
 
 
 def eliminate_nodes_on_column_side(
-    piece: ColumnSubstructure, end: Floats | None = None, part: int = 0, *, right: bool = False
+    piece: AnyColumnSubstructure, end: Floats | None = None, part: int = 0, *, right: bool = False
 ) -> ColumnSubstructure:
     """The stiffness of joined columns without the unknowns on one side, which are eliminated.
 
@@ -412,6 +414,7 @@ def eliminate_nodes_on_column_side(
     part : number of the side's unknowns, the last ones, at which the body is attached
     right : True to eliminate the nodes on the right side, False for the left side
     """
+    piece = piece.made
     own = 0 if end is None else len(end) - part
     n, line = len(piece.K), piece.right if right else piece.left
     # The slices `rest` and `gone` are the remaining and the eliminated unknowns in the given
