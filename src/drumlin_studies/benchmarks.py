@@ -10,7 +10,7 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from datetime import UTC, datetime
 from functools import partial
 from pathlib import Path
@@ -30,7 +30,11 @@ from drumlin.studies import (
     paths_of_example_sweeps,
 )
 from drumlin.sweeps.file import read_sweep_from_toml_file
-from drumlin.sweeps.sample import solve_sample_cases_and_then_all_others
+from drumlin.sweeps.sample import (
+    CERTIFY_VALUE_FOR_OWN_ERRORS_OF_EACH_CASE,
+    positions_of_sample_cases,
+    solve_sample_cases_and_then_all_others,
+)
 
 PATH_OF_BENCHMARK_HISTORY = (
     FOLDER_OF_INSTALLED_OR_SOURCE_STUDIES_AND_MESHES
@@ -93,13 +97,13 @@ PROGRAM_THAT_RUNS_COMMAND_LINE_OF_DRUMLIN = "from drumlin.cli import main; main(
 BRAKE_OF_DEFAULT_SOLVE_AS_UNIT = "double_shoe"
 """Example brake whose default solve is the unit of `times_over_default_solve_of_main_brake`."""
 
-CASES_OF_TIMED_SWEEP = 30
+CASES_OF_TIMED_SWEEP = 120
 """Number of cases of the sweep of tolerances that are timed with and without a sample."""
 
-SAMPLE_OF_TIMED_SWEEP = (0, 10, 20)
-"""Positions of the cases in the sample.
+CASES_DRAWN_FOR_SAMPLE_OF_TIMED_SWEEP = 4
+"""Number of cases drawn for the sample, besides the cases with extreme values.
 
-A tenth of the cases is the share of the sample in the whole sweep, 109 of 1000 cases.
+The sample then has a ninth of the cases, as the sample "every 10th" of the whole sweep has.
 """
 
 TIMINGS_OF_LONG_CALCULATION = 5
@@ -241,14 +245,15 @@ def _brake_with_contact_at_lining_end_alone() -> Brake:
     )
 
 
-def _solve_cases_of_tolerance_sweep(sample: Sequence[int]) -> None:
+def _solve_cases_of_tolerance_sweep(certify: str | int) -> None:
     """Solve the first CASES_OF_TIMED_SWEEP cases of the sweep of tolerances in this process.
 
-    `sample` has the positions of the cases that are solved on all levels, and state the errors of
-    all other cases. Without a sample each case states its own errors.
+    `certify` is the value of the key with this name in a sweep file.
     """
     sweep = read_sweep_from_toml_file(paths_of_example_sweeps()["sweep_tolerances"])
-    solve_sample_cases_and_then_all_others(sweep.cases[:CASES_OF_TIMED_SWEEP], sample)
+    cases = sweep.cases[:CASES_OF_TIMED_SWEEP]
+    sample = positions_of_sample_cases(cases, certify, seed=1)
+    solve_sample_cases_and_then_all_others(cases, sample)
 
 
 def times_over_default_solve_of_main_brake(
@@ -271,8 +276,12 @@ def times_over_default_solve_of_main_brake(
         "contact of 4 nm": partial(solve, _brake_with_contact_at_lining_end_alone()),
         "solid T-section": partial(drumlin.solve, tee, "solid"),
         "wear": partial(drumlin.wear, main),
-        "sweep in full": partial(_solve_cases_of_tolerance_sweep, ()),
-        "sweep by sample": partial(_solve_cases_of_tolerance_sweep, SAMPLE_OF_TIMED_SWEEP),
+        "sweep in full": partial(
+            _solve_cases_of_tolerance_sweep, CERTIFY_VALUE_FOR_OWN_ERRORS_OF_EACH_CASE
+        ),
+        "sweep by sample": partial(
+            _solve_cases_of_tolerance_sweep, CASES_DRAWN_FOR_SAMPLE_OF_TIMED_SWEEP
+        ),
     }
     compared = partial(measure_processor_time, partial(solve, main))
     ratios = {}

@@ -151,15 +151,15 @@ def _singular_points_at_too_short_contact(
 ) -> list[SingularPoint]:
     """The singular points at a contact that is too short for elements: the place of its force.
 
-    Torque and forces need this place, at which columns end, but no pressure. The columns are as
-    small as at the ends of a contact as long as the lining is thick. At a corner of the lining the
-    list is empty, because columns end there on every division.
+    Torque and forces need this place, at which columns end, but no pressure. The columns there are
+    as wide as at a kink of the gap. At a corner of the lining the list is empty, because columns
+    end there on every division.
     """
     column = SHORTEST_CONTACT_WITH_KNOWN_PRESSURE * shoe.lining.thickness / brake.size
     if min(abs(contact.place - corner) for corner in shoe.arc) < column:
         return []
-    length = shoe.lining.thickness / brake.size
-    return [SingularPoint(contact.place, length, KindOfSingularPoint.KINK)]
+    start, end = shoe.arc
+    return [SingularPoint(contact.place, end - start, KindOfSingularPoint.KINK)]
 
 
 def _contact_arcs_in_mid_plane(shoe: Shoe, answer: ShoeResponse) -> list[list[float]]:
