@@ -9,10 +9,10 @@ the length at once.
 The contact ends where the gap of the rigid shoe, which just touches the drum, is F/(k E'). Here E'
 is the modulus of the half-plane with the compliance of the lining's surface, and k depends on the
 shape of the gap: pi/2 for a parabola (Hertz) and 1 for a wedge, see Johnson, Contact Mechanics,
-sections 4.2 and 5.2. Around so short a contact the bending of the shoe changes the gap's slope and
-curvature by less than a hundredth. If the contact is a length L of a gap of the slope s, then F/E'
-is about s L, and the slope by bending is some F l^2/(E_s t^3) on a shoe of length l: relative to s
-it is (E'/E_s) (l/t)^2 times L/t, with L/t below SHORTEST_CONTACT_WITH_KNOWN_PRESSURE.
+sections 4.2 and 5.2. The bending of the shoe is neglected. If the contact is a length L of a gap of
+the slope s, then F/E' is about s L. The force bends a shoe of length l, thickness t and modulus E_s
+by a slope of up to some 6 F l^2/(E_s t^3). This slope is the part 6 (E'/E_s) (l/t)^2 L/t of s: some
+per cent of a soft lining on a thin shoe, since L/t is below SHORTEST_CONTACT_WITH_KNOWN_PRESSURE.
 """
 
 import math
@@ -45,9 +45,10 @@ MARGIN_OF_FORMULA_FOR_SHORT_CONTACTS = 3.0
 """Factor by which the formula may be wrong without a contact being taken as too short that is not.
 
 A contact counts as too short by the formula if its length is below
-SHORTEST_CONTACT_WITH_KNOWN_PRESSURE divided by this factor. On
-74 of 620 random brakes near this length the formula gives 0.80 to 1.14 times the length by
-elements where they resolve it, and no pressure is lost that was known without the formula.
+SHORTEST_CONTACT_WITH_KNOWN_PRESSURE divided by this factor. Of 620 random brakes with contacts near
+this length the formula tells 74, and none of these had a known pressure without the formula. Where
+elements resolve the contact (25 of them), the formula gives 0.80 to 1.14 times its length, and once
+9 times, which is the safe side. The bodies are 6 to 30 mm thick, with moduli from 3 GPa.
 """
 GAP_RISE_AT_CONTACT_END_INSIDE_LINING = 1.0
 """Rise of the gap up to an end of a contact inside the lining, relative to F/E' (1/k).
