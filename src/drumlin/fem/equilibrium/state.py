@@ -395,14 +395,14 @@ class ShoeGroupData:
     def ring_flexibility(self) -> RingFlexibility | None:
         """The flexibility of the drum's ring under the linings; None without a ring."""
         ring = self.prepared_model.ring
-        if ring is None or self.factors_of_ring_flexibility is None:
+        if ring is None:
             return None
         # Mostly the group has all shoes, and later groups of the same shoes need the product, too.
         if list(self.members) == list(range(len(ring.normal_half_flexibilities))):
             return ring.flexibility_under_all_linings
-        return RingFlexibility.flexibility_from_half_flexibilities(
-            *self.factors_of_ring_flexibility
-        )
+        factors = self.factors_of_ring_flexibility
+        assert factors is not None
+        return RingFlexibility.flexibility_from_half_flexibilities(*factors)
 
     @cached_property
     def indices_of_pushing_and_pushed_shoe_of_struts(self) -> list[tuple[int, int]]:
