@@ -100,7 +100,7 @@ sharpness: .venv/ready
 noticed: .venv/ready
 	$(BIN)/python tests/mutations.py $(ARGS)
 
-# Figures of speed and size of this commit, appended as a line to reports/reference/benchmarks/history.jsonl: a minute.
+# Figures of speed and size of this commit, appended as a line to reports/reference/benchmarks/history.jsonl: two minutes.
 benchmarks: .venv/ready
 	OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(BIN)/python -m drumlin_studies.benchmarks
 

@@ -187,7 +187,15 @@ NOT_TUNED: dict[str, dict[str, str]] = {
     },
     "fem/error_control/singular_points.py": {
         "BINARY_DIGITS_OF_ROUNDED_CONTACT_END": ROUND_OFF,
+    },
+    "fem/error_control/short_contact.py": {
         "SHORTEST_CONTACT_WITH_KNOWN_PRESSURE": SAID,
+        "MARGIN_OF_FORMULA_FOR_SHORT_CONTACTS": "judgement, far above the errors of the formula",
+        "MOST_PRESSED_NODES_OF_SHORT_CONTACT": "judgement; more pressed nodes show the ends",
+        "ROUND_OFF_OF_GAP": ROUND_OFF,
+        "ROUND_OFF_OF_ANGLE": ROUND_OFF,
+        "NUMBER_OF_SAMPLED_GAPS": "steps of a search",
+        "ZOOMS_TO_TOUCHING_PLACE": "steps of a search",
     },
     "fem/hp/shoe.py": {"STRAIGHT_BEAM_COLUMNS_PER_BATCH": MEMORY},
     "fem/hp/element.py": {

@@ -43,6 +43,11 @@ def test_figures_are_ratios_in_their_range(measured):
         assert math.isfinite(value) and value > 0
     assert figures["sine law"] < figures["solve double_shoe"] < figures["sensitivity"]
     assert figures["import drumlin"] < figures["command init"] < figures["command solve"]
+    unit = "default solves: "
+    assert figures[f"{unit}sweep by sample"] < figures[f"{unit}sweep in full"]
+    assert figures[f"{unit}post on a ring"] < figures[f"{unit}post on a ring to 0.01 %"]
+    assert figures[f"{unit}ring with 8 shoes"] < figures[f"{unit}ring with 12 shoes"]
+    assert figures["command solve"] < figures["command compare"]
     assert figures["unknowns double_shoe"] > 1000
     assert figures["iterations double_shoe"] == int(figures["iterations double_shoe"]) >= 1
 

@@ -8,6 +8,7 @@ depends on the machine, so that lines from different machines can be compared.
 import json
 import subprocess
 import sys
+import tempfile
 import time
 from collections.abc import Callable, Mapping
 from datetime import UTC, datetime
@@ -21,10 +22,18 @@ import numpy as np
 import drumlin
 from drumlin.base.resource_use import processor_time_of_ended_child_processes
 from drumlin.brake.brake import Brake
+from drumlin.brake.file import make_drum_brake_from_data
 from drumlin.fem.solve import prepared_model_with_finest_elements
 from drumlin.studies import (
     FOLDER_OF_INSTALLED_OR_SOURCE_STUDIES_AND_MESHES,
     paths_of_example_brakes,
+    paths_of_example_sweeps,
+)
+from drumlin.sweeps.file import read_sweep_from_toml_file
+from drumlin.sweeps.sample import (
+    CERTIFY_VALUE_FOR_OWN_ERRORS_OF_EACH_CASE,
+    positions_of_sample_cases,
+    solve_sample_cases_and_then_all_others,
 )
 
 PATH_OF_BENCHMARK_HISTORY = (
@@ -83,6 +92,22 @@ The times of drumlin's commands are divided by the time of this program.
 
 PROGRAM_THAT_RUNS_COMMAND_LINE_OF_DRUMLIN = "from drumlin.cli import main; main()"
 """Program that runs drumlin's command line, whether or not the command is installed."""
+
+
+BRAKE_OF_DEFAULT_SOLVE_AS_UNIT = "double_shoe"
+"""Example brake whose default solve is the unit of `times_over_default_solve_of_main_brake`."""
+
+CASES_OF_TIMED_SWEEP = 120
+"""Number of cases of the sweep of tolerances that are timed with and without a sample."""
+
+CASES_DRAWN_FOR_SAMPLE_OF_TIMED_SWEEP = 4
+"""Number of cases drawn for the sample, besides the cases with extreme values.
+
+The sample then has a ninth of the cases, as the sample "every 10th" of the whole sweep has.
+"""
+
+TIMINGS_OF_LONG_CALCULATION = 5
+"""Largest number of times that a calculation of many default solves is timed."""
 
 
 class BenchmarkFiguresOfCommit(NamedTuple):
@@ -177,6 +202,102 @@ def solve_times_over_fixed_calculation(
     return ratios
 
 
+def _ring_with_shoes(count: int) -> Brake:
+    """A brake of `count` equal hinged shoes at equal angles inside an elastic drum ring."""
+    step = 360.0 / count
+    lining = {"E": "300 MPa", "nu": 0.25}
+    shoe = {
+        "name": "shoe",
+        "side": "internal",
+        "hinge": {"radius": "125 mm", "angle": "0 deg"},
+        "actuation": {
+            "force": "2 kN",
+            "direction": f"{0.7 * step} deg",
+            "point": {"radius": "120 mm", "angle": f"{0.7 * step} deg"},
+        },
+        "lining": {
+            "start": f"{0.15 * step} deg",
+            "end": f"{0.65 * step} deg",
+            "thickness": "8 mm",
+            "width": "40 mm",
+            "material": lining,
+        },
+        "pattern": {"count": count, "step": f"{step} deg"},
+    }
+    ring = {"thickness": "15 mm", "width": "40 mm", "material": {"E": "110 GPa", "nu": 0.25}}
+    return make_drum_brake_from_data(
+        {
+            "title": f"ring with {count} shoes",
+            "rotation": "counter-clockwise",
+            "friction": 0.3,
+            "drum": {"radius": "150 mm", "ring": ring | {"support": "free"}},
+            "shoe": [shoe],
+        }
+    )
+
+
+def _brake_with_contact_at_lining_end_alone() -> Brake:
+    """The main brake with a shoe whose contact at the lining's end is 4 nm long."""
+    table = [["-70 deg", "1 mm"], ["54.8 deg", "10 mm"], ["55 deg", "0 mm"]]
+    return drumlin.vary(
+        drumlin.example(BRAKE_OF_DEFAULT_SOLVE_AS_UNIT),
+        {"shoe[0].lining.clearance": table, "shoe[0].actuation.force": "0.2 N"},
+    )
+
+
+def _solve_cases_of_tolerance_sweep(certify: str | int) -> None:
+    """Solve the first CASES_OF_TIMED_SWEEP cases of the sweep of tolerances in this process.
+
+    `certify` is the value of the key with this name in a sweep file.
+    """
+    sweep = read_sweep_from_toml_file(paths_of_example_sweeps()["sweep_tolerances"])
+    cases = sweep.cases[:CASES_OF_TIMED_SWEEP]
+    sample = positions_of_sample_cases(cases, certify, seed=1)
+    solve_sample_cases_and_then_all_others(cases, sample)
+
+
+def times_over_default_solve_of_main_brake(
+    repeats: int = TIMINGS_OF_LONG_CALCULATION,
+) -> dict[str, float]:
+    """Times of tasks for which a user waits, by name, in default solves of the main brake.
+
+    The main brake is BRAKE_OF_DEFAULT_SOLVE_AS_UNIT. All times are processor times in this process,
+    after a first call that loads modules. Solves do not state the error of plane stress. The times
+    of sweeps are those of a case.
+    """
+    solve = partial(drumlin.solve, model_error=False)
+    post, tee = drumlin.example("post_brake"), drumlin.example("plane_stress")
+    main = drumlin.example(BRAKE_OF_DEFAULT_SOLVE_AS_UNIT)
+    calls: dict[str, Callable[[], object]] = {
+        "post on a ring": partial(solve, post),
+        "post on a ring to 0.01 %": partial(solve, post, tolerance=1e-4),
+        "ring with 8 shoes": partial(solve, _ring_with_shoes(8)),
+        "ring with 12 shoes": partial(solve, _ring_with_shoes(12)),
+        "contact of 4 nm": partial(solve, _brake_with_contact_at_lining_end_alone()),
+        "solid T-section": partial(drumlin.solve, tee, "solid"),
+        "wear": partial(drumlin.wear, main),
+        "sweep in full": partial(
+            _solve_cases_of_tolerance_sweep, CERTIFY_VALUE_FOR_OWN_ERRORS_OF_EACH_CASE
+        ),
+        "sweep by sample": partial(
+            _solve_cases_of_tolerance_sweep, CASES_DRAWN_FOR_SAMPLE_OF_TIMED_SWEEP
+        ),
+    }
+    compared = partial(measure_processor_time, partial(solve, main))
+    ratios = {}
+    for name, call in calls.items():
+        call()
+        compared()
+        ratio = median_ratio_of_times_returned_by_two_functions(
+            partial(measure_processor_time, call),
+            compared,
+            min(repeats, TIMINGS_OF_LONG_CALCULATION),
+        )
+        cases = CASES_OF_TIMED_SWEEP if name.startswith("sweep") else 1
+        ratios[f"default solves: {name}"] = ratio / cases
+    return ratios
+
+
 def count_unknowns_of_default_solve(brake: Brake) -> int:
     """Number of degrees of freedom of the shoes on the finest mesh of a brake's default solve."""
     counted: dict[int, int] = {}
@@ -202,30 +323,26 @@ def counts_of_unknowns_and_iterations_of_default_solves() -> dict[str, float]:
 def command_times_over_import_time(
     repeats: int = DEFAULT_TIMINGS_OF_EACH_CALCULATION,
 ) -> dict[str, float]:
-    """Times of `drumlin init`, `drumlin solve` and `import drumlin`, by name.
+    """Times of drumlin's commands and of `import drumlin`, by name.
 
     Each time is divided by the time of a process that only imports numpy, scipy.linalg and
     pydantic.
     """
     brake = str(paths_of_example_brakes()[EXAMPLES_WITH_TIMED_DEFAULT_SOLVE[0]])
     compared = partial(measure_python_process_time, "-c", PROGRAM_THAT_IMPORTS_REQUIRED_PACKAGES)
-    commands = {
-        "command init": partial(
-            measure_python_process_time, "-c", PROGRAM_THAT_RUNS_COMMAND_LINE_OF_DRUMLIN, "init"
-        ),
-        "command solve": partial(
-            measure_python_process_time,
-            "-c",
-            PROGRAM_THAT_RUNS_COMMAND_LINE_OF_DRUMLIN,
-            "solve",
-            brake,
-        ),
-        "import drumlin": partial(measure_python_process_time, "-c", "import drumlin"),
-    }
-    return {
-        name: median_ratio_of_times_returned_by_two_functions(timed, compared, repeats)
-        for name, timed in commands.items()
-    }
+    run = partial(measure_python_process_time, "-c", PROGRAM_THAT_RUNS_COMMAND_LINE_OF_DRUMLIN)
+    with tempfile.TemporaryDirectory() as folder:
+        commands = {
+            "command init": partial(run, "init"),
+            "command solve": partial(run, "solve", brake),
+            "command wear": partial(run, "wear", brake),
+            "command compare": partial(run, "compare", brake, "--output", folder),
+            "import drumlin": partial(measure_python_process_time, "-c", "import drumlin"),
+        }
+        found = {}
+        for name, timed in commands.items():
+            found[name] = median_ratio_of_times_returned_by_two_functions(timed, compared, repeats)
+    return found
 
 
 def output_of_git_command(*arguments: str) -> str:
@@ -250,6 +367,7 @@ def measure_all_benchmarks(
     """
     figures = {
         **solve_times_over_fixed_calculation(repeats),
+        **times_over_default_solve_of_main_brake(repeats),
         **counts_of_unknowns_and_iterations_of_default_solves(),
         **command_times_over_import_time(repeats),
     }

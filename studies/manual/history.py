@@ -9,6 +9,7 @@ from drumlin_studies.benchmarks import BenchmarkFiguresOfCommit
 
 GROUPS = {
     "Times of solves": ("solve ", "sine law", "sensitivity", "hold"),
+    "Times in default solves of the double-shoe brake": ("default solves: ",),
     "Unknowns and iterations": ("unknowns ", "iterations "),
     "Times of commands": ("command ", "import "),
 }

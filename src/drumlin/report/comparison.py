@@ -26,8 +26,8 @@ from drumlin.report import figures
 from drumlin.report.page import software_versions, write_html_page
 from drumlin.response.response import Response
 
-ENDINGS_OF_STRESS_FIELD_FILE_NAMES = ("svg", "png", "vtu")
-"""Endings of the files of stress fields that `compare` has written, in this or older versions."""
+NAMES_OF_STRESS_FIELD_FILES = ("fields.svg", "fields.png", "fields.vtu", "fields_column.svg")
+"""Names of the files of stress fields that `compare` writes, or that older versions wrote."""
 
 
 class WrittenComparison(NamedTuple):
@@ -75,6 +75,8 @@ def draw_stress_fields(
     folder: Path,
     name: str,
     endings: Sequence[str] = ("svg",),
+    *,
+    also_for_column: bool = True,
     **options: Any,
 ) -> None:
     """Write files of the von Mises stress in the deformed shoes, such as a picture NAME.svg.
@@ -89,6 +91,7 @@ def draw_stress_fields(
     name : name of the files, without ending
     endings : endings of the files to write: "svg" and "png" hold the picture of stresses, pressures
         and forces, "vtu" holds displacements, stresses and pressures for ParaView
+    also_for_column : whether pictures are also drawn for a column of 85 mm, as NAME_column
     options : options of the mesh (elements, kind)
     """
     # The modules take long to load, and most commands draw no stress fields.
@@ -105,9 +108,11 @@ def draw_stress_fields(
     if "vtu" in endings:
         write_fields_to_vtu_file(folder / f"{name}.vtu", bodies)
     pictures = [ending for ending in endings if ending != "vtu"]
-    figures.save_figure_for_page_and_column(
-        partial(draw_stress_in_shoes_and_ring, brake, response, bodies), folder / name, pictures
-    )
+    draw = partial(draw_stress_in_shoes_and_ring, brake, response, bodies)
+    if also_for_column:
+        figures.save_figure_for_page_and_column(draw, folder / name, pictures)
+    else:
+        figures.save_figure_as_files(draw(figures.FULL_WIDTH), folder / name, pictures)
 
 
 def comparisons_as_json(comparisons: Sequence[ModelComparison[Any]], **more: Any) -> str:
@@ -164,8 +169,8 @@ def compare_models_and_write_html_page(
         failures = [f"{outcome.model}: {outcome.failure}" for outcome in comparison.outcomes]
         raise NoAnswer("; ".join(failures))
     # Fields of an earlier run must not stand beside the new results.
-    for ending in ENDINGS_OF_STRESS_FIELD_FILE_NAMES:
-        delete_output_of_earlier_run(folder / f"fields.{ending}")
+    for name in NAMES_OF_STRESS_FIELD_FILES:
+        delete_output_of_earlier_run(folder / name)
     table = comparison.rows
     write_text(folder / "results.csv", table_as_csv_text(table))
     write_text(folder / "results.json", comparisons_as_json([comparison]))
@@ -186,7 +191,10 @@ def compare_models_and_write_html_page(
             plane = {key: value for key, value in options.items() if key != "solid"}
             fem = MODELS["fem"].solve(brake, **{**plane, "finite_width": False})
         endings = ("svg", "vtu") if fields_file else ("svg",)
-        draw_stress_fields(brake, fem, folder, "fields", endings, **mesh_options)
+        # The page shows no picture for a column, and the column of a journal is asked of a study.
+        draw_stress_fields(
+            brake, fem, folder, "fields", endings, also_for_column=False, **mesh_options
+        )
     named = ("solid",) if options.get("solid") else ()
     notes = _model_notes_and_reasons_against_other_models(comparison, named)
     page = write_html_page(

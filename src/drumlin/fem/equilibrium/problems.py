@@ -100,7 +100,7 @@ class ContactProblemsOfShoeGroup(ShoeGroupData):
         parts = [
             self._contact_problem_of_single_shoe(k, friction) for k in range(len(self.members))
         ]
-        if self.factors_of_ring_flexibility is None and len(parts) == 1:
+        if self.prepared_model.ring is None and len(parts) == 1:
             return parts[0]
         A, q, B, C, h = zip(*parts, strict=True)
         compliance = block_diag(*A)

@@ -32,6 +32,7 @@ from drumlin.fem.preparation.bodies import (
     unit_load_factors_under_all_loads,
 )
 from drumlin.fem.preparation.scene import PreparedModel
+from drumlin.fem.substructure.ring import RingFlexibility
 
 
 class ActuationByOneNewton(NamedTuple):
@@ -76,16 +77,6 @@ class FactorsOfRingFlexibility(NamedTuple):
     The weighted gaps (integrals of the gap times each node's shape function) that the ring opens
     are pressed^T pressed per pressure of the shoes, and pressed^T dragged per friction traction of
     the shoes.
-    """
-
-    pressed: Floats
-    dragged: Floats
-
-
-class RingFlexibility(NamedTuple):
-    """The flexibility of the drum's ring: weighted gaps (n, n) that it opens at n contact nodes.
-
-    `pressed` are the gaps per nodal pressure, and `dragged` the gaps per nodal friction traction.
     """
 
     pressed: Floats
@@ -403,10 +394,15 @@ class ShoeGroupData:
     @cached_property
     def ring_flexibility(self) -> RingFlexibility | None:
         """The flexibility of the drum's ring under the linings; None without a ring."""
-        if self.factors_of_ring_flexibility is None:
+        ring = self.prepared_model.ring
+        if ring is None:
             return None
-        pressed, dragged = self.factors_of_ring_flexibility
-        return RingFlexibility(pressed.T @ pressed, pressed.T @ dragged)
+        # Mostly the group has all shoes, and later groups of the same shoes need the product, too.
+        if list(self.members) == list(range(len(ring.normal_half_flexibilities))):
+            return ring.flexibility_under_all_linings
+        factors = self.factors_of_ring_flexibility
+        assert factors is not None
+        return RingFlexibility.flexibility_from_half_flexibilities(*factors)
 
     @cached_property
     def indices_of_pushing_and_pushed_shoe_of_struts(self) -> list[tuple[int, int]]:

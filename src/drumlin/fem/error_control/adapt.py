@@ -25,6 +25,7 @@ from drumlin.fem.error_control.levels import (
     SolvedLevel,
     solve_brake_on_finer_and_finer_mesh_levels,
 )
+from drumlin.fem.error_control.short_contact import force_error_due_to_place_in_too_short_contact
 from drumlin.fem.error_control.singular_points import reason_if_contact_is_too_short
 from drumlin.fem.hp.corner import (
     TOLERANCE_OF_COLUMN_END_AT_GAP_KINK,
@@ -294,6 +295,7 @@ def errors_with_singular_points_and_text_on_short_contacts(
     response : response of the finer level
     """
     shoes, text = [], ""
+    torque_error = error.brake["torque"]
     for i, (shoe, answer) in enumerate(zip(brake.shoes, response.shoes, strict=True)):
         missing_peak = _missing_fraction_of_peak_pressure(
             shoe, brake.length_per_surface_coordinate, answer
@@ -311,17 +313,28 @@ def errors_with_singular_points_and_text_on_short_contacts(
         reason = reason_if_contact_is_too_short(brake, shoe, answer)
         if reason is not None:
             text = f"{reason}; torque and forces do not need it"
-            errors = _errors_of_shoe_with_unknown_pressure(errors)
+            by_place = force_error_due_to_place_in_too_short_contact(brake, shoe, answer)
+            errors = _errors_of_shoe_with_unknown_pressure(errors, by_place)
+            # The torque of a shoe is at most the torque of the brake.
+            torque_error += by_place
         shoes.append(errors)
-    return EstimatedErrors.brake_errors_from_torque_and_shoe_errors(
-        error.brake["torque"], shoes
-    ), text
+    return EstimatedErrors.brake_errors_from_torque_and_shoe_errors(torque_error, shoes), text
 
 
-def _errors_of_shoe_with_unknown_pressure(errors: Mapping[str, float]) -> dict[str, float]:
-    """The errors of a shoe, with 1 (unknown) as the error of its pressure and of its peak."""
-    unknown = {"pressure", "peak"}
-    return {name: max(error, float(name in unknown)) for name, error in errors.items()}
+def _errors_of_shoe_with_unknown_pressure(
+    errors: Mapping[str, float], by_place: float
+) -> dict[str, float]:
+    """The errors of a shoe, with 1 (unknown) as the error of its pressure and of its peak.
+
+    The unknown place of the force within the contact adds the relative error `by_place` to the
+    errors of torque and reaction.
+    """
+    return {
+        "pressure": 1.0,
+        "torque": errors["torque"] + by_place,
+        "peak": 1.0,
+        "reaction": errors["reaction"] + by_place,
+    }
 
 
 def _missing_fraction_of_peak_pressure(

@@ -13,10 +13,11 @@ from typing import NamedTuple, Protocol
 
 from drumlin.base.errors import AnswerLostToRoundOff, NoAnswer
 from drumlin.brake.brake import Brake
-from drumlin.fem.error_control.singular_points import (
+from drumlin.fem.error_control.short_contact import (
     SHORTEST_CONTACT_WITH_KNOWN_PRESSURE,
-    singular_points_of_each_shoe_shape,
+    response_with_ends_of_too_short_contacts,
 )
+from drumlin.fem.error_control.singular_points import singular_points_of_each_shoe_shape
 from drumlin.fem.hp.division import (
     UNRESOLVED_LENGTH_OVER_CONTACT_LENGTH,
     KindOfSingularPoint,
@@ -259,7 +260,9 @@ def solve_brake_on_finer_and_finer_mesh_levels(
             limited = replace(level, largest_column=min(level.largest_column, column_limit))
             model = replace(prepare(limited, points), rigid_limits=rigid_limits)
             try:
-                response = respond(model, brake, start=last)
+                response = response_with_ends_of_too_short_contacts(
+                    brake, respond(model, brake, start=last)
+                )
             except NoAnswer as refusal:
                 solved = None
                 if math.isinf(column_limit) and not isinstance(refusal, AnswerLostToRoundOff):

@@ -25,9 +25,13 @@ from drumlin.brake import clearance
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.components import Lining
 from drumlin.brake.friction import FrictionOverPressureCurve
+from drumlin.fem.error_control.short_contact import (
+    SHORTEST_CONTACT_WITH_KNOWN_PRESSURE,
+    TooShortContact,
+    contact_too_short_by_formula,
+)
 from drumlin.fem.hp.corner import logarithmic_pressures_at_pointed_gap_kinks
 from drumlin.fem.hp.division import (
-    SMALLEST_ELEMENT_SIZE_OVER_LINING_THICKNESS,
     UNRESOLVED_LENGTH_OVER_CONTACT_LENGTH,
     KindOfSingularPoint,
     SingularPoint,
@@ -56,14 +60,6 @@ BINARY_DIGITS_OF_ROUNDED_CONTACT_END = 20
 The digits count relative to the length of the contact: twenty binary digits are a millionth of it.
 With 36 digits all stored reference values are the same. With 10 digits the error of p rises from
 1e-4 to as much as 6e-4, because the elements then end beside the end of the contact.
-"""
-SHORTEST_CONTACT_WITH_KNOWN_PRESSURE = 1000 * SMALLEST_ELEMENT_SIZE_OVER_LINING_THICKNESS
-"""Length of a contact, in lining thicknesses, below which its pressure counts as unknown.
-
-An error of 1e-4 needs elements at the ends of the contact whose size is a thousandth of the
-contact's length, but round-off limits the size to about
-SMALLEST_ELEMENT_SIZE_OVER_LINING_THICKNESS. For a shorter contact the response states the error 1
-for the pressure.
 """
 
 
@@ -104,9 +100,7 @@ def singular_points_of_each_shoe_shape(
     first_alike = alike or equal_shapes(brake)
     for i, (shoe, first) in enumerate(zip(brake.shoes, first_alike, strict=True)):
         answer = None if response is None else response.shoes[i]
-        points_of_shoe = _singular_points_of_lining(
-            shoe, answer, brake.length_per_surface_coordinate, error
-        )
+        points_of_shoe = _singular_points_of_lining(brake, shoe, answer, error)
         curve = brake.friction_coefficient_curve_of_shoe(shoe)
         if answer is not None and answer.contact_arcs and len(curve.mu) > 1:
             points_of_shoe += _singular_points_at_kinks_of_friction(
@@ -117,27 +111,25 @@ def singular_points_of_each_shoe_shape(
 
 
 def _singular_points_of_lining(
-    shoe: Shoe,
-    answer: ShoeResponse | None,
-    length_per_surface_coordinate: float,
-    level_error: float,
+    brake: Brake, shoe: Shoe, answer: ShoeResponse | None, level_error: float
 ) -> list[SingularPoint]:
     """The singular points of the pressure on the lining of one shoe, in any order.
 
     Parameters
     ----------
-    shoe : the shoe
+    brake, shoe : the brake and the shoe
     answer : the earlier response of the shoe, or None
-    length_per_surface_coordinate : length per unit of the surface's coordinate [m/rad; 1 on a
-        plane]
     level_error : planned error of p on the next level
     """
     arcs = [] if answer is None else contact_arcs_merged_over_narrow_gaps(shoe, answer)
     points = _singular_points_at_steps_of_lining(shoe, answer, arcs)
     if answer is None:
         return points
+    too_short = contact_too_short_by_formula(brake, shoe, answer)
+    if too_short is not None:
+        return points + _singular_points_at_too_short_contact(brake, shoe, too_short)
     points += _singular_points_at_kinks_of_gap(
-        shoe, answer, arcs, length_per_surface_coordinate, level_error
+        shoe, answer, arcs, brake.length_per_surface_coordinate, level_error
     )
     # The ends of each contact arc are singular points. Their angles are rounded, and moved into the
     # lining if rounding has put them outside.
@@ -152,6 +144,22 @@ def _singular_points_of_lining(
         at = _rounded_angle_of_contact_end(opening.phi, opening.width)
         points.append(SingularPoint(at, opening.width, KindOfSingularPoint.END))
     return points
+
+
+def _singular_points_at_too_short_contact(
+    brake: Brake, shoe: Shoe, contact: TooShortContact
+) -> list[SingularPoint]:
+    """The singular points at a contact that is too short for elements: the place of its force.
+
+    Torque and forces need this place, at which columns end, but no pressure. The columns there are
+    as wide as at a kink of the gap. At a corner of the lining the list is empty, because columns
+    end there on every division.
+    """
+    column = SHORTEST_CONTACT_WITH_KNOWN_PRESSURE * shoe.lining.thickness / brake.size
+    if min(abs(contact.place - corner) for corner in shoe.arc) < column:
+        return []
+    start, end = shoe.arc
+    return [SingularPoint(contact.place, end - start, KindOfSingularPoint.KINK)]
 
 
 def _contact_arcs_in_mid_plane(shoe: Shoe, answer: ShoeResponse) -> list[list[float]]:

@@ -271,6 +271,10 @@ class ColumnSubstructureMadeWhenNeeded:
         return self.make()
 
 
+AnyColumnSubstructure = ColumnSubstructure | ColumnSubstructureMadeWhenNeeded
+"""A substructure of element columns, made already or when it is needed."""
+
+
 class _JoinOfNeighbours(NamedTuple):
     """Two neighbouring stretches of a row of columns that are joined, and the joined stretch.
 
@@ -284,7 +288,7 @@ class _JoinOfNeighbours(NamedTuple):
 
 
 def assemble_and_condense_row_of_element_columns(
-    pieces: Sequence[ColumnSubstructure | ColumnSubstructureMadeWhenNeeded],
+    pieces: Sequence[AnyColumnSubstructure],
     shared: int,
     extra: int = 0,
 ) -> ColumnSubstructure:
@@ -340,23 +344,20 @@ def _joins_in_depth_first_order(joins: list[_JoinOfNeighbours]) -> list[_JoinOfN
 
 
 class _SizeOfSubstructure(NamedTuple):
-    """The number of unknowns of a substructure, and the numbers on its left and right line."""
+    """The number of unknowns of a substructure, and the number on its right line."""
 
     unknowns: int
-    left: int
     right: int
 
     @classmethod
-    def size_of_column_substructure(
-        cls, piece: ColumnSubstructure | ColumnSubstructureMadeWhenNeeded
-    ) -> "_SizeOfSubstructure":
+    def size_of_column_substructure(cls, piece: AnyColumnSubstructure) -> "_SizeOfSubstructure":
         """The size of a substructure, which need not be computed yet."""
         unknowns = len(piece.K) if isinstance(piece, ColumnSubstructure) else piece.unknowns
-        return cls(unknowns, piece.left, piece.right)
+        return cls(unknowns, piece.right)
 
 
 def _order_of_joins_of_row(
-    row: Sequence[int], sizes: Sequence[_SizeOfSubstructure], shared: int, extra: int
+    columns: Sequence[int], sizes: Sequence[_SizeOfSubstructure], shared: int, extra: int
 ) -> list[_JoinOfNeighbours]:
     """The order in which the columns of a row are joined, each pair of columns once.
 
@@ -365,41 +366,39 @@ def _order_of_joins_of_row(
 
     Parameters
     ----------
-    row : (columns,) number of each column; equal columns have the same number
+    columns : (columns,) number of each column; equal columns have the same number
     sizes : (columns,) size of each column
     shared, extra : as in `assemble_and_condense_row_of_element_columns`
     """
     # The list `row` has the numbers of the stretches that are not joined yet. In each step two
-    # neighbours are replaced by one stretch.
-    row, size_of = list(row), dict(enumerate(sizes))
+    # neighbours are replaced by one stretch. A pair has the unknowns of both stretches without the
+    # line between them, on which both have the same unknowns.
+    row = list(columns)
+    unknowns, right = [size.unknowns for size in sizes], [size.right for size in sizes]
+    counts = [unknowns[i] + unknowns[j] - 2 * right[i] for i, j in pairwise(row)]
     joins: dict[tuple[int, int], _JoinOfNeighbours] = {}
-
-    def counts_of_unknowns_of_neighbours_if_joined(row: list[int]) -> list[int]:
-        """The number of unknowns that each pair of neighbours in the row would have if joined."""
-        return [
-            size_of[i].unknowns + size_of[j].unknowns - 2 * size_of[i].right
-            for i, j in pairwise(row)
-        ]
-
-    counts = counts_of_unknowns_of_neighbours_if_joined(row)
     while counts:
-        k = counts.index(min(counts))
+        fewest = min(counts)
+        k = counts.index(fewest)
         pair = row[k], row[k + 1]
         if pair not in joins:
-            number = len(sizes) + len(joins)
-            joins[pair] = _JoinOfNeighbours(*pair, number)
-            size_of[number] = _SizeOfSubstructure(
-                counts[k] - shared - extra, size_of[pair[0]].left, size_of[pair[1]].right
-            )
-        row[k : k + 2] = [joins[pair].joined]
-        # The numbers of unknowns change only for the pairs with the new substructure.
-        near = max(k - 1, 0)
-        counts[near : k + 2] = counts_of_unknowns_of_neighbours_if_joined(row[near : k + 2])
+            joins[pair] = _JoinOfNeighbours(*pair, len(unknowns))
+            unknowns.append(fewest - shared - extra)
+            right.append(right[pair[1]])
+        joined = joins[pair].joined
+        row[k : k + 2] = [joined]
+        # The numbers of unknowns change only for the pairs with the new stretch.
+        del counts[k]
+        if k > 0:
+            before = row[k - 1]
+            counts[k - 1] = unknowns[before] + unknowns[joined] - 2 * right[before]
+        if k < len(counts):
+            counts[k] = unknowns[joined] + unknowns[row[k + 1]] - 2 * right[joined]
     return list(joins.values())
 
 
 def eliminate_nodes_on_column_side(
-    piece: ColumnSubstructure, end: Floats | None = None, part: int = 0, *, right: bool = False
+    piece: AnyColumnSubstructure, end: Floats | None = None, part: int = 0, *, right: bool = False
 ) -> ColumnSubstructure:
     """The stiffness of joined columns without the unknowns on one side, which are eliminated.
 
@@ -412,6 +411,7 @@ def eliminate_nodes_on_column_side(
     part : number of the side's unknowns, the last ones, at which the body is attached
     right : True to eliminate the nodes on the right side, False for the left side
     """
+    piece = piece.made
     own = 0 if end is None else len(end) - part
     n, line = len(piece.K), piece.right if right else piece.left
     # The slices `rest` and `gone` are the remaining and the eliminated unknowns in the given

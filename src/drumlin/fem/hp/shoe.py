@@ -6,7 +6,7 @@ shoe on three groups of unknowns: the frame (the three rigid-body motions of the
 holds), the contact nodes, and the factors of the unit loads.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 from typing import NamedTuple
 
@@ -24,7 +24,10 @@ from drumlin.fem.hp.arc import (
     condensed_arc_element_stiffness,
 )
 from drumlin.fem.hp.columns import (
+    AnyColumnSubstructure,
     ColumnSubstructure,
+    ColumnSubstructureMadeWhenNeeded,
+    NumberingOfElementColumnUnknowns,
     assemble_and_condense_row_of_element_columns,
     condensed_element_column_stiffness,
     eliminate_nodes_on_column_side,
@@ -51,7 +54,7 @@ from drumlin.response.resultants import (
     shape_functions_and_derivatives_at_gauss_points,
 )
 
-STRAIGHT_BEAM_COLUMNS_PER_BATCH = 16
+STRAIGHT_BEAM_COLUMNS_PER_BATCH = 8
 """Number of element columns of a straight beam that are condensed together.
 
 More columns together take more memory. Fewer columns take more time, because each batch is a call
@@ -298,9 +301,9 @@ class _CondensedElementColumnsOfShoe(NamedTuple):
         numbers are 0 without a grip
     """
 
-    under: list[ColumnSubstructure]
-    before: list[ColumnSubstructure]
-    after: list[ColumnSubstructure]
+    under: list[AnyColumnSubstructure]
+    before: list[AnyColumnSubstructure]
+    after: list[AnyColumnSubstructure]
     grip: tuple[int, int]
 
 
@@ -398,7 +401,7 @@ def _condensed_hp_columns_of_shoe(
     for first, last in div.slots:
         in_slot[first:last] = True
     in_grip = (np.arange(under) >= a) & (np.arange(under) < b)
-    columns: dict[int, ColumnSubstructure] = {}
+    columns: dict[int, AnyColumnSubstructure] = {}
     for slot, held in ((False, False), (False, True), (True, False), (True, True)):
         where = np.flatnonzero((in_slot == slot) & (in_grip == held))
         made = _condensed_hp_columns_of_row(
@@ -412,7 +415,7 @@ def _condensed_hp_columns_of_shoe(
 
 def _condensed_hp_columns_of_row(
     whole: _ShoeDividedIntoHpElements, row: Ints, layer: int, *, contact: bool, held: bool
-) -> list[ColumnSubstructure]:
+) -> list[AnyColumnSubstructure]:
     """The condensed element columns of one row of a shoe, with the layers from number `layer` on.
 
     Parameters
@@ -432,31 +435,63 @@ def _condensed_hp_columns_of_row(
         div.degree, div.number_of_element_layers - layer, contact=contact, held=held
     )
     if whole.kinds.angular is None:
-        # In a straight beam all columns are of different kinds. They are condensed a few at a time,
-        # because the eliminated unknowns of all columns would fill the memory.
-        stiffness = []
-        for first in range(0, len(kinds), STRAIGHT_BEAM_COLUMNS_PER_BATCH):
-            along = whole.kinds.along[kinds[first : first + STRAIGHT_BEAM_COLUMNS_PER_BATCH]]
-            parts = _condensed_elements_of_straight_beam_shoe(whole, along, layer)
-            stiffness += list(condensed_element_column_stiffness(parts, unknowns))
-    else:
-        radii = whole.radius - whole.shoe.sign_internal_plus_external_minus * div.depths[layer:]
-        parts = condensed_arc_element_stiffness(
-            radii,
-            whole.kinds.angular[:, kinds],
-            whole.elasticity[layer:],
-            div.degree,
-            whole.radius if whole.shoe.is_on_plane else None,
-        )
-        stiffness = list(
-            condensed_arc_column_stiffness(parts, div.degree, contact=contact, held=held)
-        )
+        columns = _columns_of_straight_beam_made_in_batches(whole, kinds, layer, unknowns)
+        return [columns[kind] for kind in row.tolist()]
+    radii = whole.radius - whole.shoe.sign_internal_plus_external_minus * div.depths[layer:]
+    parts = condensed_arc_element_stiffness(
+        radii,
+        whole.kinds.angular[:, kinds],
+        whole.elasticity[layer:],
+        div.degree,
+        whole.radius if whole.shoe.is_on_plane else None,
+    )
+    stiffness = condensed_arc_column_stiffness(parts, div.degree, contact=contact, held=held)
     made = {}
     for kind, K in zip(kinds.tolist(), stiffness, strict=True):
         made[kind] = ColumnSubstructure(
             K, unknowns.number_of_side_unknowns, unknowns.number_of_side_unknowns
         )
     return [made[kind] for kind in row.tolist()]
+
+
+def _columns_of_straight_beam_made_in_batches(
+    whole: _ShoeDividedIntoHpElements,
+    kinds: Ints,
+    layer: int,
+    unknowns: NumberingOfElementColumnUnknowns,
+) -> dict[int, ColumnSubstructureMadeWhenNeeded]:
+    """The element columns of a straight beam by their kind, made a few at a time when needed.
+
+    In a straight beam all columns are of different kinds, which would fill the memory. A row is
+    joined from one end to the other, so that few of its columns are needed at a time. A column is
+    dropped after its use. If it is needed again, its batch is made again.
+
+    Parameters
+    ----------
+    whole : the shoe
+    kinds : (c,) indices of the kinds, in the order of the columns along the shoe
+    layer : index of the columns' first layer of elements; 0 is the layer at the lining's face
+    unknowns : the kept and the eliminated unknowns of a column
+    """
+    line = unknowns.number_of_side_unknowns
+    waiting: dict[int, Floats] = {}
+
+    def column_with_number(number: int) -> ColumnSubstructure:
+        """The column with a number in the list of kinds; others of its batch wait for their use."""
+        if number not in waiting:
+            first = number - number % STRAIGHT_BEAM_COLUMNS_PER_BATCH
+            along = whole.kinds.along[kinds[first : first + STRAIGHT_BEAM_COLUMNS_PER_BATCH]]
+            parts = _condensed_elements_of_straight_beam_shoe(whole, along, layer)
+            batch = condensed_element_column_stiffness(parts, unknowns)
+            waiting.update(enumerate(batch, first))
+        return ColumnSubstructure(waiting.pop(number), line, line)
+
+    return {
+        kind: ColumnSubstructureMadeWhenNeeded(
+            unknowns.number_of_kept_unknowns, line, line, partial(column_with_number, number)
+        )
+        for number, kind in enumerate(kinds.tolist())
+    }
 
 
 def _condensed_elements_of_straight_beam_shoe(
@@ -728,7 +763,7 @@ def condensed_shoe_corrected_for_round_off(
 
 
 def _contact_stiffness_of_lining_with_back_in_grip(
-    row: list[ColumnSubstructure],
+    row: list[AnyColumnSubstructure],
     div: ShoeElementDivision,
     left: Floats | None = None,
     right: Floats | None = None,
@@ -751,7 +786,7 @@ def _contact_stiffness_of_lining_with_back_in_grip(
 
 
 def _contact_stiffness_of_linings_on_rigid_body(
-    row: list[ColumnSubstructure], div: ShoeElementDivision
+    row: list[AnyColumnSubstructure], div: ShoeElementDivision
 ) -> Floats:
     """The stiffness of the contact nodes of one or several linings on a rigid body.
 
@@ -775,7 +810,7 @@ def _contact_stiffness_of_linings_on_rigid_body(
 
 
 def _contact_node_stiffness_from_element_columns(
-    columns: list[ColumnSubstructure], div: ShoeElementDivision
+    columns: list[AnyColumnSubstructure], div: ShoeElementDivision
 ) -> Floats:
     """The stiffness of all contact nodes, assembled from the columns under linings and in slots.
 
@@ -797,8 +832,8 @@ def _contact_node_stiffness_from_element_columns(
             own[0] = eliminate_nodes_on_column_side(own[0], before.K, before.right)
         if k < len(div.slots):
             slot = assemble_and_condense_row_of_element_columns(columns[slice(*div.slots[k])], 0)
-            own[-1] = eliminate_nodes_on_column_side(own[-1], slot.K, slot.left, right=True)
-            own[-1] = own[-1]._replace(right=slot.right)
+            last_column = eliminate_nodes_on_column_side(own[-1], slot.K, slot.left, right=True)
+            own[-1] = last_column._replace(right=slot.right)
         before = assemble_and_condense_row_of_element_columns(own, 2)
     assert before is not None
     return before.K
@@ -815,10 +850,10 @@ def _contact_stiffness_of_shoe_with_back_in_grip(
     # At each end of the grip the node at the shoe's back is fixed. The neighbouring column outside
     # the grip loses the two unknowns of this node, the last ones on its side.
     if first > 0:
-        K, left, right = row[first - 1]
+        K, left, right = row[first - 1].made
         row[first - 1] = ColumnSubstructure(K[:-2, :-2], left, right - 2)
     if last < len(row):
-        K, left, right = row[last]
+        K, left, right = row[last].made
         line = left - 2
         free = np.delete(np.arange(len(K)), [line, line + 1])
         row[last] = ColumnSubstructure(K[free[:, None], free], line, right)
@@ -840,7 +875,7 @@ def _contact_stiffness_of_shoe_with_back_in_grip(
 
 
 def _join_first_lining_column_with_body_at_hinge(
-    first: ColumnSubstructure, before: list[ColumnSubstructure], held: Floats
+    first: AnyColumnSubstructure, before: list[AnyColumnSubstructure], held: Floats
 ) -> ColumnSubstructure:
     """The first element column under the lining, joined with the body between lining and hinge.
 
@@ -862,7 +897,7 @@ def _join_first_lining_column_with_body_at_hinge(
 
 
 def condensed_stiffness_of_body_beyond_lining_end(
-    after: list[ColumnSubstructure], load: Floats
+    after: Sequence[AnyColumnSubstructure], load: Floats
 ) -> Floats:
     """The condensed stiffness of the part of a shoe's body behind the lining, with its unit loads.
 
@@ -880,7 +915,7 @@ def condensed_stiffness_of_body_beyond_lining_end(
 
 
 def _constrain_element_column_side_to_hinge(
-    piece: ColumnSubstructure, held: Floats
+    piece: AnyColumnSubstructure, held: Floats
 ) -> ColumnSubstructure:
     """The element column next to the hinge, with its nodes on the hinge face tied to the frame.
 
@@ -889,6 +924,7 @@ def _constrain_element_column_side_to_hinge(
     the rigid-body modes `held` (n, 3). The unknowns of the result are [lining part of the left side
     | frame | other unknowns].
     """
+    piece = piece.made
     left = piece.left - len(held)
     at, frame = slice(left, piece.left), slice(left, left + DEGREES_OF_FREEDOM_OF_BODY_FRAME)
     rest = np.arange(len(piece.K) - len(held))

@@ -531,6 +531,9 @@ def _mesh_condense_and_couple_shoe(
             parts.K, parts.constraints, parts.loads, keep_factors=raised.keep_factors
         )
     divided = ShoeBodyElements(parts.mesh, parts.basis, parts.line, parts.mesh_read_from_file)
+    application_point = parts.application_point_of_actuation_loads
+    # The stiffness of all nodes is large, and the condensed body does without it.
+    del parts
     friction = brake.friction > 0
     with add_elapsed_time_of_block_to_phase(seconds, "coupling"):
         return make_shoe_substructure(
@@ -538,7 +541,7 @@ def _mesh_condense_and_couple_shoe(
             shoe,
             divided,
             condensed,
-            parts.application_point_of_actuation_loads,
+            application_point,
             friction=friction,
         )
 

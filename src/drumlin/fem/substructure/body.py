@@ -11,6 +11,7 @@ the block of S on c, and Y = L_cc^-1 G is called the half flexibility. The force
 frame, with L_fc = S_fc L_cc^-T and the block S_fc of S on f and c, keep the frame in its place.
 """
 
+import copy
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -93,8 +94,9 @@ class UncondensedBodySystem(NamedTuple):
         cls, K: Any, constraints: MultiPointConstraints, loads: Floats
     ) -> "UncondensedBodySystem":
         """The equations of a body from the stiffness K (2 nodes, 2 nodes) of all its nodes."""
-        A = constraints.matrix.T @ K @ constraints.matrix
-        return cls(A.tocsc(), constraints, loads)
+        # All factors are in CSC format, because products of other formats copy the large matrix K.
+        A = constraints.matrix.T.tocsc() @ K @ constraints.matrix
+        return cls(A, constraints, loads)
 
     def equations_of_body_before_condensation(self) -> "UncondensedBodySystem":
         """Return the system itself; the method exists because bodies of all kinds have it."""
@@ -699,7 +701,9 @@ def _shape_gradients_and_quadrature_areas(basis: Any, *, precise: bool = False) 
     """
     if precise:
         return _shape_gradients_and_quadrature_areas_in_long_double(basis)
-    return np.array([psi[0].grad for psi in basis.basis]), basis.dx
+    # A basis keeps its gradients, which are large and needed once. The copy is dropped with them.
+    own = copy.copy(basis)
+    return np.array([psi[0].grad for psi in own.basis]), own.dx
 
 
 def _shape_gradients_and_quadrature_areas_in_long_double(basis: Any) -> tuple[Any, Any]:

@@ -323,11 +323,11 @@ def _lower_triangle_of_reordered_matrix(A: Any, order: Ints) -> Any:
 
     position = np.empty(len(order), dtype=np.int32)
     position[order] = np.arange(len(order), dtype=np.int32)
-    A = A.tocoo()
-    rows, columns = position[A.row], position[A.col]
+    A = A.tocsc()
+    rows, columns = position[A.indices], np.repeat(position, np.diff(A.indptr))
     is_lower = rows >= columns
-    entries = A.data[is_lower], (rows[is_lower], columns[is_lower])
-    lower = sp.csc_matrix(entries, shape=A.shape)
+    rows, columns = rows[is_lower], columns[is_lower]
+    lower = sp.csc_matrix((A.data[is_lower], (rows, columns)), shape=A.shape)
     lower.sort_indices()
     return lower
 

@@ -18,6 +18,7 @@ round-off.
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -70,6 +71,23 @@ RIM_LOAD_NAME = "rim"
 """Name of the unit loads on a free ring's far edge, which balance the forces of the linings."""
 
 
+class RingFlexibility(NamedTuple):
+    """The flexibility of the drum's ring: weighted gaps (n, n) that it opens at n contact nodes.
+
+    `pressed` are the gaps per nodal pressure, and `dragged` the gaps per nodal friction traction.
+    """
+
+    pressed: Floats
+    dragged: Floats
+
+    @classmethod
+    def flexibility_from_half_flexibilities(
+        cls, pressed: Floats, dragged: Floats
+    ) -> "RingFlexibility":
+        """The flexibility from half flexibilities (m, n) under pressures and under friction."""
+        return cls(pressed.T @ pressed, pressed.T @ dragged)
+
+
 @dataclass(frozen=True)
 class RingSubstructure:
     """The elastic drum ring, condensed to its nodes under the linings, in the brake's frame.
@@ -100,6 +118,13 @@ class RingSubstructure:
     coupling_matrices: tuple[tuple[Floats, Floats], ...]
     held: Ints
     rim_balance: "FreeRingForceBalance | None"
+
+    @cached_property
+    def flexibility_under_all_linings(self) -> RingFlexibility:
+        """The flexibility of the ring under the contact nodes of all shoes, one after the other."""
+        return RingFlexibility.flexibility_from_half_flexibilities(
+            np.hstack(self.normal_half_flexibilities), np.hstack(self.friction_half_flexibilities)
+        )
 
     def displacements_of_ring_nodes(
         self, pressures: list[Floats], dragging: list[Floats], drags: list[float]
