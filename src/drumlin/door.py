@@ -885,7 +885,9 @@ class SelfLockingFrictionOfGroup(NamedTuple):
         is above pi/2: above pi/2 a right-angled corner of a lining may dig into the drum, and
         mu_lock falls with the logarithm of the element size
     pressed_at_point : names of the shoes whose contact shrinks to a point as friction rises to
-        mu_lock. `bounded` is then False, while the contact forces and the torque stay finite
+        mu_lock. `bounded` is then False, while the contact forces and the torque stay finite. They
+        are not sought if friction depends on the pressure or a spring has a rate; `bounded` then
+        holds on the elements of the solve
     """
 
     shoes: tuple[str, ...]
