@@ -613,6 +613,14 @@ def test_no_brake_is_turned_by_more_than_a_turn_as_it_holds(brake, rotation):
         drumlin.hold(drumlin.example("rail_clamp"), elements=6, rotation=1.1)
 
 
+def test_linings_that_slip_back_at_rest_and_stick_then_slip_from_their_last_state_on():
+    """On rough abutments the linings slip back as the forces come on, before the drum turns."""
+    run = drumlin.hold(drumlin.example("duplex"), elements=8, steps=4)
+    assert run.states[0].sticking == 0 < run.states[3].sticking
+    end = np.degrees(run.states[4].rotation)
+    assert run.lines()[1] == f"the whole contact slips from rotation {end:.4g} deg on"
+
+
 def test_a_turned_brake_has_the_moment_of_full_slip(brake):
     turned = drumlin.hold(brake, elements=6, steps=1, rotation=2 * math.pi)
     assert turned.states[1].torque == pytest.approx(drumlin.solve(brake, elements=6).torque, 1e-12)

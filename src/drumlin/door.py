@@ -11,6 +11,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import wraps
+from itertools import takewhile
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, ParamSpec, TypeVar
 
@@ -722,7 +723,10 @@ class HoldingRun(NamedTuple):
             f"{100 * last.sticking:.0f} % still stick"
         )
         if last.sticking == 0:
-            first = next(state for state in self.states if state.sticking == 0)
+            # On rough abutments the linings may slip back as the forces come on, and stick as the
+            # drum begins to turn.
+            count = sum(1 for _ in takewhile(lambda state: state.sticking == 0, self.states[::-1]))
+            first = self.states[-count]
             slips = f"the whole contact slips from {rotation_or_sliding_distance_as_text(first)} on"
         moment = f"{abs(held.torque):.6g} {surface.unit_of_torque_or_brake_force}"
         return [f"holds up to {moment}, at {rotation_or_sliding_distance_as_text(held)}", slips]
