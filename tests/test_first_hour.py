@@ -547,6 +547,13 @@ WRONG_TYPES = {
     "quantity": ("wear", {"torque": [1.0]}, "torque = [1.0]: must be a number, a text or None"),
     "name": ("solve", {"model": None}, "model = None: unknown model (did you mean 'cosine'?); al"),
     "allowed": ("solve", {"kind": 5}, "kind = 5: unknown kind of mesh; allowed: quad2, quad1,"),
+    "names": ("solve", {"model": ["sine"]}, "model = ['sine']: must be a text"),
+    "several": (
+        "solve",
+        {"worn_in": np.array([True, False])},
+        "worn_in = array([ True, False]): m",
+    ),
+    "no repeats": ("compare", {"repeats": 0}, "repeats = 0: must be at least 1"),
 }
 
 
@@ -560,8 +567,41 @@ def test_a_value_of_another_type_is_refused_in_a_line(brake, wrong):
 def test_numbers_of_numpy_are_numbers(brake):
     options = {"elements": np.int64(6), "penalty": np.float64(64), "worn_in": np.bool_(False)}
     assert drumlin.solve(brake, **options) == drumlin.solve(brake, elements=6, penalty=64.0)
-    # An integer serves as a float, and a text as a path.
+    # An integer serves as a float, and so does an array without dimensions.
     assert drumlin.solve(brake, elements=6, penalty=64) == drumlin.solve(brake, **options)
+    assert drumlin.solve(brake, **options | {"penalty": np.array(64.0)}).torque == pytest.approx(
+        drumlin.solve(brake, **options).torque, rel=1e-15
+    )
+
+
+def test_an_object_with_a_path_is_a_path(brake, tmp_path):
+    class PathOfOtherKind:
+        """An object that is no `pathlib.Path` and has a path."""
+
+        def __fspath__(self):
+            """The path of a file in the folder of this test."""
+            return str(tmp_path / "other.toml")
+
+    drumlin.write_brake(brake, PathOfOtherKind())
+    assert drumlin.read_brake(tmp_path / "other.toml") == brake
+
+
+@pytest.mark.parametrize("number", [np.int64(3000), np.float32(3000), 3000])
+def test_a_number_of_numpy_is_a_quantity_of_a_brake(brake, number):
+    varied = drumlin.vary(brake, {"shoe.actuation.force": number})
+    assert [shoe.actuation.force for shoe in varied.shoes] == [3000.0, 3000.0]
+    with pytest.raises(drumlin.BadInput, match="must be a force such as"):
+        drumlin.vary(brake, {"shoe.actuation.force": np.bool_(True)})
+
+
+@pytest.mark.parametrize("key", ["spring.preload", "shoe.force.force", "link.from"])
+def test_a_key_of_parts_that_the_brake_has_none_of_is_refused(brake, key):
+    """The key means each spring, force or strut. Without one, nothing would be set."""
+    with pytest.raises(drumlin.BadInput, match=f"^{key}: the brake has no such part$"):
+        drumlin.vary(brake, {key: 1.0})
+    spring = {"shoe": "left", "point": {"x": -0.05, "y": 0.1}, "end": {"x": 0.0, "y": 0.1}}
+    sprung = drumlin.vary(brake, {"spring": [spring | {"preload": 5.0}]})
+    assert drumlin.vary(sprung, {"spring.preload": 7.0}).springs[0].preload == 7.0
 
 
 @pytest.mark.parametrize("rotation", ["361 deg", -7.0, math.nan])
@@ -571,6 +611,14 @@ def test_no_brake_is_turned_by_more_than_a_turn_as_it_holds(brake, rotation):
         drumlin.hold(brake, elements=6, rotation=rotation)
     with pytest.raises(drumlin.BadInput, match=r"^rotation = 1.1: must be at most 1000 mm to"):
         drumlin.hold(drumlin.example("rail_clamp"), elements=6, rotation=1.1)
+
+
+def test_linings_that_slip_back_at_rest_and_stick_then_slip_from_their_last_state_on():
+    """On rough abutments the linings slip back as the forces come on, before the drum turns."""
+    run = drumlin.hold(drumlin.example("duplex"), elements=8, steps=4)
+    assert run.states[0].sticking == 0 < run.states[3].sticking
+    end = np.degrees(run.states[4].rotation)
+    assert run.lines()[1] == f"the whole contact slips from rotation {end:.4g} deg on"
 
 
 def test_a_turned_brake_has_the_moment_of_full_slip(brake):

@@ -29,6 +29,7 @@ from drumlin.fem.analysis.slope_by_key import exact_torque_slope_by_key
 from drumlin.fem.error_control.levels import REFINEMENT_LEVELS_FROM_COARSE_TO_FINE
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.solve import solve
+from drumlin.laws.rigid import UNUSED_KEYS_LINE_START
 from drumlin.lining_wear.archard import (
     WearLaw,
     solve_steady_wear,
@@ -539,6 +540,17 @@ def test_slopes_on_anchors_are_those_of_differences(spin, sprung):
         by_preload = by_difference("spring[0].preload", 100.0, 0.1)
         assert spring.preload == pytest.approx(by_preload, rel=1e-7)
         assert spring.rate == pytest.approx(by_difference("spring[0].rate", 1e6, 1e2), rel=1e-7)
+
+
+def test_a_law_names_the_rate_of_a_spring_among_the_keys_that_it_does_not_use():
+    """Nothing moves in a law, so that a spring pulls with its preload whatever its rate."""
+    constant, sprung = (
+        drumlin.solve(two_shoes(True, spring=[PULL | {"rate": rate}]), "sine")
+        for rate in (0.0, 1e6)
+    )
+    assert sprung.torque == constant.torque
+    assert sprung.left_out[-1] == f"{UNUSED_KEYS_LINE_START}shoe.body, spring.rate"
+    assert constant.left_out[-1] == f"{UNUSED_KEYS_LINE_START}shoe.body"
 
 
 # Springs with a rate in sensitivity.

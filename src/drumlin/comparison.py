@@ -16,7 +16,7 @@ from typing import Any, Generic, NamedTuple, TypeVar
 
 import numpy as np
 
-from drumlin.base.errors import NoAnswer
+from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.base.files import spreadsheet_cell_safe_from_being_run_as_formula
 from drumlin.base.shown_tables import html_table_with_caption, text_lines_of_aligned_columns
 from drumlin.base.texts import number_as_text
@@ -440,6 +440,8 @@ def compare(
     BadInput
         for an unknown model or an option out of range
     """
+    if repeats < 1:
+        raise BadInput(f"repeats = {repeats}: must be at least 1")
     outcomes = []
     named = ("solid",) if solid else models or ()
     for name in models or ():

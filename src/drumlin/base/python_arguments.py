@@ -1,8 +1,8 @@
 """Check the types of arguments that a user passes to the public functions in Python."""
 
 import numbers
-from collections.abc import Callable, Sequence
-from pathlib import PurePath
+import os
+from collections.abc import Callable, Hashable, Sequence
 
 from drumlin.base.errors import BadInput
 from drumlin.base.texts import value_as_text
@@ -21,7 +21,8 @@ WORDS_FOR_ANNOTATED_TYPES = {
 ARGUMENTS_THAT_LIST_THEIR_ALLOWED_TEXTS = ("model", "kind", "name")
 """Names of arguments for which the functions themselves refuse a value that is no text.
 
-Their error message lists the allowed texts, and helps more than a message on the type.
+Their error message lists the allowed texts, and helps more than a message on the type. They look
+the value up in a table, for which it must have a hash value.
 """
 
 
@@ -37,7 +38,9 @@ def require_argument_of_annotated_type(name: str, value: object, annotation: str
     annotation : its annotation as text, such as "int | None"
     """
     types = annotation.split(" | ")
-    if name in ARGUMENTS_THAT_LIST_THEIR_ALLOWED_TEXTS or set(types) - set(_TESTS_OF_TYPES):
+    if set(types) - set(_TESTS_OF_TYPES):
+        return
+    if name in ARGUMENTS_THAT_LIST_THEIR_ALLOWED_TEXTS and isinstance(value, Hashable):
         return
     if not any(_TESTS_OF_TYPES[word](value) for word in types):
         *others, last = [WORDS_FOR_ANNOTATED_TYPES[word] for word in types]
@@ -45,15 +48,26 @@ def require_argument_of_annotated_type(name: str, value: object, annotation: str
         raise BadInput(f"{name} = {value_as_text(value)}: must be {allowed}")
 
 
+def _kind_of_numpy_scalar(value: object) -> str:
+    """The letter of numpy for the kind of a scalar or of an array without dimensions.
+
+    The letter is "b" for a bool, "i" or "u" for an integer and "f" for a float. The result is ""
+    for other arrays, and for values that are not of numpy.
+    """
+    # numpy is not imported for this test, because `import drumlin` must be fast.
+    is_scalar = getattr(value, "shape", None) == ()
+    return str(getattr(getattr(value, "dtype", None), "kind", "")) if is_scalar else ""
+
+
 def _is_bool(value: object) -> bool:
     """Whether the value is True or False, of Python or of numpy."""
-    # numpy is not imported for this test, because `import drumlin` must be fast.
-    return isinstance(value, bool) or str(getattr(value, "dtype", "")) == "bool"
+    return isinstance(value, bool) or _kind_of_numpy_scalar(value) == "b"
 
 
 def _is_number_but_no_bool(value: object) -> bool:
     """Whether the value is a real number, of Python or of numpy; True and False are none."""
-    return isinstance(value, numbers.Real) and not _is_bool(value)
+    is_real = isinstance(value, numbers.Real) or _kind_of_numpy_scalar(value) in ("i", "u", "f")
+    return is_real and not _is_bool(value)
 
 
 def _is_whole_number_but_no_bool(value: object) -> bool:
@@ -72,7 +86,7 @@ _TESTS_OF_TYPES: dict[str, Callable[[object], bool]] = {
     "float": _is_number_but_no_bool,
     "bool": _is_bool,
     "str": lambda value: isinstance(value, str),
-    "Path": lambda value: isinstance(value, PurePath),
+    "Path": lambda value: isinstance(value, os.PathLike),
     "Sequence[str]": _is_list_of_texts,
     "None": lambda value: value is None,
 }

@@ -227,7 +227,8 @@ def vary(brake: BrakePartTypeVariable, changes: Mapping[str, Any]) -> BrakePartT
     data = brake.model_dump(by_alias=True)
     for key, value in changes.items():
         _refuse_key_without_its_beginning(brake, key)
-        _set_value_of_key_in_nested_data(data, _split_dotted_key(key), value, key)
+        if not _set_value_of_key_in_nested_data(data, _split_dotted_key(key), value, key):
+            raise BadInput(f"{key}: the brake has no such part")
     varied = make_validated_brake_part(type(brake), data)
     for key in changes:
         if _split_dotted_key(key)[-1] == "force":
@@ -479,8 +480,11 @@ def _is_key_word_an_index(step: str) -> bool:
     return step.isascii() and step.isdigit() and len(step) < 9
 
 
-def _set_value_of_key_in_nested_data(data: Any, steps: list[str], value: Any, key: str) -> None:
-    """Set a value in nested data, in place. Raises BadInput for an unknown key.
+def _set_value_of_key_in_nested_data(data: Any, steps: list[str], value: Any, key: str) -> bool:
+    """Set a value in nested data, in place, and return whether any value was set.
+
+    No value is set if the key means all entries of a list without entries. Raises BadInput for an
+    unknown key.
 
     Parameters
     ----------
@@ -503,19 +507,21 @@ def _set_value_of_key_in_nested_data(data: Any, steps: list[str], value: Any, ke
             targets, rest_of = named, rest
         else:
             targets, rest_of = list(data), steps
-        for target in targets:
-            _set_value_of_key_in_nested_data(target, rest_of, value, key)
-    elif not isinstance(data, dict):
+        were_set = [
+            _set_value_of_key_in_nested_data(target, rest_of, value, key) for target in targets
+        ]
+        return any(were_set)
+    if not isinstance(data, dict):
         raise BadInput(f"{key}: {head!r} has nothing to be set in")
     # If more names follow, the value belongs into the table with the key `head`.
-    elif rest:
+    if rest:
         if head not in data:
             raise BadInput(f"{key}: unknown key {head!r}; allowed: {', '.join(data)}")
-        _set_value_of_key_in_nested_data(data[head], rest, value, key)
-    else:
-        _convert_point_data_to_coordinate_system_of_key(data, head)
-        # The value is copied, because a later change may set a key within it.
-        data[head] = deepcopy(value)
+        return _set_value_of_key_in_nested_data(data[head], rest, value, key)
+    _convert_point_data_to_coordinate_system_of_key(data, head)
+    # The value is copied, because a later change may set a key within it.
+    data[head] = deepcopy(value)
+    return True
 
 
 def _convert_point_data_to_coordinate_system_of_key(data: dict[str, Any], key: str) -> None:

@@ -5,8 +5,9 @@ All other modules of drumlin work with numbers in m, N, Pa and rad.
 
 import functools
 import math
+import numbers
 import re
-from typing import Any
+from typing import Any, cast
 
 from drumlin.base.errors import BadInput
 from drumlin.base.texts import MAX_CHARACTERS_OF_QUANTITY_TEXT
@@ -241,7 +242,7 @@ def quantity_in_si(value: object, si: str, *, unit_required: bool) -> float:
     """
     if isinstance(value, str):
         number = _quantity_text_in_si(value, si)
-    elif isinstance(value, bool) or not isinstance(value, int | float):
+    elif isinstance(value, bool) or not isinstance(value, numbers.Real):
         raise ValueError(
             f"must be {NAME_OF_QUANTITY_BY_SI_UNIT[si]} such as "
             f"{EXAMPLE_OF_QUANTITY_BY_SI_UNIT[si]!r}"
@@ -252,7 +253,8 @@ def quantity_in_si(value: object, si: str, *, unit_required: bool) -> float:
             f"{EXAMPLE_OF_QUANTITY_BY_SI_UNIT[si]!r}"
         )
     else:
-        number = value
+        # Real numbers of all types, as of numpy, compare as floats do.
+        number = cast("float", value)
     # For nan the comparison is false, so that nan is refused. Python compares integers of any size
     # exactly.
     if not abs(number) <= LARGEST_ALLOWED_NUMBER_IN_SI:

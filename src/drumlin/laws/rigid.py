@@ -653,6 +653,8 @@ def _given_keys_that_laws_do_not_use(brake: Brake) -> list[str]:
             unlike = {f"lining.misfit.{key}": True for key in misfit}
             of_shoe |= {"lining.clearance": part.clearance, **unlike}
             parts |= {f"shoe.{name}": value for name, value in of_shoe.items() if value}
+    # Nothing moves in the laws, so that a spring pulls with its preload.
+    parts["spring.rate"] = any(spring.rate for spring in brake.springs)
     return [key for key, value in parts.items() if value]
 
 
