@@ -147,8 +147,8 @@ def _singular_points_of_lining(
     points += _singular_points_at_kinks_of_gap(
         shoe, answer, arcs, length_per_surface_coordinate, level_error
     )
-    # The ends of each contact arc are singular points. In a shoe with a width an end may move across
-    # the width. If all ends hardly move, the ends in the mid-plane are singular points as well.
+    # The ends of each contact arc are singular points. In a shoe with a width an end may move
+    # across the width. If all ends hardly move, the ends in the mid-plane are singular points, too.
     for arc_start, arc_end in arcs:
         inner = _smallest_extent_of_contact_across_width(shoe, answer, (arc_start, arc_end))
         points += _singular_points_at_ends_of_contact(shoe, (arc_start, arc_end), inner)

@@ -82,8 +82,8 @@ class CacheOfCondensedBodies:
 
     A body depends on its key alone. `room` [bytes] limits the memory of all bodies together. If
     they need more, the cache drops the body that was used longest ago; it never drops the body that
-    was used last, unless the room is 0. functools.lru_cache cannot be used instead, since it counts entries and not
-    bytes.
+    was used last, unless the room is 0. functools.lru_cache cannot be used instead, since it counts
+    entries and not bytes.
     """
 
     def __init__(self, room: int = MOST_BYTES_OF_CACHED_BODIES) -> None:
