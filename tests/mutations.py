@@ -64,6 +64,10 @@ POWER_OF_CORNER = f"{CORNER}::test_the_power_of_a_corner_makes_p_many_times_more
 ON_COLUMNS = "tests/test_hp.py"
 STATED = "tests/test_stated_true.py"
 BREAKS = "tests/test_width_breaks.py"
+MOVING_ENDS = (
+    "tests/test_width_ladder.py"
+    "::test_the_first_level_resolves_contact_ends_that_move_across_the_width"
+)
 FITTED_WIDTHS = "tests/test_width_calibration.py::test_the_errors_that_were_observed_are_stated"
 
 TUNED: dict[str, dict[str, Guard]] = {
@@ -154,6 +158,7 @@ TUNED: dict[str, dict[str, Guard]] = {
                 "::test_a_level_that_is_solved_alone_finds_the_ends_of_a_short_contact_for_its_pressure",
             ),
         ),
+        "COLUMNS_PER_DEGREE_OVER_MOVING_CONTACT_END": Guard("down", (MOVING_ENDS,), slow=True),
         "BEAM_ERROR_OVER_BLOCK_ERROR": Guard(
             "up",
             ("tests/test_hp.py::test_thick_layers_of_a_beam_change_p_and_torque_less_than_errors",),
@@ -187,6 +192,8 @@ TUNED: dict[str, dict[str, Guard]] = {
         "NEGLIGIBLE_PRESSURE_ERROR_DUE_TO_GAP_KINKS": Guard(
             "down", (f"{ON_COLUMNS}::test_a_table_of_many_clearances_is_a_curve",)
         ),
+        # With a shorter path more brakes get columns that they do not need.
+        "SHORTEST_PATH_OF_CONTACT_END": Guard("up", (MOVING_ENDS,), slow=True),
     },
     "fem/preparation/load_places.py": {
         "FORCE_SPREAD_RELATIVE_TO_BODY_THICKNESS": Guard(

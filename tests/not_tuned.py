@@ -113,11 +113,13 @@ NOT_TUNED: dict[str, dict[str, str]] = {
         "lining beside its web",
         "SECTION_ERROR_SHARE_OF_TOLERANCE": "half of a tolerance for each of two parts of "
         "the error",
-        "NUMBER_OF_LEVELS_FOR_SECTION_ERROR_ESTIMATE": "bound of the work of one solve; the "
+        "MOST_LEVELS_FOR_SECTION_ERROR_ESTIMATE": "bound of the work of one solve; the "
         "errors that remain are stated",
+        "LEAST_LEVELS_FOR_SECTION_ERROR_ESTIMATE": DEFINITION,
         "MOST_UNKNOWNS_FOR_FURTHER_SECTION_LEVEL": "bound of the work of one solve; the "
         "errors that remain are stated",
         "LARGEST_SOLID": MEMORY,
+        "MOST_UNKNOWNS_OF_KEPT_MODEL": MEMORY,
         "LARGEST_SOLID_OF_COMPARED_STEPS": MEMORY,
         "LARGEST_FIRST_PIECE": "half: most of a lining has all functions of each degree",
         "NEXT_DEGREE_FACTORS": "covers the brakes of an experiment that takes too long for a test",

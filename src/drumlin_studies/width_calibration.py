@@ -38,9 +38,10 @@ from drumlin.fem.width.functions import (
 )
 from drumlin.fem.width.ladder import (
     ASSUMED_FALL_OF_ERROR_IN_TWO_STEPS,
+    MOST_LEVELS_FOR_SECTION_ERROR_ESTIMATE,
     NUMBER_OF_COMPARED_HIGHER_WIDTH_DEGREES,
-    NUMBER_OF_LEVELS_FOR_SECTION_ERROR_ESTIMATE,
     PressureAndForceErrorFactors,
+    RelativeErrorsOfSolidModel,
     SafetyFactorsOfSolidErrors,
     error_divided_by_distance_to_next_degrees,
     error_factors_of_steps,
@@ -104,13 +105,14 @@ MOST_UNKNOWNS_OF_TRUTH_IN_FIT_TO_STEPS = 100_000
 A truth with 100 000 unknowns takes 30 s and 2 GB.
 """
 SEEDS_FOR_FIT_TO_ERRORS_OF_SECTION_MESH: dict[str, Sequence[int]] = {
+    "free": range(1000, 1021),
     "built": (3100, 3102, 3104, 3105, 3106, 3108, 3109, 3110, 3111, 3117),
 }
 """Seeds of the brakes to which the safety factors for errors of the mesh in the section (the plane
 of the drum) are fitted.
 
-The keys are kinds in `solid_error.FUNCTIONS_THAT_DRAW_BRAKES_BY_SOLID_KIND`. The brakes are few,
-because the solve of a brake on the second level of the section takes up to 110 s.
+The keys are kinds in `solid_error.FUNCTIONS_THAT_DRAW_BRAKES_BY_SOLID_KIND`. The "built" brakes are
+few, because such a brake takes up to 22 s.
 """
 DEGREES_ACROSS_WIDTH_IN_FIT = (2, 3, 4, 5)
 """Degrees across the width to whose errors the safety factors are fitted."""
@@ -368,32 +370,41 @@ def error_rows_of_coarsest_cross_section_mesh(
 ) -> list[EstimatedAndTrueErrorOfSolidShoe]:
     """Rows with the estimated and true errors due to the coarsest mesh in the section.
 
-    The errors are distances between the answers on the first two levels of this mesh. The estimate
-    has the degree `ladder.WIDTH_DEGREE_FOR_HP_ELEMENT_ERROR_ESTIMATE` across the width, and the
-    true error the degree DEGREE_ACROSS_WIDTH_FOR_TRUE_SECTION_ERROR. `plane` is the response by
-    plane stress.
+    A solve estimates the error from two or from three levels of this mesh. The rows have the
+    smaller one of both estimates, with the degree
+    `ladder.WIDTH_DEGREE_FOR_HP_ELEMENT_ERROR_ESTIMATE` across the width. The true error is the
+    distance between the answers on the first two levels, with the degree
+    DEGREE_ACROSS_WIDTH_FOR_TRUE_SECTION_ERROR. `plane` is the response by plane stress.
     """
-    levels, loose = (
-        REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[:NUMBER_OF_LEVELS_FOR_SECTION_ERROR_ESTIMATE],
-        TolerancesOfPressureAndTorque(1.0, 1.0),
-    )
-    cache = CacheOfCondensedBodies()
-    climb = refine_cross_section_mesh_until_tolerance_is_met(
-        brake, loose, solve_prepared_model, cache, levels, plane
-    )
-    section = errors_of_solved_cross_section_meshes(
-        brake, climb, PressureAndForceErrorFactors(1.0, 1.0)
-    )[0]
+    levels = REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[:MOST_LEVELS_FOR_SECTION_ERROR_ESTIMATE]
+    cache = CacheOfCondensedBodies(room=0)
+
+    def estimated_errors_of_first_level(tolerance: float) -> RelativeErrorsOfSolidModel:
+        """The estimate from as many levels as a solve to the relative `tolerance` needs."""
+        climb = refine_cross_section_mesh_until_tolerance_is_met(
+            brake,
+            TolerancesOfPressureAndTorque(tolerance, tolerance),
+            solve_prepared_model,
+            cache,
+            levels,
+            plane,
+        )
+        return errors_of_solved_cross_section_meshes(
+            brake, climb, PressureAndForceErrorFactors(1.0, 1.0)
+        )[0].error
+
+    # A loose tolerance is met on the second level, and a tight one on no level.
+    estimates = [estimated_errors_of_first_level(tolerance) for tolerance in (1.0, 1e-9)]
     first, second = (
         solve_cross_section_mesh_with_width_degree(
             brake, level, DEGREE_ACROSS_WIDTH_FOR_TRUE_SECTION_ERROR, plane, cache=cache
         ).response
-        for level in levels
+        for level in levels[:2]
     )
     true = relative_distance_of_plane_stress_from_width_solution(brake, first, second).brake
     rows = []
     for name in LEAST_TRUE_ERROR_IN_FIT_BY_QUANTITY:
-        stated = section.error.largest_error_by_name(name)
+        stated = min(estimate.largest_error_by_name(name) for estimate in estimates)
         rows.append(
             EstimatedAndTrueErrorOfSolidShoe(
                 "",

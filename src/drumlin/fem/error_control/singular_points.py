@@ -61,6 +61,14 @@ The digits count relative to the length of the contact: twenty binary digits are
 With 36 digits all stored reference values are the same. With 10 digits the error of p rises from
 1e-4 to as much as 6e-4, because the elements then end beside the end of the contact.
 """
+SHORTEST_PATH_OF_CONTACT_END = 0.15
+"""Shortest path of a moving contact end that gets element columns of equal width.
+
+The path is the distance by which the end moves across the width, relative to the length of the
+contact. Shorter paths are bounded by small columns at both of their ends, which leave no wide
+columns between them. With a smaller value brakes with long contacts get more columns, which they
+do not need; with a larger value wide columns remain where the contact ends.
+"""
 
 
 class _OpeningInsideContact(NamedTuple):
@@ -131,15 +139,14 @@ def _singular_points_of_lining(
     points += _singular_points_at_kinks_of_gap(
         shoe, answer, arcs, brake.length_per_surface_coordinate, level_error
     )
-    # The ends of each contact arc are singular points. Their angles are rounded, and moved into the
-    # lining if rounding has put them outside.
-    for arc_start, arc_end in [*arcs, *_contact_arcs_in_mid_plane(shoe, answer)]:
-        start, end = _ends_of_lining_with_contact(shoe, arc_start, arc_end)
-        length = arc_end - arc_start
-        first = min(max(_rounded_angle_of_contact_end(arc_start, length), start), end)
-        last = min(max(_rounded_angle_of_contact_end(arc_end, length), start), end)
-        points.append(SingularPoint(first, last - first, KindOfSingularPoint.END))
-        points.append(SingularPoint(last, last - first, KindOfSingularPoint.END))
+    # The ends of each contact arc are singular points. In a shoe with a width an end may move
+    # across the width. If all ends hardly move, the ends in the mid-plane are singular points, too.
+    for arc_start, arc_end in arcs:
+        inner = _smallest_extent_of_contact_across_width(shoe, answer, (arc_start, arc_end))
+        points += _singular_points_at_ends_of_contact(shoe, (arc_start, arc_end), inner)
+    if not any(point.path for point in points):
+        for arc in _contact_arcs_in_mid_plane(shoe, answer):
+            points += _singular_points_at_ends_of_contact(shoe, arc, arc)
     for opening in _openings_within_contact_arcs_of_lining(shoe, answer, arcs):
         at = _rounded_angle_of_contact_end(opening.phi, opening.width)
         points.append(SingularPoint(at, opening.width, KindOfSingularPoint.END))
@@ -160,6 +167,65 @@ def _singular_points_at_too_short_contact(
         return []
     start, end = shoe.arc
     return [SingularPoint(contact.place, end - start, KindOfSingularPoint.KINK)]
+
+
+def _singular_points_at_ends_of_contact(
+    shoe: Shoe, arc: Sequence[float], inner: Sequence[float]
+) -> list[SingularPoint]:
+    """The singular points at both ends of a contact arc of a shoe.
+
+    An end that moves across the width by more than SHORTEST_PATH_OF_CONTACT_END has a point at each
+    end of its path. The angles of points are rounded, and moved into the lining if rounding has put
+    them outside.
+
+    Parameters
+    ----------
+    shoe : the shoe
+    arc : start and end phi [rad] of the contact
+    inner : the angles [rad] between which the contact lies at every distance from the mid-plane
+    """
+    start, end = _ends_of_lining_with_contact(shoe, arc[0], arc[1])
+    first, last, inner_first, inner_last = (
+        min(max(_rounded_angle_of_contact_end(phi, arc[1] - arc[0]), start), end)
+        for phi in (*arc, *inner)
+    )
+    length, points = last - first, []
+    for outer, other in ((first, inner_first), (last, inner_last)):
+        path = other - outer
+        if abs(path) <= SHORTEST_PATH_OF_CONTACT_END * length:
+            points.append(SingularPoint(outer, length, KindOfSingularPoint.END))
+            continue
+        points.append(SingularPoint(outer, length, KindOfSingularPoint.END, path))
+        points.append(SingularPoint(other, length, KindOfSingularPoint.END, -path))
+    return points
+
+
+def _smallest_extent_of_contact_across_width(
+    shoe: Shoe, answer: ShoeResponse, arc: Sequence[float]
+) -> tuple[float, float]:
+    """The angles [rad] between which the shoe presses at every distance from the mid-plane.
+
+    The result is `arc` for a response without pressures over the width. If the lining lifts off
+    over the whole arc at some distance from the mid-plane, both angles are the arc's middle.
+
+    Parameters
+    ----------
+    shoe : the shoe
+    answer : the response of the shoe
+    arc : start and end phi [rad] of the contact of the pressure averaged over the width
+    """
+    if answer.surface is None:
+        return arc[0], arc[1]
+    z, pressures, _ = answer.surface
+    middle = 0.5 * (arc[0] + arc[1])
+    first, last = arc[0], arc[1]
+    for pressure in pressures[:, len(z) // 2 :].T:
+        arcs = contact_arcs_from_nodal_pressures(answer.theta, pressure, answer.order)
+        own = [sorted(shoe.frame.phi_coordinates_as_list(each)) for each in arcs]
+        own = [each for each in own if each[0] < arc[1] and each[1] > arc[0]]
+        first = max(first, min((each[0] for each in own), default=middle))
+        last = min(last, max((each[1] for each in own), default=middle))
+    return (first, last) if first < last else (middle, middle)
 
 
 def _contact_arcs_in_mid_plane(shoe: Shoe, answer: ShoeResponse) -> list[list[float]]:

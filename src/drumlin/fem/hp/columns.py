@@ -229,24 +229,31 @@ def join_and_condense_neighbouring_substructures(
     """
     # The nodes between A and B, which are eliminated, begin at the unknown `before` in A and end at
     # the unknown `beyond` in B.
-    line = A.right
+    line, left, right = A.right, A.left, B.right
     before, beyond = len(A.K) - line, extra + line
     n = before - shared + len(B.K) - beyond
-    K, C = np.zeros((n, n)), np.zeros((line, n))
     rest = slice(before - shared, None)
-    K[:before, :before] = A.K[:before, :before]
+    inner = A.K[before:, before:] + B.K[extra:beyond, extra:beyond]
+    C = np.zeros((line, n))
     C[:, :before] = A.K[before:, :before]
-    # The statement `K[...] += ...` would index the array twice, which takes longer.
-    own, coupling = K[rest, rest], C[:, rest]
-    own += B.K[beyond:, beyond:]
+    # The statement `C[...] += ...` would index the array twice, which takes longer.
+    coupling = C[:, rest]
     coupling += B.K[extra:beyond, beyond:]
+    if extra:
+        C[:, :extra] += B.K[extra:beyond, :extra]
+    # A stretch of wide shoes takes 200 MB. The memory of A and of B is free for the joined stretch
+    # as soon as their stiffness is copied, unless a caller needs them again.
+    K = np.zeros((n, n))
+    K[:before, :before] = A.K[:before, :before]
+    del A
+    own = K[rest, rest]
+    own += B.K[beyond:, beyond:]
     if extra:
         K[:extra, :extra] += B.K[:extra, :extra]
         K[:extra, rest] += B.K[:extra, beyond:]
         K[rest, :extra] += B.K[beyond:, :extra]
-        C[:, :extra] += B.K[extra:beyond, :extra]
-    inner = A.K[before:, before:] + B.K[extra:beyond, extra:beyond]
-    return ColumnSubstructure(replace_matrix_by_schur_complement(K, C, inner), A.left, B.right)
+    del B
+    return ColumnSubstructure(replace_matrix_by_schur_complement(K, C, inner), left, right)
 
 
 @dataclass(frozen=True, eq=False)

@@ -82,8 +82,8 @@ class CacheOfCondensedBodies:
 
     A body depends on its key alone. `room` [bytes] limits the memory of all bodies together. If
     they need more, the cache drops the body that was used longest ago; it never drops the body that
-    was used last. functools.lru_cache cannot be used instead, since it counts entries and not
-    bytes.
+    was used last, unless the room is 0. functools.lru_cache cannot be used instead, since it counts
+    entries and not bytes.
     """
 
     def __init__(self, room: int = MOST_BYTES_OF_CACHED_BODIES) -> None:
@@ -104,7 +104,7 @@ class CacheOfCondensedBodies:
             self._taken += kept[0]
         # The order of the dictionary is the order of use: the value that was used last comes last.
         self._values[key] = kept
-        while len(self._values) > 1 and self._taken > self._room:
+        while len(self._values) > min(self._room, 1) and self._taken > self._room:
             _, (dropped, _) = self._values.popitem(last=False)
             self._taken -= dropped
         return kept[1]

@@ -326,13 +326,15 @@ class CondensedBody(BodyWithUnitLoads):
         forces = np.empty((2 * n, first_friction + (0 if T is None else n)), order="F")
         np.negative(N.T, out=forces[:, pressed])
         forces[:, loaded] = self.load_on_contact
+        has_friction = T is not None
         if T is not None:
             forces[:, dragged] = T.T
+        # For a shoe with a width N and T are large, and no longer needed.
+        del N, T
         Y = self.half_flexibility_under_nodal_forces(forces, in_place=True)
         closure = Y[:, pressed].T @ Y
         np.negative(closure, out=closure)
         reaction = self.L_fc @ Y
-        has_friction = T is not None
         return ContactFlexibility(
             gap_closure_by_pressure=closure[:, pressed],
             gap_closure_by_friction=closure[:, dragged] if has_friction else None,

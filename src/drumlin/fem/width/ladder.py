@@ -62,18 +62,13 @@ pressure. So there are also small elements at the ends of the contact in the mid
 by 0.4 % with the degrees 1, 2 and 3. Without small elements at these ends the pressures differ by
 1.6, 4.9 and 4.3 %.
 
-Some brakes do not reach an error of 1 %. Their lining lifts off beside the web along a curve that
-crosses the elements of the contact face. Between any two sets of pieces, and between any two
-levels, p then differs by 0.3 to 0.5 % ("built" 510004 and "free" 510017), spread over the whole
-contact. In contacts shorter than some three thicknesses of the lining the ends of the contact
-differ so much across the width that the differences are 1 to 2 % ("built" 510037, "free" 510030 and
-510039). The small elements at the ends of the contact then help little. On "built" 510037 twelve
-columns of equal width along the contact leave 0.34 % where the first level, with nearly as many
-unknowns, leaves 1.5 %. A division by such columns is not built. It would have to keep the small
-elements where the contact reaches the end of the lining: without them the error of p on "built"
-510042 is 4 to 7 %. Equal columns only where the ends of the contact move, with these small elements
-kept, lower the distance of the first two levels on ten of 14 random brakes by 1.2 to 3.7 times, but
-raise it 2.3 times on "free" 510031, and two of 17 solves to 1 % then take more than 1 GB.
+Where a lining lifts off beside the web, the end of its contact may lie at another angle at each
+distance from the mid-plane. The curve on which the lining lifts off then crosses the elements of
+the contact face, and no element can have its end there. If an end moves by more than
+`SHORTEST_PATH_OF_CONTACT_END`, the columns over its path have equal widths
+(`hp.division.COLUMNS_PER_DEGREE_OVER_MOVING_CONTACT_END`). Such brakes need many pieces across the
+width as well, and some of them do not reach an error of 1 %, because the next finer pieces would
+take more memory than LARGEST_SOLID and LARGEST_SOLID_OF_COMPARED_STEPS allow.
 """
 
 import math
@@ -149,39 +144,47 @@ times the distance with degree 2 (median 0.9). In plane stress the distance may 
 than with degree 2, and would not show the error. With degree 2 the second level takes 5 times as
 long as with degree 1.
 """
-NUMBER_OF_LEVELS_FOR_SECTION_ERROR_ESTIMATE = 2
-"""Number of levels that give the estimate of the hp elements' error, if parts differ in width.
+MOST_LEVELS_FOR_SECTION_ERROR_ESTIMATE = 3
+"""Largest number of levels that give the estimate of the hp elements' error, if widths differ.
 
-Where a lining lifts off beside a web, its contact ends at another angle at each distance from the
-mid-plane, and no level has small elements at all of these ends. On such a brake ("built" 3201 of
-`drumlin_studies.solid_error`) the error of the pressure falls only from 0.5 % on the first level to
-0.3 % on the third level. If a tolerance must be reached, one more level is allowed; with degree 5
-across the width it has some 300 000 unknowns. The level is allowed as well if the last one has at
-most MOST_UNKNOWNS_FOR_FURTHER_SECTION_LEVEL unknowns.
+The third level shows the error of the second one. With two levels this error is only a fraction of
+their distance, and is stated too large: on ten random brakes that missed 1 % ("built" 510042,
+510061 and 510073, "free" 510030, 510039, 510061, 510062, 510064 and 510078 of
+`drumlin_studies.solid_error`) the stated error of p on the second level falls by the third one from
+0.4 to 2.3 % to 0.2 to 1.7 %. With the degree 1 across the width the third level takes 0.3 to 5 s
+and at most 260 MB on these brakes. The answer itself needs a higher degree, and is computed on the
+third level only if LARGEST_SOLID allows it.
 """
-MOST_UNKNOWNS_FOR_FURTHER_SECTION_LEVEL = 9_000
+LEAST_LEVELS_FOR_SECTION_ERROR_ESTIMATE = 2
+"""Smallest number of levels that give the estimate of the hp elements' error."""
+MOST_UNKNOWNS_FOR_FURTHER_SECTION_LEVEL = 60_000
 """Largest number of unknowns of a shoe on the last level for which one more level is allowed.
 
 The unknowns are counted with the degree WIDTH_DEGREE_FOR_HP_ELEMENT_ERROR_ESTIMATE across the
-width. Shoes with short contacts have few columns of elements and few unknowns. On one random brake
-with 8900 unknowns ("free" 510007 of `drumlin_studies.solid_error`) one more level lowers the stated
-error of p from 3.2 to 0.84 %. With degree 4 across the width the third level then has 101 000
-unknowns, and the process takes 1.1 GB. With a larger limit solves take more memory; with a smaller
-limit the error of short contacts stays larger.
+width. From the second level to the third they grow by 2.3 to 3 times, so that the third level has
+at most some LARGEST_SOLID unknowns. With a larger limit solves take more memory; with a smaller
+limit the stated errors of long shoes are larger. If the tolerance must be met, there is no limit.
 """
-LARGEST_SOLID = 150_000
+LARGEST_SOLID = 190_000
 """Largest number of unknowns of a shoe if its parts differ in width and a tolerance may be missed.
 
 A solve with 85 000 unknowns takes 0.5 GB, and a solve with 130 000 unknowns takes 0.8 GB ("built"
 510030 of `drumlin_studies.solid_error`). If the tolerance must be met, there is no limit.
 """
-LARGEST_SOLID_OF_COMPARED_STEPS = 90_000
+LARGEST_SOLID_OF_COMPARED_STEPS = 120_000
 """Largest number of unknowns of a shoe in a step that serves for the error of an earlier step.
 
 Such steps are solved on the first level only. The answer itself has about half as many unknowns on
 this level, and about four times as many on the next level: more than LARGEST_SOLID. With a smaller
 limit the errors of long shoes, whose first step has 27 000 unknowns, could not be stated for any
 finer pieces. If the tolerance must be met, there is no limit.
+"""
+MOST_UNKNOWNS_OF_KEPT_MODEL = 50_000
+"""Largest number of unknowns of a shoe for which the model of an answer is kept for later use.
+
+The answer may be the one that is returned, which needs the model. A larger model is made anew in
+this case, because it takes up to 200 MB while finer ones are solved. With a larger number solves
+take more memory, with a smaller number more time.
 """
 LEAST_FALL = 0.8
 """Ratio of errors of p below which a higher degree across the width counts as an improvement.
@@ -402,18 +405,40 @@ class HpElementsForComparingWidthDegrees(NamedTuple):
     solved: Mapping[int, SolvedLevel]
 
 
-class WidthError(NamedTuple):
-    """A degree across the width, the error due to this degree, and the model solved with it.
+class SolvedFunctionsAcrossWidth(NamedTuple):
+    """The answer with some functions of z, on the hp elements on which functions are compared.
 
-    The model has the hp elements on which degrees are compared. If the error is `provisional`, it
-    follows from the answer with the next functions of z alone, with larger safety factors.
-    `pieces` are the pieces of the width on which the polynomials have the degree; None if degrees
-    are compared, on the first pieces.
+    Attributes
+    ----------
+    response : the answer
+    unknowns : the largest number of unknowns of a shoe
+    model : the prepared model; None for a large model, which takes much memory and is dropped
+    """
+
+    response: Response
+    unknowns: int
+    model: PreparedModel | None
+
+    @classmethod
+    def answer_of_solved_level(cls, solved: SolvedLevel) -> "SolvedFunctionsAcrossWidth":
+        """The answer of a solved level, with its model unless this is large."""
+        unknowns = largest_number_of_unknowns(solved)
+        is_kept = unknowns <= MOST_UNKNOWNS_OF_KEPT_MODEL
+        return cls(solved.response, unknowns, solved.prepared_model if is_kept else None)
+
+
+class WidthError(NamedTuple):
+    """A degree across the width, the error due to this degree, and the answer with it.
+
+    The answer `solved` has the hp elements on which degrees are compared. If the error is
+    `provisional`, it follows from the answer with the next functions of z alone, with larger safety
+    factors. `pieces` are the pieces of the width on which the polynomials have the degree; None if
+    degrees are compared, on the first pieces.
     """
 
     degree: int
     error: RelativeErrorsOfSolidModel
-    solved: SolvedLevel
+    solved: SolvedFunctionsAcrossWidth
     provisional: bool = False
     pieces: PiecesAcrossWidthsOfShoes | None = None
 
@@ -433,7 +458,7 @@ class WidthError(NamedTuple):
     @property
     def unknowns(self) -> int:
         """The largest number of unknowns of a shoe."""
-        return largest_number_of_unknowns(self.solved)
+        return self.solved.unknowns
 
 
 def largest_number_of_unknowns(solved: SolvedLevel) -> int:
@@ -508,7 +533,7 @@ def solve_brake_with_widths_and_keep_model(
     BadInput
         if the model of the width does not apply to the brake
     """
-    cache = cache or CacheOfCondensedBodies()
+    cache = cache or CacheOfCondensedBodies(room=0)
     sections = _cross_section_meshes_with_errors(
         brake, tolerance, must=must, penalty=penalty, cache=cache
     )
@@ -544,13 +569,15 @@ def solve_brake_with_widths_and_keep_model(
         warning = _message_on_unreached_error_tolerance(tolerance, choice)
         if must:
             raise NoAnswer(warning)
-    solved = choice.width.solved
-    if not _is_choice_solved(brake, choice, compared):
+    model, response = choice.width.solved.model, choice.width.solved.response
+    if model is not None and _is_choice_solved(brake, choice, compared):
+        solved = SolvedLevel(model, response)
+    else:
         solved = solve_cross_section_mesh_with_width_degree(
             brake,
             choice.section.level,
             choice.width.functions,
-            solved.response,
+            response,
             penalty=penalty,
             cache=cache,
         )
@@ -608,7 +635,7 @@ def _cross_section_meshes_with_errors(
         asked,
         answer,
         cache,
-        REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[: NUMBER_OF_LEVELS_FOR_SECTION_ERROR_ESTIMATE + 1],
+        REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[:MOST_LEVELS_FOR_SECTION_ERROR_ESTIMATE],
         plane,
         must=must,
     )
@@ -782,9 +809,9 @@ def refine_cross_section_mesh_until_tolerance_is_met(
         empty, the brake is solved in plane stress on the levels
         REFINEMENT_LEVELS_FROM_COARSE_TO_FINE
     start : an earlier answer; the first division has small elements at the ends of its contact
-    must : whether all `levels` are solved if the tolerance needs them; if False, the solve ends on
-        level NUMBER_OF_LEVELS_FOR_SECTION_ERROR_ESTIMATE if a shoe has more than
-        MOST_UNKNOWNS_FOR_FURTHER_SECTION_LEVEL unknowns on this level
+    must : whether all `levels` are solved if the tolerance needs them; if False, the solve ends
+        after LEAST_LEVELS_FOR_SECTION_ERROR_ESTIMATE levels or more if a shoe has more than
+        MOST_UNKNOWNS_FOR_FURTHER_SECTION_LEVEL unknowns on the last one
 
     Raises
     ------
@@ -816,7 +843,7 @@ def refine_cross_section_mesh_until_tolerance_is_met(
             climbed.append(step)
             yield step
             is_large = largest_number_of_unknowns(step) > MOST_UNKNOWNS_FOR_FURTHER_SECTION_LEVEL
-            is_large = is_large and len(climbed) >= NUMBER_OF_LEVELS_FOR_SECTION_ERROR_ESTIMATE
+            is_large = is_large and len(climbed) >= LEAST_LEVELS_FOR_SECTION_ERROR_ESTIMATE
             if levels and is_large and not must:
                 return
 
@@ -979,7 +1006,8 @@ def errors_of_degrees_across_width(
                 following = solve_with_degree_across_width(degree + 1).response
                 moved = largest_relative_differences(brake, solved.response, [following])
                 error = moved.errors_times_factors(error_factors_of_distance(degree, 1))
-                yield WidthError(degree, error, solved, provisional=True)
+                own = SolvedFunctionsAcrossWidth.answer_of_solved_level(solved)
+                yield WidthError(degree, error, own, provisional=True)
             ahead = range(degree + 1, degree + NUMBER_OF_COMPARED_HIGHER_WIDTH_DEGREES + 1)
             further = [solve_with_degree_across_width(each).response for each in ahead]
         except NoAnswer:
@@ -991,7 +1019,7 @@ def errors_of_degrees_across_width(
         error = largest.errors_times_factors(
             error_factors_of_distance(degree, NUMBER_OF_COMPARED_HIGHER_WIDTH_DEGREES)
         )
-        yield WidthError(degree, error, solved)
+        yield WidthError(degree, error, SolvedFunctionsAcrossWidth.answer_of_solved_level(solved))
 
 
 def errors_of_finer_pieces_across_width(
@@ -1029,7 +1057,9 @@ def errors_of_finer_pieces_across_width(
     """
     allowed = WIDTH_ERROR_SHARE_OF_TOLERANCE * tolerance / error_factors_of_steps().pressure
 
-    def solve_next_step(steps: list[tuple[PiecesAcrossWidthsOfShoes, SolvedLevel]]) -> None:
+    def solve_next_step(
+        steps: list[tuple[PiecesAcrossWidthsOfShoes, SolvedFunctionsAcrossWidth]],
+    ) -> None:
         """Solve the step after the last one of `steps`, and append it.
 
         Raises
@@ -1045,11 +1075,18 @@ def errors_of_finer_pieces_across_width(
         scene = prepare_model_with_widths_on_given_elements(
             brake, section.divisions, pieces, cache=cache
         )
-        response = solve_prepared_model(scene, brake, penalty=penalty, start=plane)
-        steps.append((pieces, SolvedLevel(scene, response)))
+        solved = SolvedLevel(
+            scene, solve_prepared_model(scene, brake, penalty=penalty, start=plane)
+        )
+        steps.append((pieces, SolvedFunctionsAcrossWidth.answer_of_solved_level(solved)))
 
     first = coarsest_pieces_across_widths(brake)
-    steps = [(first, section.solved[first.degree])]
+    steps = [
+        (
+            first,
+            SolvedFunctionsAcrossWidth.answer_of_solved_level(section.solved[first.degree]),
+        )
+    ]
     overhangs, most = all(map(_has_narrow_first_piece, brake.shoes)), math.inf
     while True:
         try:
@@ -1068,7 +1105,7 @@ def errors_of_finer_pieces_across_width(
 
 def _width_error_of_first_step(
     brake: Brake,
-    steps: Sequence[tuple[PiecesAcrossWidthsOfShoes, SolvedLevel]],
+    steps: Sequence[tuple[PiecesAcrossWidthsOfShoes, SolvedFunctionsAcrossWidth]],
     *,
     provisional: bool = False,
 ) -> WidthError:
