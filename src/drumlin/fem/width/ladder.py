@@ -168,16 +168,17 @@ limit the stated errors of long shoes are larger. If the tolerance must be met, 
 LARGEST_SOLID = 190_000
 """Largest number of unknowns of a shoe if its parts differ in width and a tolerance may be missed.
 
-A solve with 85 000 unknowns takes 0.5 GB, and a solve with 130 000 unknowns takes 0.8 GB ("built"
-510030 of `drumlin_studies.solid_error`). If the tolerance must be met, there is no limit.
+A solve takes up to 0.85 GB ("free" 510030 and 510031 of `drumlin_studies.solid_error`, whose
+answers have 172 000 and 159 000 unknowns). If the tolerance must be met, there is no limit.
 """
-LARGEST_SOLID_OF_COMPARED_STEPS = 120_000
+LARGEST_SOLID_OF_COMPARED_STEPS = 100_000
 """Largest number of unknowns of a shoe in a step that serves for the error of an earlier step.
 
-Such steps are solved on the first level only. The answer itself has about half as many unknowns on
-this level, and about four times as many on the next level: more than LARGEST_SOLID. With a smaller
-limit the errors of long shoes, whose first step has 27 000 unknowns, could not be stated for any
-finer pieces. If the tolerance must be met, there is no limit.
+Such steps are solved on the first level only, where an unknown takes more memory, because more of
+the unknowns lie on the contact face. A step of 128 000 unknowns takes 1 GB. The limit of 120 000
+lets "free" 510031 and 510078 take 1.3 and 1.1 GB, with the same answers. With a smaller limit the
+errors of long shoes, whose first step has 27 000 unknowns, could not be stated for any finer
+pieces. If the tolerance must be met, there is no limit.
 """
 MOST_UNKNOWNS_OF_KEPT_MODEL = 50_000
 """Largest number of unknowns of a shoe for which the model of an answer is kept for later use.
