@@ -136,6 +136,7 @@ NOT_TUNED: dict[str, dict[str, str]] = {
         "DEGREES_ON_EQUAL_PIECES": "the lowest two degrees that show the error of plane stress",
         "PLACE_OF_CUT_IN_FIRST_PIECE": "more or less work for the same error, which is stated",
         "PLACE_OF_CUT_IN_OTHER_PIECES": "the middle",
+        "LEAST_DIFFERENCE_OF_SPLIT_PIECE": "more or less work for the same error, which is stated",
         "WIDEST_FIRST_PIECE_WITHOUT_CUT": "the length over which the pressure changes at an edge",
     },
     "fem/width/prepare.py": {

@@ -65,6 +65,12 @@ def test_pieces_with_more_than_their_share_of_the_error_are_split(differences, a
     assert found == pytest.approx(ends)
 
 
+def test_only_pieces_with_a_difference_near_the_largest_are_split():
+    ends, shares = (0.0, 1.0, 2.0, 4.0), np.array([0.26, 0.24, 1.0])
+    found = width_pieces._ends_of_finer_pieces(ends, 1e-2 * shares, 1e-3)
+    assert found == pytest.approx((0.0, 0.6, 1.0, 2.0, 3.0, 4.0))
+
+
 def test_a_shoe_without_contact_is_not_split():
     ends = (0.0, 1.0, 2.0, 4.0)
     assert width_pieces._ends_of_finer_pieces(ends, np.zeros(3), 1e-2) == ends
