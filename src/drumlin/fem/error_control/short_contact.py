@@ -101,16 +101,17 @@ def contact_too_short_by_formula(
     The result is None if the formula does not apply, or if the contact is not shorter than
     SHORTEST_CONTACT_WITH_KNOWN_PRESSURE divided by MARGIN_OF_FORMULA_FOR_SHORT_CONTACTS. The
     formula applies to shoes on hinges under the known forces of their actuation alone, on a rigid
-    drum or a plane, with constant friction and without heat, if the shoe has one lining and presses
-    at one place. The rigid shoe must touch first in the contact of the response, or within one
-    length of it.
+    drum or a plane, with constant friction and without heat, if the shoe has one lining and no mesh
+    of a file, and presses at one place. The rigid shoe must touch first in the contact of the
+    response, or within one length of it. On the mesh of a file no column ends at this place, and
+    the torque would be off by more than its stated error.
 
     Parameters
     ----------
     brake, shoe : the brake and the shoe
     answer : response of the shoe on any division
     """
-    if len(answer.contact_arcs) != 1 or len(shoe.arcs) > 1:
+    if len(answer.contact_arcs) != 1 or len(shoe.arcs) > 1 or shoe.mesh is not None:
         return None
     if np.count_nonzero(answer.pressure > 0) > MOST_PRESSED_NODES_OF_SHORT_CONTACT:
         return None
