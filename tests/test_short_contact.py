@@ -41,6 +41,37 @@ def test_a_contact_a_little_longer_than_the_shortest_keeps_its_pressure():
     assert response.shoes[0].error["pressure"] < 0.02
 
 
+SPRING_BESIDE_ACTUATION = {
+    "shoe": "right",
+    "point": {"x": "58 mm", "y": "50 mm"},
+    "end": {"x": "0 mm", "y": "50 mm"},
+    "preload": "1e-3 N",
+}
+SOFT_RING = {"thickness": "20 mm", "width": "40 mm", "material": {"E": "10 MPa", "nu": 0.25}}
+
+
+@pytest.mark.parametrize(
+    "changes", [{"drum.ring": SOFT_RING}, {"spring": [SPRING_BESIDE_ACTUATION]}]
+)
+def test_the_formula_is_not_used_where_the_gap_is_not_that_of_a_rigid_drum_and_shoe(changes):
+    """A soft ring makes this contact 31 times as long; a spring bends the shoe."""
+    brake = pressing(WEDGE, "2e-3 N")
+    answer = drumlin.solve(brake, model_error=False).shoes[0]
+    other = vary(brake, changes)
+    assert short_contact.contact_too_short_by_formula(brake, brake.shoes[0], answer) is not None
+    assert short_contact.contact_too_short_by_formula(other, other.shoes[0], answer) is None
+
+
+def test_the_formula_is_not_used_on_the_mesh_of_a_file():
+    """The mesh has no node where the force acts, so that it has to be split there further."""
+    brake = pressing(WEDGE, "2e-3 N")
+    answer = drumlin.solve(brake, model_error=False).shoes[0]
+    shoe = brake.shoes[0]
+    meshed = shoe.model_copy(update={"mesh": "shoe.msh"})
+    assert short_contact.contact_too_short_by_formula(brake, shoe, answer) is not None
+    assert short_contact.contact_too_short_by_formula(brake, meshed, answer) is None
+
+
 @pytest.mark.parametrize(
     ("lining", "force", "divisions"),
     [(CORNER, "0.2 N", 2), (WEDGE, "1e-4 N", 3), (CROWN, "1e-8 N", 3)],

@@ -13,6 +13,9 @@ sections 4.2 and 5.2. The bending of the shoe is neglected. If the contact is a 
 the slope s, then F/E' is about s L. The force bends a shoe of length l, thickness t and modulus E_s
 by a slope of up to some 6 F l^2/(E_s t^3). This slope is the part 6 (E'/E_s) (l/t)^2 L/t of s: some
 per cent of a soft lining on a thin shoe, since L/t is below SHORTEST_CONTACT_WITH_KNOWN_PRESSURE.
+Springs, levers, weights and speeds bend a shoe by forces that may be far larger than F, and an
+elastic ring of the drum yields to F and to the forces of other shoes. For brakes with these loads,
+or with a ring, the formula is not used.
 """
 
 import math
@@ -26,6 +29,7 @@ from drumlin.base.arrays import Floats
 from drumlin.brake import clearance
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.friction import first_key_of_pressure_dependent_friction
+from drumlin.brake.further_loads import first_key_of_loads_besides_actuation
 from drumlin.brake.heat import is_any_shoe_heated
 from drumlin.brake.support import rigid_body_motion_of_turn_about_point
 from drumlin.fem.hp.division import SMALLEST_ELEMENT_SIZE_OVER_LINING_THICKNESS
@@ -96,22 +100,22 @@ def contact_too_short_by_formula(
 
     The result is None if the formula does not apply, or if the contact is not shorter than
     SHORTEST_CONTACT_WITH_KNOWN_PRESSURE divided by MARGIN_OF_FORMULA_FOR_SHORT_CONTACTS. The
-    formula applies to shoes on hinges under known forces, with constant friction and without heat,
-    if the shoe has one lining and presses at one place. The rigid shoe must touch first in the
-    contact of the response, or within one length of it.
+    formula applies to shoes on hinges under the known forces of their actuation alone, on a rigid
+    drum or a plane, with constant friction and without heat, if the shoe has one lining and no mesh
+    of a file, and presses at one place. The rigid shoe must touch first in the contact of the
+    response, or within one length of it. On the mesh of a file no column ends at this place, and
+    the torque would be off by more than its stated error.
 
     Parameters
     ----------
     brake, shoe : the brake and the shoe
     answer : response of the shoe on any division
     """
-    if len(answer.contact_arcs) != 1 or len(shoe.arcs) > 1:
+    if len(answer.contact_arcs) != 1 or len(shoe.arcs) > 1 or shoe.mesh is not None:
         return None
     if np.count_nonzero(answer.pressure > 0) > MOST_PRESSED_NODES_OF_SHORT_CONTACT:
         return None
-    if brake.reason_why_not_all_shoes_are_hinged() is not None or is_any_shoe_heated(brake):
-        return None
-    if first_key_of_pressure_dependent_friction(brake) is not None:
+    if not _are_shoes_hinged_on_rigid_surface_under_actuation_alone(brake):
         return None
     pressed = sorted(shoe.frame.phi_coordinates_as_list(answer.contact_arcs[0]))
     gap = _gap_of_first_touching_rigid_shoe(brake, shoe, 0.5 * (pressed[0] + pressed[1]))
@@ -124,6 +128,20 @@ def contact_too_short_by_formula(
     longest = SHORTEST_CONTACT_WITH_KNOWN_PRESSURE / MARGIN_OF_FORMULA_FOR_SHORT_CONTACTS
     length = (contact.end - contact.start) * brake.size
     return contact if length < longest * shoe.lining.thickness else None
+
+
+def _are_shoes_hinged_on_rigid_surface_under_actuation_alone(brake: Brake) -> bool:
+    """Whether the shoes turn about hinges against a rigid surface, under their actuation alone.
+
+    Heat and friction that depends on the pressure must be absent, too.
+    """
+    return (
+        brake.reason_why_not_all_shoes_are_hinged() is None
+        and brake.ring is None
+        and first_key_of_loads_besides_actuation(brake) is None
+        and first_key_of_pressure_dependent_friction(brake) is None
+        and not is_any_shoe_heated(brake)
+    )
 
 
 def response_with_ends_of_too_short_contacts(brake: Brake, response: Response) -> Response:

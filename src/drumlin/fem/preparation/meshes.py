@@ -85,13 +85,14 @@ The arguments of the function are the shoe and the drum's radius [m].
 """
 
 
-MOST_NODES_AT_RAISED_DEGREE = 500_000
+MOST_NODES_AT_RAISED_DEGREE = 250_000
 """Largest number of nodes of a shoe whose mesh gets elements of a higher degree than in the file.
 
 A degree that needs more nodes is refused, because the factors of the stiffness matrix take
-gigabytes of memory. A shoe of a drum of 300 mm, in triangles of 0.5 mm, has 158 508 nodes at degree
-2 and some 360 000 at degree 3: a solve takes 17 s of processor time and 2.8 GB. In triangles of 0.3
-mm it has 434 832 nodes at degree 2: 21 s and 2.2 GB.
+gigabytes of memory. A shoe of a drum of 300 mm, in triangles of 0.44 mm, has 242 996 nodes at
+degree 2: a solve takes 10 s of processor time and 2.0 GB. In triangles of 0.66 mm it has 242 272
+nodes at degree 3: 9 s and 1.7 GB. With 348 304 nodes at degree 3 a solve takes 2.2 GB, and with
+some 360 000 nodes of another mesh 2.8 GB.
 """
 
 
