@@ -507,3 +507,25 @@ def test_the_first_level_resolves_contact_ends_that_move_across_the_width():
         brake, first.response, finest.response
     )
     assert off.brake["pressure"] < 1e-2
+
+
+@pytest.mark.slow
+def test_where_a_finer_level_has_too_many_nodes_the_first_level_answers(flexible, monkeypatch):
+    table, tolerance = t_section(flexible), TolerancesOfPressureAndTorque(4e-3, 4e-3)
+    assert solve_brake_with_widths_to_tolerance(table, tolerance).error["pressure"] < 4e-3
+    first, solve_level = (
+        REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[0],
+        (ladder.solve_cross_section_mesh_with_width_degree),
+    )
+
+    def only_the_first_level(brake, level, *others, **named):
+        if level is not first:
+            raise NoAnswer("its 4000 contact nodes are more than the 3000 that are allowed")
+        return solve_level(brake, level, *others, **named)
+
+    monkeypatch.setattr(ladder, "solve_cross_section_mesh_with_width_degree", only_the_first_level)
+    found = solve_brake_with_widths_to_tolerance(table, tolerance, must=False)
+    assert found.error["pressure"] > 4e-3
+    assert any("tolerance 0.004 not reached" in note for note in found.notes)
+    with pytest.raises(NoAnswer, match="contact nodes"):
+        solve_brake_with_widths_to_tolerance(table, tolerance)

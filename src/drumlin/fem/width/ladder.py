@@ -565,24 +565,66 @@ def solve_brake_with_widths_and_keep_model(
             brake, sections.plane, compared, degrees, penalty=penalty, cache=cache
         )
     choice = cheapest_choice_within_tolerance(sections.errors, errors, tolerance, most_unknowns)
+    if must and not choice.error.is_within_error_tolerance(tolerance):
+        raise NoAnswer(_message_on_unreached_error_tolerance(tolerance, choice))
+    try:
+        solved = _solved_level_of_choice(brake, choice, compared, penalty=penalty, cache=cache)
+    except NoAnswer:
+        # On a finer level the contact may have more nodes than are allowed.
+        if must or compared.level is None:
+            raise
+        choice = SolidChoice(sections.errors[0], choice.width)
+        solved = _solved_level_on_compared_elements(brake, choice.width, compared, cache)
     warning = ""
     if not choice.error.is_within_error_tolerance(tolerance):
         warning = _message_on_unreached_error_tolerance(tolerance, choice)
-        if must:
-            raise NoAnswer(warning)
+    return _solved_level_with_errors_and_notes(solved, choice, warning)
+
+
+def _solved_level_of_choice(
+    brake: Brake,
+    choice: SolidChoice,
+    compared: HpElementsForComparingWidthDegrees,
+    *,
+    penalty: float,
+    cache: CacheOfCondensedBodies,
+) -> SolvedLevel:
+    """The solved model of a choice, which is solved now unless this was done before.
+
+    Raises
+    ------
+    NoAnswer
+        where the chosen level has no answer with the chosen functions of z
+    """
     model, response = choice.width.solved.model, choice.width.solved.response
     if model is not None and _is_choice_solved(brake, choice, compared):
-        solved = SolvedLevel(model, response)
-    else:
-        solved = solve_cross_section_mesh_with_width_degree(
-            brake,
-            choice.section.level,
-            choice.width.functions,
-            response,
-            penalty=penalty,
-            cache=cache,
+        return SolvedLevel(model, response)
+    return solve_cross_section_mesh_with_width_degree(
+        brake,
+        choice.section.level,
+        choice.width.functions,
+        response,
+        penalty=penalty,
+        cache=cache,
+    )
+
+
+def _solved_level_on_compared_elements(
+    brake: Brake,
+    width: WidthError,
+    compared: HpElementsForComparingWidthDegrees,
+    cache: CacheOfCondensedBodies,
+) -> SolvedLevel:
+    """The answer with some functions of z on the elements on which functions were compared.
+
+    A model that was dropped is made anew.
+    """
+    model = width.solved.model
+    if model is None:
+        model = prepare_model_with_widths_on_given_elements(
+            brake, compared.divisions, width.functions, cache=cache
         )
-    return _solved_level_with_errors_and_notes(solved, choice, warning)
+    return SolvedLevel(model, width.solved.response)
 
 
 class SectionErrors(NamedTuple):
