@@ -87,13 +87,7 @@ TUNED: dict[str, dict[str, Guard]] = {
         "LARGEST_OVERHANG_WITHOUT_WIDTH_BREAKPOINT": Guard("up", (BREAKS,), slow=True),
     },
     "fem/width/factors.json": {
-        "section_pressure": Guard(
-            "down",
-            (
-                "tests/test_width_ladder.py::test_the_error_of_the_section_beside_a_web_covers_that_of_a_higher_degree",
-            ),
-            slow=True,
-        ),
+        "section_pressure": Guard("down", (FITTED_WIDTHS,)),
         "section_force": Guard("down", (FITTED_WIDTHS,)),
         "pressure": Guard("down", (FITTED_WIDTHS,)),
         "force": Guard("down", (FITTED_WIDTHS,)),

@@ -210,7 +210,7 @@ def test_the_error_of_the_section_beside_a_web_covers_that_of_a_higher_degree():
     )
     moved = relative_distance_of_plane_stress_from_width_solution(brake, first, second).brake
     assert section.level == REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[0]
-    assert moved["pressure"] < section.error.largest_pressure_error < 2 * moved["pressure"]
+    assert moved["pressure"] < section.error.largest_pressure_error < 3 * moved["pressure"]
 
 
 def test_without_options_solid_shoes_state_their_errors(brake, truth):
