@@ -38,7 +38,7 @@ other three state 1.02 to 1.08 %. By true errors all 15 brakes with a truth reac
 stated errors 44 are at least as large as the true errors; one, of a reaction ("free" 510092), is
 0.76 of the true error of 0.38 %. The medians of stated over true errors are 1.9 for p and 1.4 for
 torques of "built" brakes. Of 32 other brakes ("built" 510060 to 510073, "free" 510060 to 510082),
-on which the code was developed, at least 26 state 1 %. The solves take at most 0.95 GB.
+on which the code was developed, at least 26 state 1 %. Solves take up to 1.05 GB ("free" 510080).
 
 An earlier code, without such columns, let 18 of these 32 brakes state 1 %. One that raised the
 degree across the whole width let 28 of 52 brakes state 1 % ("built" 510030 to 510058, "free" 510030

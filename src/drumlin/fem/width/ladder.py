@@ -147,12 +147,12 @@ long as with degree 1.
 MOST_LEVELS_FOR_SECTION_ERROR_ESTIMATE = 3
 """Largest number of levels that give the estimate of the hp elements' error, if widths differ.
 
-The third level shows the error of the second one. With two levels this error is only a fraction of
-their distance, and is stated too large: on ten random brakes that missed 1 % ("built" 510042,
-510061 and 510073, "free" 510030, 510039, 510061, 510062, 510064 and 510078 of
-`drumlin_studies.solid_error`) the stated error of p on the second level falls by the third one from
-0.4 to 2.3 % to 0.2 to 1.7 %. With the degree 1 across the width the third level takes 0.3 to 5 s
-and at most 260 MB on these brakes. The answer itself needs a higher degree, and is computed on the
+The third level shows the error of the second one. With two levels this error is only taken as a
+fraction of their distance. On nine random brakes that missed 1 % ("built" 510042, 510061 and
+510073, "free" 510030, 510039, 510061, 510062, 510064 and 510078 of `drumlin_studies.solid_error`)
+the third level lowers the stated error of p on the second level on six, by 1.3 to 5.5 times, and
+raises it on three, by at most 1.2 times. With the degree 1 across the width it takes 0.3 to 5 s and
+at most 260 MB on these brakes. The answer itself needs a higher degree, and is computed on the
 third level only if LARGEST_SOLID allows it.
 """
 LEAST_LEVELS_FOR_SECTION_ERROR_ESTIMATE = 2
@@ -168,8 +168,9 @@ limit the stated errors of long shoes are larger. If the tolerance must be met, 
 LARGEST_SOLID = 190_000
 """Largest number of unknowns of a shoe if its parts differ in width and a tolerance may be missed.
 
-A solve takes up to 0.85 GB ("free" 510030 and 510031 of `drumlin_studies.solid_error`, whose
-answers have 172 000 and 159 000 unknowns). If the tolerance must be met, there is no limit.
+With it "free" 510030, 510031 and 510064 of `drumlin_studies.solid_error` take 0.65 to 0.93 GB;
+their answers have 172 000, 159 000 and 100 000 unknowns. If the tolerance must be met, there is no
+limit.
 """
 LARGEST_SOLID_OF_COMPARED_STEPS = 100_000
 """Largest number of unknowns of a shoe in a step that serves for the error of an earlier step.
