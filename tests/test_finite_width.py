@@ -148,7 +148,7 @@ def test_a_solve_prints_what_remains_alone_and_with_the_error_of_the_mesh(root, 
     ("file", "reason"),
     [
         ("studies/post_brake/brake.toml", "its drum is an elastic ring"),
-        ("meshes/double_shoe.toml", "a mesh of its own is a section without widths"),
+        ("meshes/double_shoe.toml", "it has a mesh of its own, which is drawn in the plane"),
     ],
 )
 def test_where_the_model_of_the_width_does_not_apply_it_is_refused(root, file, reason):

@@ -130,7 +130,7 @@ def test_on_one_mesh_it_stands_alone(root):
         pytest.param(
             "meshes/double_shoe.toml",
             (),
-            "a mesh of its own is a section without widths",
+            "it has a mesh of its own, which is drawn in the plane",
             marks=pytest.mark.slow,
         ),
     ],
