@@ -12,6 +12,10 @@ from drumlin.base.errors import BadInput
 from drumlin.brake.plausibility import notes_on_implausible_brake_values as notes
 from drumlin.cli.commands import app
 from drumlin.fem.analysis.self_locking import line_on_locking_friction_of_elastic_brake
+from drumlin.report.mesh_check import (
+    read_mesh_files_of_brake,
+    text_lines_about_mesh_to_be_solved,
+)
 from drumlin.response.shoe_stiffness import (
     lines_on_stiff_shoes_and_fitting_linings,
     stiffness_and_compression_of_shoes,
@@ -110,7 +114,7 @@ def test_stiffness_and_compression_are_those_of_hand_formulas(brake):
 
 def test_compare_states_the_errors_of_fem_and_the_keys_that_laws_leave_out(write):
     path = write("[shoe.lining]", '[shoe.lining]\nmisfit = { radius = "149.9 mm" }')
-    told = printed("compare", path)
+    told = printed("compare", path, *FAST)
     assert "keys that the law does not use: shoe.body, shoe.lining.misfit.radius" in told
     assert told.count("keys that the law does not use") == 1
     rows = {row["shoe"]: row for row in drumlin.compare(path, models=["fem"]).rows}
@@ -180,6 +184,38 @@ def test_error_lines_name_the_shoe_the_origin_and_the_quotation_mark(write):
         drumlin.read_brake(write('radius = "150 mm"', 'radius = "150 mm'))
     line = int(re.search(r"missing in line (\d+)", str(refusal.value))[1])
     assert (write().read_text().splitlines()[line - 1]).startswith("radius")
+
+
+# meshes
+
+
+def test_a_file_that_differs_from_its_mesh_is_told():
+    """The pin of web_shoe is in a round hole, its lining 8 mm thick; notes name what is off."""
+    brake = drumlin.example("web_shoe")
+
+    def notes_on_mesh(changes):
+        """The lines of `mesh --check` on the mesh of the first shoe of the changed brake."""
+        changed = drumlin.vary(brake, changes)
+        checked = read_mesh_files_of_brake(changed)[0]
+        lines = text_lines_about_mesh_to_be_solved(changed, checked)
+        return [line.removeprefix(f"shoe {checked.shoe.name!r}: ") for line in lines]
+
+    told = (
+        "thick; the mesh has the shape",
+        "centre of the round group hinge",
+        "of the force passes",
+    )
+    assert not [note for note in notes_on_mesh({}) if any(words in note for words in told)]
+    thick = 1.2 * brake.shoes[0].lining.thickness
+    (note,) = (n for n in notes_on_mesh({"shoe.lining.thickness": thick}) if told[0] in n)
+    assert f"= {1e3 * thick:.6g} mm in the brake file, but the lining of the mesh is" in note
+    assert f" {1e3 * thick / 1.2:.3g} mm thick" in note
+    low = brake.shoes[0].actuation.point.y - 0.06
+    moved = {"shoe[0].actuation.point.y": low}
+    assert [n for n in notes_on_mesh(moved) if told[2] in n and "middle of the group" in n]
+    pin = brake.shoes[0].hinge
+    off = {"shoe[0].hinge": {"radius": pin.radius + 0.004, "angle": pin.angle}}
+    assert [n for n in notes_on_mesh(off) if n.startswith("the pin is 4 mm from the centre")]
 
 
 # sweeps

@@ -79,7 +79,9 @@ def stiffness_ratio_of_shoe(shoe: DrumShoe, drum_radius: float) -> float | None:
     return 12 * EI / lining.width * lining.thickness / (E * drum_radius**4)
 
 
-def mean_compression_of_lining(shoe: DrumShoe, response: ShoeResponse, drum_radius: float) -> float:
+def lining_compression_by_normal_force(
+    shoe: DrumShoe, response: ShoeResponse, drum_radius: float
+) -> float:
     """The compression p t/E [m] of a lining under its mean pressure p.
 
     The mean pressure is the normal force of the shoe's response over the area of the lining's face.
@@ -113,7 +115,7 @@ def stiffness_and_compression_of_shoes(
             ShoeStiffnessAndLiningCompression(
                 shoe.name,
                 ratio,
-                mean_compression_of_lining(shoe, answer, radius),
+                lining_compression_by_normal_force(shoe, answer, radius),
                 max(differences, key=abs),
                 any(_has_lining_misfit_besides_its_radius(part) for part in linings),
             )
