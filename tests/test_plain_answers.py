@@ -7,7 +7,7 @@ import pytest
 from typer.testing import CliRunner
 
 import drumlin
-from conftest import STUDY
+from conftest import ROOT, STUDY
 from drumlin.base.errors import BadInput
 from drumlin.brake.plausibility import notes_on_implausible_brake_values as notes
 from drumlin.cli.commands import app
@@ -63,6 +63,7 @@ def test_compare_states_the_elastic_limit_or_names_the_call(write):
     told = printed("compare", write(), *FAST)
     limit = min(each.friction for each in drumlin.self_locking("my.toml", elements=10))
     assert f"self-locking of the elastic brake: shoe 'left' locks at mu_lock = {limit:.4g}" in told
+    assert "self-locking: friction 0.3 is 36 % of mu_lock = 0.8231 by the rigid-shoe law" in told
     # On a cam the search takes long.
     line = line_on_locking_friction_of_elastic_brake(drumlin.example("s_cam"))
     assert line.endswith('drumlin.self_locking("BRAKE.toml") in Python finds the limit')
@@ -83,6 +84,19 @@ def test_a_shoe_that_does_not_touch_is_no_trailing_shoe(write):
     told = printed("solve", path, *FAST, "--no-model-error")
     assert "self-energising: none, shoe 'left' does not touch; every other shoe is trailing" in told
     assert "(of shoe 'left', which does not touch here)" in told
+
+
+def test_the_page_on_errors_quotes_the_shares_of_readme():
+    """The reports guard README's numbers, which the manual repeats."""
+    readme = (ROOT / "README.md").read_text(encoding="utf-8")
+    page = ROOT / "studies" / "manual" / "pages" / "engineer" / "table.md"
+    text = " ".join(page.read_text(encoding="utf-8").split())
+    brakes = re.search(r"\| stated errors of (\d+) random brakes", readme)[1]
+    share = re.search(r"\| smaller than the true error \| ([\d.]+) %", readme)[1]
+    most = re.search(r"\| largest ratio of true to stated error \| ([\d.]+)", readme)[1]
+    assert f"on {brakes} random brakes" in text
+    assert f"{share} % of the stated errors are smaller than the true error" in text
+    assert f"largest true error is {float(most):.1f} times the stated one" in text
 
 
 # stiff shoes, fitting linings, errors of compare

@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 from drumlin.base.errors import NoAnswer
 from drumlin.base.files import delete_output_of_earlier_run, write_text
 from drumlin.brake.brake import Brake
+from drumlin.brake.friction import first_key_of_pressure_dependent_friction
 from drumlin.comparison import (
     ModelComparison,
     ModelResultOrReasonOfFailure,
@@ -20,7 +21,11 @@ from drumlin.comparison import (
     comparison_columns_for_brake,
     table_as_csv_text,
 )
-from drumlin.laws.rigid import UNUSED_KEYS_LINE_START, response_with_note_on_ignored_keys
+from drumlin.laws.rigid import (
+    UNUSED_KEYS_LINE_START,
+    response_with_note_on_ignored_keys,
+    self_locking_by_rigid_shoe_law,
+)
 from drumlin.models import MODELS, reasons_why_models_do_not_apply
 from drumlin.report import figures
 from drumlin.report.page import software_versions, write_html_page
@@ -252,11 +257,13 @@ def _lines_on_laws_and_elastic_locking(
     fem = comparison.responses.get("fem")
     if fem is None:
         return []
+    brake = comparison.brake
     mesh_options = {key: options[key] for key in ("elements", "kind") if key in options}
-    return [
-        *lines_on_stiff_shoes_and_fitting_linings(comparison.brake, fem),
-        line_on_locking_friction_of_elastic_brake(comparison.brake, **mesh_options),
-    ]
+    lines = list(lines_on_stiff_shoes_and_fitting_linings(brake, fem))
+    # The law has no limit where friction depends on the pressure.
+    if first_key_of_pressure_dependent_friction(brake) is None:
+        lines.append(self_locking_by_rigid_shoe_law(brake).line())
+    return [*lines, line_on_locking_friction_of_elastic_brake(brake, **mesh_options)]
 
 
 def _sentences_about_effects_that_models_neglect(comparison: ModelComparison[Any]) -> list[str]:
