@@ -179,17 +179,7 @@ def notes_on_file_that_differs_from_mesh(shoe: Shoe, mesh: Any, size: float) -> 
     These are the thickness of the lining, the pin and the line of the actuation force. `mesh` is in
     the frame of the shoe, and `size` [m] is the size of the brake.
     """
-    x, y = mesh.p[:, mesh.t]
-    # The area of a polygon by its corners (shoelace formula).
-    areas = 0.5 * np.abs((x * np.roll(y, -1, axis=0) - np.roll(x, -1, axis=0) * y).sum(axis=0))
-    sides = mesh.p[:, mesh.facets[:, mesh.boundaries["contact"]]]
-    length = float(np.hypot(*(sides[:, 1] - sides[:, 0])).sum())
-    thickness = float(areas[mesh.subdomains["lining"]].sum()) / length
-    if not shoe.is_on_plane:
-        # The area of a ring's sector over the length L of its face on a circle of radius R is
-        # t - t^2/(2 R) for a lining within the circle, and t + t^2/(2 R) outside of it.
-        sign = shoe.sign_internal_plus_external_minus
-        thickness = sign * size * (1 - math.sqrt(max(1 - 2 * sign * thickness / size, 0.0)))
+    thickness = _thickness_of_meshed_lining(shoe, mesh, size)
     if abs(thickness / shoe.lining.thickness - 1) > LARGEST_LINING_THICKNESS_DIFFERENCE_OF_MESH:
         yield (
             f"lining.thickness = {length_as_text_in_mm(shoe.lining.thickness)} in the brake file, "
@@ -213,6 +203,25 @@ def notes_on_file_that_differs_from_mesh(shoe: Shoe, mesh: Any, size: float) -> 
         )
     if "actuation" in mesh.boundaries and shoe.actuation.force:
         yield from _note_on_force_line_off_its_group(shoe, mesh, size)
+
+
+def _thickness_of_meshed_lining(shoe: Shoe, mesh: Any, size: float) -> float:
+    """The thickness [m] of a lining by the area of its elements and the length of its contact.
+
+    `mesh` is in the frame of the shoe, and `size` [m] is the size of the brake.
+    """
+    x, y = mesh.p[:, mesh.t]
+    # The area of a polygon by its corners (shoelace formula).
+    areas = 0.5 * np.abs((x * np.roll(y, -1, axis=0) - np.roll(x, -1, axis=0) * y).sum(axis=0))
+    sides = mesh.p[:, mesh.facets[:, mesh.boundaries["contact"]]]
+    length = float(np.hypot(*(sides[:, 1] - sides[:, 0])).sum())
+    thickness = float(areas[mesh.subdomains["lining"]].sum()) / length
+    if not shoe.is_on_plane:
+        # The area of a ring's sector over the length L of its face on a circle of radius R is
+        # t - t^2/(2 R) for a lining within the circle, and t + t^2/(2 R) outside of it.
+        sign = shoe.sign_internal_plus_external_minus
+        thickness = sign * size * (1 - math.sqrt(max(1 - 2 * sign * thickness / size, 0.0)))
+    return thickness
 
 
 def _note_on_force_line_off_its_group(shoe: Shoe, mesh: Any, size: float) -> Iterator[str]:
