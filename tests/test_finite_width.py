@@ -131,7 +131,8 @@ def test_a_solve_prints_what_remains_alone_and_with_the_error_of_the_mesh(root, 
     assert left["corrected"] is True
     assert left["peak"] is None
     assert f"{LINE}p {error_text_in_percent(left['pressure'])} (mean over the width)" in text
-    assert f"both together: p {error_text_in_percent(left['pressure'] + mesh['pressure'])}" in text
+    both = error_text_in_percent(left["pressure"] + mesh["pressure"])
+    assert f"with all inputs taken as exact: p {both}" in text
     assert "error of plane stress itself" not in text
     assert "corrected for the widths of the shoes: torque by " in text
     brake = read_brake(file)
@@ -147,7 +148,7 @@ def test_a_solve_prints_what_remains_alone_and_with_the_error_of_the_mesh(root, 
     ("file", "reason"),
     [
         ("studies/post_brake/brake.toml", "its drum is an elastic ring"),
-        ("meshes/double_shoe.toml", "a mesh of its own is a section without widths"),
+        ("meshes/double_shoe.toml", "it has a mesh of its own, which is drawn in the plane"),
     ],
 )
 def test_where_the_model_of_the_width_does_not_apply_it_is_refused(root, file, reason):

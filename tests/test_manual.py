@@ -203,6 +203,9 @@ def test_every_public_name_has_a_page():
         if not name.startswith("_"):
             assert f":: drumlin.{name}\n" in pages[f"reference/api/{name}.rst"]
             assert f"(api/{name}.rst)" in pages["reference/api.md"]
+    # The classes of results that only a function returns stand on the page of the function.
+    for result in ("SelfLockingFrictionsOfBrake", "SelfLockingFrictionOfGroup"):
+        assert f".. autoclass:: drumlin.door.{result}\n" in pages["reference/api/self_locking.rst"]
     # Modules of examples and those for researchers have pages, the others stand in a table.
     for module in ("drumlin.models", "drumlin.fem.model", "drumlin.contact.active_set"):
         assert f".. automodule:: {module}\n" in pages[f"reference/api/{module}.rst"]

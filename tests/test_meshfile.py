@@ -331,7 +331,7 @@ def strange_edges(mesh):
 
 
 FAULTS = {
-    "doubled nodes": ("quad2", unbonded, "pairs of nodes stand in one place"),
+    "doubled nodes": ("quad2", unbonded, "pairs of nodes stand in one place (the first at x = "),
     "parts apart": ("quad1", moved_apart, "consists of 2 parts that share no edge"),
     "inverted quadrilateral": ("quad1", inverted, "inverted or without area in a corner"),
     "inverted curved quadrilateral": ("quad2", inverted, "inverted or without area in a corner"),

@@ -164,9 +164,10 @@ def test_what_is_no_material_is_refused_in_one_line_with_key_value_and_what_is_a
 
 
 def test_a_missing_key_is_named():
-    with pytest.raises(BadInput, match=r"^shoe\[0\].lining.material.E_through: is missing$"):
+    written = "is missing; write a stress such as '300 MPa'"
+    with pytest.raises(BadInput, match=rf"^shoe\[0\].lining.material.E_through: {written}"):
         vary(MAIN, {"shoe.lining.material": {"E_along": 1e9}})
-    with pytest.raises(BadInput, match=r"^shoe\[0\].lining.material.E: is missing$"):
+    with pytest.raises(BadInput, match=rf"^shoe\[0\].lining.material.E: {written}"):
         vary(MAIN, {"shoe.lining.material": {"nu": 0.3}})
 
 

@@ -135,7 +135,7 @@ def test_angles_and_coordinates_are_judged_one_by_one(judged, brake):
             "shoe.lining.thickness",
             [f"{5 + i * 1e-3} mm" for i in range(1000)],
             "-1 mm",
-            "thickness = -0.001: ",
+            "thickness = -1 mm: ",
         ),
         (
             "shoe[0].lining.start",

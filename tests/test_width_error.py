@@ -93,7 +93,8 @@ def test_a_solve_prints_it_alone_and_with_that_of_the_mesh(root, tmp_path):
     assert line.startswith(
         f"{LINE}p {percent(found['pressure'])} (mean over the width), "
         f"torque {percent(found['torque'])}, hinge reaction {percent(found['reaction'])}, "
-        f"peak pressure not known; both together: "
+        f"peak pressure not known; both together, of the elements and of plane stress, "
+        f"with all inputs taken as exact: "
         f"p {percent(found['pressure'] + mesh['pressure'])}, "
         f"torque {percent(found['torque'] + mesh['torque'])}, "
         f"hinge reaction {percent(found['reaction'] + mesh['reaction'])}"
@@ -129,7 +130,7 @@ def test_on_one_mesh_it_stands_alone(root):
         pytest.param(
             "meshes/double_shoe.toml",
             (),
-            "a mesh of its own is a section without widths",
+            "it has a mesh of its own, which is drawn in the plane",
             marks=pytest.mark.slow,
         ),
     ],

@@ -262,13 +262,13 @@ def _table_row_of_shoe(
         "self_energising": "yes" if shoe.self_energising else "no",
         "status": "converged" if response.converged else "not converged",
     }
+    stated = shoe.error or {}
+    row["stated_torque_error"] = stated.get("torque")
+    row["stated_pressure_error"] = stated.get("pressure")
     # The errors are differences from the reference result, relative to it.
     if true is not None:
         other = true.shoes[i]
-        stated = shoe.error or {}
         row["torque_error"] = relative_error_of_number(response.effects[i], true.effects[i])
-        row["stated_torque_error"] = stated.get("torque")
-        row["stated_pressure_error"] = stated.get("pressure")
         row["peak_error"] = relative_error_of_number(shoe.peak_pressure, other.peak_pressure)
         row["pressure_error"] = relative_distance_of_pressures(
             shoe, other, length_of_uncompared_zone_at_lining_end(brake)
@@ -289,10 +289,9 @@ def _table_row_of_whole_brake(
     assert outcome.response is not None
     effect = outcome.response.effect
     row = {"shoe": "all", "torque": effect, "seconds": outcome.seconds, "status": "converged"}
+    row["stated_torque_error"] = (outcome.response.error or {}).get("torque")
     if true is not None:
-        stated = outcome.response.error or {}
         row["torque_error"] = relative_error_of_number(effect, true.effect)
-        row["stated_torque_error"] = stated.get("torque")
     return row
 
 

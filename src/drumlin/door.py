@@ -875,6 +875,8 @@ def sensitivity(
 class SelfLockingFrictionOfGroup(NamedTuple):
     """The friction coefficient at which a group of shoes locks itself.
 
+    Printed, it is a line such as "shoe 'left' locks at mu_lock = 1.181".
+
     Attributes
     ----------
     shoes : names of the shoes whose forces depend on each other, or of a single shoe
@@ -900,6 +902,36 @@ class SelfLockingFrictionOfGroup(NamedTuple):
     least_friction_on_finer_elements: float
     pressed_at_point: tuple[str, ...] = ()
 
+    def __repr__(self) -> str:
+        """The shoes and their limit in words, as one line of text."""
+        names = ", ".join(f"shoe {name!r}" for name in self.shoes)
+        many = len(self.shoes) > 1
+        if math.isinf(self.friction):
+            return f"{names} {'do' if many else 'does'} not lock up to the largest friction tried"
+        text = f"{names} {'lock together' if many else 'locks'} at mu_lock = {self.friction:.4g}"
+        if self.bounded:
+            text += ", where the equilibrium ends at finite pressures"
+        if self.pressed_at_point:
+            pressed = ", ".join(f"shoe {name!r}" for name in self.pressed_at_point)
+            text += f", where the contact of {pressed} shrinks to a point"
+        if self.least_friction_on_finer_elements < self.friction:
+            text += f"; down to {self.least_friction_on_finer_elements:.4g} on finer elements"
+        return text
+
+
+class SelfLockingFrictionsOfBrake(tuple[SelfLockingFrictionOfGroup, ...]):
+    """The limits of self-locking of a brake: a tuple with one entry for each group of shoes.
+
+    Printed, it has a line for each group. The fields of an entry, such as its `friction`, are
+    those of `SelfLockingFrictionOfGroup`.
+    """
+
+    __slots__ = ()
+
+    def __repr__(self) -> str:
+        """A line of text for each group of shoes."""
+        return "\n".join(map(repr, self))
+
 
 @_make_public_function_that_solves
 def self_locking(
@@ -909,7 +941,7 @@ def self_locking(
     elements: int | None = None,
     kind: str | None = None,
     penalty: float = math.inf,
-) -> tuple[SelfLockingFrictionOfGroup, ...]:
+) -> SelfLockingFrictionsOfBrake:
     """Find the friction coefficient at which a brake locks itself, by finite elements.
 
     Parameters
@@ -922,10 +954,10 @@ def self_locking(
 
     Returns
     -------
-    tuple of SelfLockingFrictionOfGroup
-        one for each group of shoes whose forces depend on each other: all shoes on an elastic ring,
-        on a cam or on struts, and all shoes of a brake that has a spring with a rate; any other
-        shoe is a group of its own
+    SelfLockingFrictionsOfBrake
+        a tuple with one SelfLockingFrictionOfGroup for each group of shoes whose forces depend on
+        each other: all shoes on an elastic ring, on a cam or on struts, and all shoes of a brake
+        that has a spring with a rate; any other shoe is a group of its own
 
     Raises
     ------
@@ -937,6 +969,9 @@ def self_locking(
     Examples
     --------
     >>> limits = drumlin.self_locking(drumlin.example("double_shoe"), elements=12)
+    >>> limits
+    shoe 'right' does not lock up to the largest friction tried
+    shoe 'left' locks at mu_lock = 1.181
     >>> [limit.shoes for limit in limits]
     [('right',), ('left',)]
     """
@@ -958,7 +993,7 @@ def self_locking(
         LARGEST_SOUGHT_SELF_LOCKING_FRICTION if most is None else most,
         penalty,
     )
-    return tuple(
+    return SelfLockingFrictionsOfBrake(
         SelfLockingFrictionOfGroup(
             tuple(whole.shoes[i].name for i in members),
             end.friction,

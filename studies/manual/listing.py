@@ -16,6 +16,7 @@ from pydantic import Discriminator
 from pydantic.fields import FieldInfo
 
 import drumlin
+import drumlin.door
 from drumlin.brake.fields import PartOfInputFile, si_unit_of_field_type, si_units_of_table_field
 from drumlin.brake.key_meanings import KEY_MEANINGS_OF_BRAKE_FILE_PARTS, KeyMeaningsOfPart
 from drumlin.brake.units import EXAMPLE_OF_QUANTITY_BY_SI_UNIT, NAME_OF_QUANTITY_BY_SI_UNIT
@@ -288,7 +289,10 @@ def api_pages() -> dict[str, str]:
             continue
         value = getattr(drumlin, name)
         kind = "class" if inspect.isclass(value) else "function"
-        pages[f"reference/api/{name}.rst"] = _page_of_object(f"drumlin.{name}", kind)
+        page = _page_of_object(f"drumlin.{name}", kind)
+        for result in _classes_of_results_in_docstring(value) if kind == "function" else ():
+            page += f"\n.. autoclass:: drumlin.door.{result}\n"
+        pages[f"reference/api/{name}.rst"] = page
         rows.append((f"[`{name}`](api/{name}.rst)", _first_line(value)))
     names = [Path(page).stem for page in pages]
     modules = []
@@ -306,6 +310,20 @@ def api_pages() -> dict[str, str]:
         f"## Modules\n\n{markdown_table(('module', 'what it holds'), modules)}\n{tree}\n"
     )
     return pages
+
+
+def _classes_of_results_in_docstring(function: Any) -> list[str]:
+    """The names of the classes of drumlin.door that a function's docstring names, each once.
+
+    These classes have no other page: they are described on the page of the function.
+    """
+    words = re.findall(r"\w+", inspect.getdoc(function) or "")
+    found = []
+    for name in dict.fromkeys(words):
+        value = getattr(drumlin.door, name, None)
+        if inspect.isclass(value) and value.__module__ == "drumlin.door":
+            found.append(name)
+    return found
 
 
 def _modules_in_examples() -> set[str]:

@@ -437,6 +437,10 @@ class DrumLining(Lining):
     default the lining has the friction of the brake.
     """
 
+    hints_on_other_keys: ClassVar[Mapping[str, str]] = {
+        "radius": " (write 'misfit.radius', the radius to which the lining is ground)"
+    }
+
     start: Angle
     end: Angle
     thickness: Thickness

@@ -403,7 +403,7 @@ def _check_arc_carries_lining(key: str, body: ArcBody, lining: Lining) -> None:
     # Equal angles that a file gives in degrees may differ by round-off.
     slack = 1e-9  # rad
     if lining.start < body.start - slack or lining.end > body.end + slack:
-        hint = ""
+        hint = "; angles count counter-clockwise from +x, not from the hinge"
         # The file may give the angles of lining and body some whole turns apart.
         middle = 0.5 * (body.start + body.end)
         turns = 2 * math.pi * round((middle - lining.middle) / (2 * math.pi))

@@ -6,10 +6,10 @@ Brake files are in TOML, with a unit on every quantity. An error in a file is re
 import math
 import re
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from copy import deepcopy
 from pathlib import Path
-from typing import Annotated, Any, TypeVar
+from typing import Annotated, Any, TypeVar, get_args
 
 from pydantic import ValidationError
 
@@ -22,7 +22,12 @@ from drumlin.brake.drive import key_that_sets_actuation_force_of_shoe
 from drumlin.brake.drum_brake import DrumBrake
 from drumlin.brake.fields import PartOfInputFile, Point, si_unit_of_field_type
 from drumlin.brake.friction import FrictionTable
-from drumlin.brake.units import quantity_in_si, quantity_with_usual_unit
+from drumlin.brake.units import (
+    EXAMPLE_OF_QUANTITY_BY_SI_UNIT,
+    NAME_OF_QUANTITY_BY_SI_UNIT,
+    quantity_in_si,
+    quantity_with_usual_unit,
+)
 
 SI_UNITS_BY_POLAR_POINT_KEY = {"radius": "m", "angle": "rad"}
 """The keys of a point in polar coordinates, in a file, with their SI units."""
@@ -60,22 +65,79 @@ Each word says which of several types pydantic took for the data, such as "beam"
 """
 
 
-def _error_line_about_invalid_brake_data(error: ValidationError, data: Any) -> str:
+def _dotted_key_of_pydantic_path(path: Sequence[int | str]) -> str:
+    """The dotted key, such as "shoe[0].lining.width", of pydantic's path to a value."""
+    key = ""
+    for step in path:
+        if step not in WORDS_IN_PYDANTIC_PATH_THAT_ARE_NO_KEYS:
+            key += f"[{step}]" if isinstance(step, int) else f".{step}" if key else str(step)
+    return key
+
+
+def _hint_on_missing_keys(error: ValidationError, kind: type[PartOfInputFile]) -> str:
+    """An example of the first missing value, and the names of all other missing keys.
+
+    The hint is such as "; write a length such as '8 mm'; also missing: shoe[0].lining.end". `kind`
+    is the class that the data should have become.
+    """
+    paths = [fault["loc"] for fault in error.errors() if fault["type"] == "missing"]
+    unit = _si_unit_of_value_at_pydantic_path(kind, paths[0])
+    hint = ""
+    if unit:
+        name, example = NAME_OF_QUANTITY_BY_SI_UNIT[unit], EXAMPLE_OF_QUANTITY_BY_SI_UNIT[unit]
+        hint = f"; write {name} such as {example!r}"
+    others = [_dotted_key_of_pydantic_path(path) for path in paths[1:]]
+    return f"{hint}; also missing: {', '.join(others)}" if others else hint
+
+
+def _si_unit_of_value_at_pydantic_path(
+    kind: type[PartOfInputFile], path: Sequence[int | str]
+) -> str | None:
+    """The SI unit of the value at pydantic's path in a class of parts; None if it is not known."""
+    classes, unit = [kind], None
+    for step in path:
+        if isinstance(step, int) or step in WORDS_IN_PYDANTIC_PATH_THAT_ARE_NO_KEYS:
+            continue
+        units, below = set(), []
+        for each in classes:
+            for name, field in each.model_fields.items():
+                if step == (field.alias or name):
+                    whole: Any = field.annotation
+                    if field.metadata:
+                        whole = Annotated[whole, *field.metadata]
+                    units.add(si_unit_of_field_type(whole))
+                    below += _classes_of_parts_in_type(field.annotation)
+        classes, unit = below, units.pop() if len(units) == 1 else None
+    return unit
+
+
+def _classes_of_parts_in_type(annotation: Any) -> list[type[PartOfInputFile]]:
+    """The classes of parts in a type: alternatives of a union, or the items of a tuple."""
+    if isinstance(annotation, type) and issubclass(annotation, PartOfInputFile):
+        return [annotation]
+    found: list[type[PartOfInputFile]] = []
+    for inner in get_args(annotation):
+        found += _classes_of_parts_in_type(inner)
+    return found
+
+
+def _error_line_about_invalid_brake_data(
+    error: ValidationError, data: Any, kind: type[PartOfInputFile]
+) -> str:
     """One line about the first error in the data of a brake file: "key = value: what is allowed".
 
     Parameters
     ----------
     error : pydantic's list of errors
     data : data of the brake file, from which the wrong value is shown
+    kind : class that the data should have become
     """
     fault = error.errors()[0]
-    # pydantic's path to the wrong value is followed through the data. The steps of the path also
-    # make up the key.
-    key = ""
+    # pydantic's path to the wrong value is followed through the data.
+    key = _dotted_key_of_pydantic_path(fault["loc"])
     for step in fault["loc"]:
         if step in WORDS_IN_PYDANTIC_PATH_THAT_ARE_NO_KEYS:
             continue
-        key += f"[{step}]" if isinstance(step, int) else f".{step}" if key else str(step)
         try:
             data = data[step]
         except (LookupError, TypeError):
@@ -85,7 +147,11 @@ def _error_line_about_invalid_brake_data(error: ValidationError, data: Any) -> s
     if fault["type"] in ALLOWED_VALUE_TEXT_BY_PYDANTIC_ERROR:
         message = ALLOWED_VALUE_TEXT_BY_PYDANTIC_ERROR[fault["type"]].format(key=key)
     if fault["type"] == "missing":
-        return f"{key}: is missing"
+        return f"{key}: is missing{_hint_on_missing_keys(error, kind)}"
+    if key.endswith("misfit.radius") and fault["type"].startswith("greater_than"):
+        message += (
+            "; it is the radius of the lining's face itself, not its difference from the drum's"
+        )
     shown = f" = {value_as_text(data)}" if isinstance(data, str | int | float) else ""
     # A long value is cut off, so that the line still shows what is allowed.
     if len(shown) > 60:
@@ -122,7 +188,7 @@ def make_validated_brake_part(
     except ValidationError as error:
         # A traceback in Python ends with this line. The text of pydantic would stand above it, with
         # hundreds of lines for a table.
-        raise BadInput(_error_line_about_invalid_brake_data(error, data)) from None
+        raise BadInput(_error_line_about_invalid_brake_data(error, data, kind)) from None
 
 
 def make_drum_brake_from_data(
@@ -170,6 +236,10 @@ def _hint_about_toml_error(text: str, error: Exception) -> str:
     lines = text.split("\n")
     if at is None or int(at.group(1)) > len(lines):
         return ""
+    number = int(at.group(1))
+    # A text in quotes must end on its line. The number of quotation marks is then even.
+    if lines[number - 1].partition("#")[0].count('"') % 2:
+        return f"; a quotation mark is missing in line {number}"
     # Texts in quotes and comments are removed, because they cannot be the cause.
     line = re.sub(r'"[^"]*"|\'[^\']*\'|#.*', "", lines[int(at.group(1)) - 1])
     for pattern, hint in _HINTS_WITH_PATTERN_OF_WRONG_TOML_LINE:
@@ -193,7 +263,25 @@ def read_brake(path: Path, text: str | None = None) -> Brake:
     try:
         return make_drum_brake_from_data(data, unit_required=True, base=path.parent)
     except BadInput as error:
-        raise BadInput(f"{path}: {error}") from error
+        raise BadInput(f"{path}: {error}{name_of_shoe_in_error_line(str(error), data)}") from error
+
+
+def name_of_shoe_in_error_line(line: str, data: Mapping[str, Any]) -> str:
+    """The name of the shoe that an error line calls by its number, as " (shoe[0] is 'left')".
+
+    The result is "" if the line has no number of a shoe, or its shoe has no name. `data` are those
+    of the brake file.
+    """
+    found = re.match(r"shoe\[(\d+)\]", line)
+    shoes = data.get("shoe")
+    if found is None or not isinstance(shoes, list) or int(found[1]) >= len(shoes):
+        return ""
+    shoe = shoes[int(found[1])]
+    name = shoe.get("name") if isinstance(shoe, dict) else None
+    # The line already has the name if the name itself is wrong.
+    if not isinstance(name, str) or not name or line.startswith(f"{found[0]}.name"):
+        return ""
+    return f" ({found[0]} is {name!r})"
 
 
 def vary(brake: BrakePartTypeVariable, changes: Mapping[str, Any]) -> BrakePartTypeVariable:
@@ -333,11 +421,26 @@ def _refuse_key_without_its_beginning(brake: PartOfInputFile, key: str) -> None:
     end = "." + ".".join([first, *rest])
     whole = _keys_of_values_in_nested_data(brake.model_dump(by_alias=True), "")
     meant = [known.removeprefix(".") for known in whole if known.endswith(end)]
+    if rest and not meant:
+        # A key without a value in this brake, such as "lining.misfit.radius", is no end of a known
+        # key. Its first word may be.
+        heads = [known.removeprefix(".") for known in whole if known.endswith(f".{first}")]
+        longer = [".".join([head, *rest]) for head in heads]
+        meant = [known for known in longer if _is_key_of_brake(brake, known)]
     if meant:
         keys = " or ".join(repr(known) for known in meant)
         raise BadInput(
             f"{key}: unknown key {first!r} (did you mean {keys}?); allowed: {', '.join(names)}"
         )
+
+
+def _is_key_of_brake(brake: PartOfInputFile, key: str) -> bool:
+    """Whether a dotted key that begins with a table of the brake is a key of the brake."""
+    try:
+        parts_and_field_name_of_brake_key(brake, key)
+    except BadInput:
+        return False
+    return True
 
 
 def _keys_of_values_in_nested_data(data: Any, key: str) -> list[str]:

@@ -48,6 +48,7 @@ from drumlin.brake.fields import (
 )
 from drumlin.brake.file import (
     make_validated_brake_part,
+    name_of_shoe_in_error_line,
     parse_text_of_brake_file,
     read_data_of_brake_file,
 )
@@ -433,7 +434,7 @@ def read_drum_or_plane_brake(path: Path | str, text: str | None = None) -> Brake
     try:
         return make_drum_or_plane_brake_from_data(data, unit_required=True, base=path.parent)
     except BadInput as error:
-        raise BadInput(f"{path}: {error}") from error
+        raise BadInput(f"{path}: {error}{name_of_shoe_in_error_line(str(error), data)}") from error
 
 
 def brake_itself_or_read_from_file(brake: Any) -> Brake:

@@ -56,12 +56,10 @@ def print_brake_response(brake: "Brake", response: "Response", *, verbose: bool 
     _print_torque_and_brake_factor(brake, response)
     _print_table_of_shoes(brake, response)
     # Warnings and estimated errors stand below the table, since the last lines stay on the screen.
-    energised = [shoe.name for shoe in response.shoes if shoe.self_energising]
     if brake.friction:
-        names = ", ".join(energised) or "none, every shoe is trailing"
-        print_line_folded_to_terminal_width(f"self-energising: {names}")
+        print_line_folded_to_terminal_width(_self_energising_shoes_as_line(response))
     if response.self_locking is not None:
-        print_line_folded_to_terminal_width(response.self_locking.line())
+        print_line_folded_to_terminal_width(_self_locking_as_line(response))
     for line in notes.warnings:
         print_line_folded_to_terminal_width(line)
     for line in response.left_out:
@@ -83,6 +81,38 @@ def print_brake_response(brake: "Brake", response: "Response", *, verbose: bool 
         print_line_folded_to_terminal_width(line)
     if verbose:
         _print_lines_of_verbose_answer(response, notes.lines_of_verbose_answer)
+
+
+def _self_energising_shoes_as_line(response: "Response") -> str:
+    """The names of the self-energising shoes as a line, or why there are none."""
+    energised = [shoe.name for shoe in response.shoes if shoe.self_energising]
+    if energised:
+        return f"self-energising: {', '.join(energised)}"
+    apart = [repr(shoe.name) for shoe in response.shoes if not shoe.contact_arcs]
+    if not apart:
+        return "self-energising: none, every shoe is trailing"
+    pressed = "; every other shoe is trailing" if len(apart) < len(response.shoes) else ""
+    return f"self-energising: none, shoe {', '.join(apart)} does not touch{pressed}"
+
+
+def _self_locking_as_line(response: "Response") -> str:
+    """The friction relative to the limits of self-locking as a line.
+
+    The limit of the rigid-shoe law may belong to a shoe that the actuation does not press on the
+    drum; the line then says so.
+    """
+    from drumlin.response.self_locking import SelfLocking
+
+    locking = response.self_locking
+    assert locking is not None
+    line = locking.line()
+    if not isinstance(locking, SelfLocking) or math.isinf(locking.law.friction):
+        return line
+    apart = {shoe.name for shoe in response.shoes if not shoe.contact_arcs}
+    names = [repr(name) for name in locking.law.shoes if name in apart]
+    if names:
+        line += f" (of shoe {', '.join(names)}, which does not touch here)"
+    return line
 
 
 class _NotesByPlaceInPrintout(NamedTuple):
@@ -185,7 +215,10 @@ def _plane_stress_errors_as_line(effect: str, response: "Response") -> str:
     if mesh is None:
         return line
     both = {key: found.brake[key] + mesh[key] for key in ("pressure", *names) if key in mesh}
-    line += f"; both together: p {error_text_in_percent(both.pop('pressure'))}"
+    line += (
+        "; both together, of the elements and of plane stress, with all inputs taken as exact: "
+        f"p {error_text_in_percent(both.pop('pressure'))}"
+    )
     for key, error in both.items():
         line += f", {names[key]} {error_text_in_percent(error)}"
     return line

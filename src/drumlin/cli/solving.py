@@ -36,7 +36,8 @@ if TYPE_CHECKING:
 
 TEXT_ON_COMPARISON_ERRORS = (
     "errors: differences from the model fem; of p (L2): the root of the mean square along a "
-    "lining, without its ends"
+    "lining, without its ends; stated errors are those of the elements of the model itself, and "
+    "drumlin solve states the error of plane stress beside them"
 )
 """The line below the table of a comparison, which explains its columns of errors."""
 
@@ -184,6 +185,28 @@ def _print_answer_and_write_pressures(
     if separated:
         print_line_folded_to_terminal_width("")
     print_brake_response(answer.brake, answer.response, verbose=verbose)
+    if verbose:
+        for line in _lines_on_laws_and_elastic_locking(answer.brake, answer.response):
+            print_line_folded_to_terminal_width(line)
+
+
+def _lines_on_laws_and_elastic_locking(brake: "Brake", response: "Response") -> Iterator[str]:
+    """Yield the lines of --verbose on stiff shoes, fitting linings and the elastic locking limit.
+
+    The limit is sought only if the finite elements answered without finding it.
+    """
+    from drumlin.fem.analysis.self_locking import line_on_locking_friction_of_elastic_brake
+    from drumlin.response.self_locking import SelfLocking
+    from drumlin.response.shoe_stiffness import lines_on_stiff_shoes_and_fitting_linings
+
+    yield from lines_on_stiff_shoes_and_fitting_linings(brake, response)
+    locking = response.self_locking
+    if (
+        response.model == "fem"
+        and isinstance(locking, SelfLocking)
+        and not locking.is_elastic_known
+    ):
+        yield line_on_locking_friction_of_elastic_brake(brake)
 
 
 def _write_json_and_require_all_answers(

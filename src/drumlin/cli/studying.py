@@ -116,6 +116,7 @@ def _print_outcome_of_sweep(table: "SweepTable", table_file: Path) -> None:
                 title or "result", title, texts, is_left_aligned=not title
             )
         print_table_fitted_to_terminal(columns, STATISTICS_DROPPED_ON_NARROW_TERMINAL)
+        print_line_folded_to_terminal_width(table.line_on_statistics)
     print_line_folded_to_terminal_width(f"table: {table_file}")
     if failed == len(table):
         raise NoAnswer("sweep: no case has an answer; the table says why")

@@ -273,7 +273,7 @@ def _notes_on_mesh_files(
     """
     for body, shoe, response in zip(scene.bodies, brake.shoes, responses, strict=True):
         if body.mesh_read_from_file is not None:
-            yield from notes_on_mesh_file(shoe, body.mesh_read_from_file, response)
+            yield from notes_on_mesh_file(shoe, body.mesh_read_from_file, response, brake.size)
 
 
 def _notes_on_loads_moved_to_actuation_point(scene: PreparedModel, brake: Brake) -> Iterator[str]:

@@ -165,9 +165,10 @@ def _notes_on_shoe_response(
     share = float(np.linalg.norm(spread.normal) / np.linalg.norm(response.lumped.normal))
     ratio = float(law.friction(angles_and_radii_of_hinged_shoe(brake, brake.shoes[index])))
     return [
-        f"{said} the law has the contact as one force at the lining's middle; the same pressure on "
-        f"the whole arc has {number_as_text(share, '.1%')} of its normal force and "
-        f"{number_as_text(share / ratio, '.1%')} of its friction force"
+        f"{said} the law has the contact as one force at the lining's middle; its pressure, if it "
+        f"acted along the whole arc, would add up to {number_as_text(share, '.1%')} of the normal "
+        f"force that the law takes, and to {number_as_text(share / ratio, '.1%')} of the friction "
+        "force"
     ]
 
 

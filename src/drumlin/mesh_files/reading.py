@@ -53,7 +53,9 @@ def read_content_of_mesh_file(
     try:
         regular = stat.S_ISREG(path.stat().st_mode)
     except (OSError, ValueError) as error:
-        raise BadInput(f"{fault}: no such file ({system_message_of_error(error)})") from error
+        is_absent = isinstance(error, FileNotFoundError)
+        reason = "" if is_absent else f" ({system_message_of_error(error)})"
+        raise BadInput(f"{fault}: no such file{reason}") from error
     suffix = path.suffix.lower()
     if not regular or suffix not in MESH_FILE_SUFFIXES:
         raise BadInput(

@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 from drumlin.base.errors import NoAnswer
 from drumlin.base.files import delete_output_of_earlier_run, write_text
 from drumlin.brake.brake import Brake
+from drumlin.brake.friction import first_key_of_pressure_dependent_friction
 from drumlin.comparison import (
     ModelComparison,
     ModelResultOrReasonOfFailure,
@@ -20,11 +21,16 @@ from drumlin.comparison import (
     comparison_columns_for_brake,
     table_as_csv_text,
 )
-from drumlin.laws.rigid import response_with_note_on_ignored_keys
+from drumlin.laws.rigid import (
+    UNUSED_KEYS_LINE_START,
+    response_with_note_on_ignored_keys,
+    self_locking_by_rigid_shoe_law,
+)
 from drumlin.models import MODELS, reasons_why_models_do_not_apply
 from drumlin.report import figures
 from drumlin.report.page import software_versions, write_html_page
 from drumlin.response.response import Response
+from drumlin.response.shoe_stiffness import lines_on_stiff_shoes_and_fitting_linings
 
 NAMES_OF_STRESS_FIELD_FILES = ("fields.svg", "fields.png", "fields.vtu", "fields_column.svg")
 """Names of the files of stress fields that `compare` writes, or that older versions wrote."""
@@ -196,7 +202,10 @@ def compare_models_and_write_html_page(
             brake, fem, folder, "fields", endings, also_for_column=False, **mesh_options
         )
     named = ("solid",) if options.get("solid") else ()
-    notes = _model_notes_and_reasons_against_other_models(comparison, named)
+    notes = [
+        *_lines_on_laws_and_elastic_locking(comparison, options),
+        *_model_notes_and_reasons_against_other_models(comparison, named),
+    ]
     page = write_html_page(
         Path(__file__).with_name("comparison.html"),
         folder / "index.html",
@@ -219,12 +228,42 @@ def _model_notes_and_reasons_against_other_models(
     `named` are the models that were asked for by name.
     """
     notes = []
+    models_by_line: dict[str, list[str]] = {}
     for model, response in comparison.responses.items():
-        for line in response_with_note_on_ignored_keys(comparison.brake, response).notes:
-            notes.append(f"{model}: {line}")
+        noted = response_with_note_on_ignored_keys(comparison.brake, response)
+        notes += [f"{model}: {line}" for line in noted.notes]
+        for line in noted.left_out:
+            if line.startswith(UNUSED_KEYS_LINE_START):
+                models_by_line.setdefault(line, []).append(model)
+    # All laws leave the same keys out, so that one line names the laws.
+    for line, models in models_by_line.items():
+        notes.insert(0, f"{', '.join(models)}: {line}")
     for name, reason in reasons_why_models_do_not_apply(comparison.brake, named).items():
         notes.append(f"{name}: does not apply: {reason}")
     return notes
+
+
+def _lines_on_laws_and_elastic_locking(
+    comparison: ModelComparison[Any], options: dict[str, Any]
+) -> list[str]:
+    """Lines on stiff shoes, fitting linings and the self-locking limit of the elastic brake.
+
+    There is no line without an answer of the finite elements. `options` are those of `compare`.
+    """
+    from drumlin.fem.analysis.self_locking import (  # noqa: PLC0415
+        line_on_locking_friction_of_elastic_brake,
+    )
+
+    fem = comparison.responses.get("fem")
+    if fem is None:
+        return []
+    brake = comparison.brake
+    mesh_options = {key: options[key] for key in ("elements", "kind") if key in options}
+    lines = list(lines_on_stiff_shoes_and_fitting_linings(brake, fem))
+    # The law has no limit where friction depends on the pressure.
+    if first_key_of_pressure_dependent_friction(brake) is None:
+        lines.append(self_locking_by_rigid_shoe_law(brake).line())
+    return [*lines, line_on_locking_friction_of_elastic_brake(brake, **mesh_options)]
 
 
 def _sentences_about_effects_that_models_neglect(comparison: ModelComparison[Any]) -> list[str]:

@@ -25,7 +25,10 @@ from drumlin.fem.mesh.arc import mesh_kind_of_scikit_fem_mesh
 from drumlin.fem.mesh.degree import nodal_basis_of_mesh
 from drumlin.fem.mesh.edges import nodes_along_element_edges
 from drumlin.fem.mesh.file import read_shoe_mesh_with_notes
-from drumlin.fem.mesh.from_file import ShoeMeshReadFromFile
+from drumlin.fem.mesh.from_file import (
+    ShoeMeshReadFromFile,
+    notes_on_file_that_differs_from_mesh,
+)
 from drumlin.report.drawing import absolute_force_as_text_with_unit, draw_arrow_from_tail_to_tip
 from drumlin.report.figures import MATPLOTLIB_SETTINGS_FOR_SCREEN
 from drumlin.report.palette import BLUE, COLOR_OF_AXES_AND_NOTES, GREEN, INK, PURPLE, RED
@@ -99,7 +102,8 @@ def text_lines_about_mesh_to_be_solved(
 ) -> Iterator[str]:
     """Yield three lines of text on a shoe's mesh: elements, contact line, and support with force.
 
-    If drumlin changed the mesh when it read the file, the following lines say what it changed.
+    The following lines say what drumlin changed when it read the file, and which places and lengths
+    of the brake file hardly agree with the mesh.
     """
     shoe, mesh = checked.shoe, checked.read.mesh
     kind = mesh_kind_of_scikit_fem_mesh(mesh)
@@ -112,7 +116,8 @@ def text_lines_about_mesh_to_be_solved(
     )
     yield f"shoe {shoe.name!r}: {_text_about_contact_line(brake, checked)}"
     yield f"shoe {shoe.name!r}: {_text_about_support_and_force(shoe, mesh)}"
-    for note in checked.read.notes:
+    differs = notes_on_file_that_differs_from_mesh(shoe, mesh, brake.size)
+    for note in (*checked.read.notes, *differs):
         yield f"shoe {shoe.name!r}: {note}"
 
 

@@ -75,6 +75,11 @@ class SelfLocking(NamedTuple):
             "elastic_sought_up_to": self.sought,
         }
 
+    @property
+    def is_elastic_known(self) -> bool:
+        """Whether the limit of the elastic brake was sought and found."""
+        return self.elastic is not None and math.isfinite(self.elastic.friction)
+
     def line(self) -> str:
         """A line that states the friction relative to the limits mu_lock."""
         known = []
@@ -89,10 +94,21 @@ class SelfLocking(NamedTuple):
         if not known:
             known.append("no friction locks the brake by the rigid-shoe law")
         if self.elastic is not None and math.isinf(self.elastic.friction):
-            known.append(f"the elastic brake does not lock below {self.sought:.4g}")
+            known.append(self._how_far_elastic_limit_was_sought_as_text())
         if self.key_of_lining_with_own_friction:
             known.append(f"all frictions in proportion, {self.key_of_lining_with_own_friction} too")
         return f"self-locking: {'; '.join(known)}"
+
+    def _how_far_elastic_limit_was_sought_as_text(self) -> str:
+        """The end of the search that found no limit of the elastic brake, as text.
+
+        The text says that the end of the search is a multiple of the friction, and no limit of the
+        brake.
+        """
+        return (
+            f"mu_lock of the elastic brake was sought up to {self.sought:.4g} = "
+            f"{self.sought / self.friction:.3g} times its friction, not farther, and not found"
+        )
 
     def _friction_in_percent_of_limit_as_text(
         self, limit: LockedShoesAndLockingFriction, whose: str
@@ -158,8 +174,8 @@ class SelfLockingFactor(NamedTuple):
             return f"self-locking: not sought for {self.key}; drumlin.self_locking finds it"
         if math.isinf(self.elastic.friction):
             return (
-                f"self-locking: the elastic brake does not lock below {self.sought:.4g} times its "
-                f"friction ({self.key})"
+                f"self-locking: the limit of the elastic brake was sought up to {self.sought:.4g} "
+                f"times its friction, not farther, and not found ({self.key})"
             )
         return (
             f"self-locking: the elastic brake locks at {self.elastic.friction:.4g} times its "

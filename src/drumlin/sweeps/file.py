@@ -34,7 +34,7 @@ from drumlin.brake.file import (
     vary,
 )
 from drumlin.brake.plane_brake import make_drum_or_plane_brake_from_data, read_drum_or_plane_brake
-from drumlin.brake.units import quantity_in_si
+from drumlin.brake.units import quantity_in_si, quantity_with_usual_unit
 from drumlin.foundation.model import validated_names_of_effects_to_include
 from drumlin.mesh_files.content import read_bytes_of_mesh_file
 from drumlin.models import MODELS, model_options_given_by_user
@@ -119,6 +119,10 @@ DISTRIBUTION_CLASSES_BY_NAME: Mapping[str, type[Distribution]] = {
     "truncated-normal": TruncatedNormal,
 }
 """The class that reads a distribution, by the distribution's name in sweep files."""
+
+
+KEYS_OF_DISTRIBUTIONS_ONLY = ("mean", "deviation", "mode", "each_shoe")
+"""Keys of a distribution that a range does not have."""
 
 
 class SweepFile(PartOfInputFile):
@@ -453,6 +457,12 @@ def _values_of_keys_in_vary_line(
         raise BadInput(f"{where}: takes words, not numbers; must be a list of values")
     if "distribution" in given:
         return _values_of_key_given_as_distribution(brake, where, name, given, unit)
+    of_distribution = [key for key in given if key in KEYS_OF_DISTRIBUTIONS_ONLY]
+    if of_distribution:
+        raise BadInput(
+            f"{where}.distribution: is missing, and {of_distribution[0]} belongs to one; write "
+            f'distribution = "normal" or another of {", ".join(DISTRIBUTION_CLASSES_BY_NAME)}'
+        )
     span = _validated_table_of_sweep_file(where, Range, given)
     start = _value_of_sweep_file_as_number_in_si(f"{where}.from", span.start, unit)
     end = _value_of_sweep_file_as_number_in_si(f"{where}.to", span.to, unit)
@@ -910,7 +920,22 @@ def _check_listed_values_of_key(
             vary(brake, {key: values[i]})
         except BadInput:
             # Try the value together with the new values of the other keys in the same case.
-            vary(brake, {**first_cases_by_value[i], **medians})
+            try:
+                vary(brake, {**first_cases_by_value[i], **medians})
+            except BadInput as error:
+                raise BadInput(_message_with_unit_of_value(brake, key, values[i], error)) from error
+
+
+def _message_with_unit_of_value(brake: Brake, key: str, value: Any, error: BadInput) -> str:
+    """The message of an error on a listed value, with the value's unit if the message has none.
+
+    A sweep has numbers in SI. The message "radius = -0.0001: must be greater than 0" becomes
+    "radius = -0.1 mm: must be greater than 0".
+    """
+    unit = si_unit_of_brake_key(brake, key)
+    if not unit or not isinstance(value, float):
+        return str(error)
+    return str(error).replace(f" = {value!r}: ", f" = {quantity_with_usual_unit(value, unit)}: ", 1)
 
 
 def _positions_of_smallest_and_largest_of_each_sign(values: Sequence[Any]) -> list[int]:

@@ -244,6 +244,15 @@ class SweepTable(Sequence[CaseResultsByName]):
             rows.append((f"{one.model}: {heading}" if several else heading, *texts))
         return rows
 
+    @property
+    def line_on_statistics(self) -> str:
+        """A line of text that explains the headings of the shown statistics."""
+        return (
+            "spread: standard deviation; 5 % and 95 %: share of the cases with less; least and "
+            "most: of these cases alone (random draws mostly miss the corners, where all keys are "
+            "at their ends)"
+        )
+
     def text_lines_on_outcome_of_cases(self) -> list[str]:
         """Lines of text: the number of solved and failed cases, the main reasons, and the notes."""
         failures = self.failures

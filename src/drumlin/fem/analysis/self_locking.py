@@ -3,22 +3,25 @@
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from drumlin.base.arrays import Floats
 from drumlin.base.errors import AnswerBeyondModel, BadInput, NoAnswer
+from drumlin.base.texts import number_as_text
 from drumlin.brake.brake import Brake
 from drumlin.brake.friction import (
     first_key_of_pressure_dependent_friction,
     require_friction_independent_of_pressure,
 )
 from drumlin.brake.further_loads import require_springs_with_constant_pull
+from drumlin.brake.one_sided import one_sided_supports_of_brake
 from drumlin.contact.self_locking import (
     DISTANCE_OF_PRESSURE_COMPARISON,
     LARGEST_SOUGHT_SELF_LOCKING_FRICTION,
     LEAST_GROWTH_OF_UNBOUNDED_PRESSURE,
+    NODES_ABOVE_WHICH_FRICTION_PATH_IS_COARSE,
     FrictionDependentProblem,
     find_largest_friction_with_equilibrium,
 )
@@ -38,6 +41,7 @@ from drumlin.fem.equilibrium.spring_nodes import (
 )
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.scene import PreparedModel
+from drumlin.fem.solve import prepared_model_with_finest_elements
 
 FRICTION_AT_WHICH_RIGHT_ANGLED_CORNER_LOCKS = math.pi / 2
 """Friction coefficient above which a right-angled corner of an elastic lining digs into the drum.
@@ -325,6 +329,49 @@ def _limit_at_end_of_equilibrium(
         return LockingFrictionOfShoeGroup(friction, True)
     pole = float(near * below[1] - far * below[0]) / (near - far)
     return LockingFrictionOfShoeGroup(max(pole, friction), False)
+
+
+def line_on_locking_friction_of_elastic_brake(brake: Brake, **mesh_options: Any) -> str:
+    """A line of text with the friction coefficient at which the elastic brake locks itself.
+
+    The search takes at most some two solves where the supports of the shoes are fixed, and up to
+    13 solves on struts, cams and abutments, or with friction over the pressure. On these brakes,
+    on springs with a rate and on the meshes of files the line names the Python call in place of
+    the limit. `mesh_options` are the options of `prepared_model_with_finest_elements`.
+    """
+    if not brake.friction:
+        return "self-locking of the elastic brake: none without friction"
+    are_supports_fixed = not (
+        one_sided_supports_of_brake(brake)
+        or brake.reason_why_cam_or_strut_sets_forces
+        or brake.links
+        or any(shoe.abutment or shoe.anchors for shoe in brake.shoes)
+    )
+    is_search_long = not are_supports_fixed or (
+        first_key_of_pressure_dependent_friction(brake) is not None
+        or any(spring.rate for spring in brake.springs)
+        or any(shoe.mesh for shoe in brake.shoes)
+        or (mesh_options.get("elements") or 0) > NODES_ABOVE_WHICH_FRICTION_PATH_IS_COARSE
+    )
+    if is_search_long:
+        return (
+            "self-locking of the elastic brake: the search takes long on this brake; "
+            'drumlin.self_locking("BRAKE.toml") in Python finds the limit'
+        )
+    try:
+        scene = prepared_model_with_finest_elements(brake, **mesh_options)
+        found = self_locking_friction_of_shoe_groups(scene, brake)
+    except NoAnswer as error:
+        return f"self-locking of the elastic brake: not known, {error}"
+    members, limit = min(found.items(), key=lambda item: item[1].friction)
+    if math.isinf(limit.friction):
+        return "self-locking of the elastic brake: it locks at no friction"
+    names = ", ".join(repr(brake.shoes[i].name) for i in members)
+    share = number_as_text(brake.friction / limit.friction, ".0%")
+    return (
+        f"self-locking of the elastic brake: shoe {names} locks at mu_lock = "
+        f"{limit.friction:.4g}; friction {brake.friction:g} is {share} of it"
+    )
 
 
 def shoe_torques_at_friction_coefficients(

@@ -132,7 +132,7 @@ def _mesh_with_only_needed_groups(mesh: Any, shoe: Shoe, fault: str, names: Sequ
     missing = sorted((needed - set(subdomains)) | (lines - set(boundaries)))
     if missing:
         shown = dict.fromkeys([*subdomains, *boundaries, *names][:MOST_GROUP_NAMES_IN_MESSAGE])
-        found = ", ".join(shown) or "none"
+        found = ", ".join(sorted(shown)) or "none"
         raise BadInput(
             f"{fault}: named groups missing or empty: {', '.join(missing)}; found: {found} "
             f"(names or numbers of its own: groups = {{ {missing[0]} = ... }})"
@@ -179,8 +179,13 @@ def _check_nodes_are_near_and_distinct(mesh: Any, shoe: Shoe, radius: float, fau
         SAME_NODE_POSITION_TOLERANCE * size, output_type="ndarray"
     )
     if len(pairs):
+        count = (
+            "a pair of nodes stands" if len(pairs) == 1 else f"{len(pairs)} pairs of nodes stand"
+        )
+        x, y = 1e3 * shoe.convert_points_to_brake_frame(mesh.doflocs[:, pairs[0, :1]])[:, 0]
+        first = "" if len(pairs) == 1 else "the first "
         raise BadInput(
-            f"{fault}: {len(pairs)} pairs of nodes stand in one place; "
+            f"{fault}: {count} in one place ({first}at x = {x:.4g} mm, y = {y:.4g} mm); "
             "merge them, the parts are bonded"
         )
 

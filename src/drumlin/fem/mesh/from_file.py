@@ -1,5 +1,6 @@
 """A shoe's mesh that was read from a file, and the notes on it that go with the shoe's result."""
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
@@ -9,6 +10,7 @@ import numpy as np
 from drumlin.base.arrays import Floats
 from drumlin.base.errors import BadInput
 from drumlin.brake.brake import Shoe
+from drumlin.brake.units import length_as_text_in_mm
 from drumlin.response.response import ShoeResponse
 
 SMALLEST_REPORTED_MOVE_OVER_LINING_COMPRESSION = 1e-3
@@ -23,6 +25,32 @@ ZIGZAG_WAVE_HEIGHT_OVER_LINING_COMPRESSION = 0.2
 A top or a bottom is called a turn: the face changes there between rise and fall. The height is
 relative to the lining's mean compression p t/E. A zigzag of this height makes the pressure go up
 and down by a tenth of its mean.
+"""
+LARGEST_PIN_OFFSET_OVER_HOLE_RADIUS = 0.1
+"""Distance of a pin from the centre of the hole of its mesh above which a note states it.
+
+It is relative to the hole's radius. A drawing has the pin in the middle of its hole.
+"""
+LARGEST_HOLE_RADIUS_SCATTER = 0.02
+"""Largest relative scatter of the distances from their centre of nodes that lie on a round hole.
+
+The nodes of a polygon with eight sides between two nodes of a circle scatter by 0.02.
+"""
+LARGEST_ANGLE_BETWEEN_NODES_OF_HOLE = 2 * math.pi / 3
+"""Largest angle [rad] between two neighbouring nodes on a round hole, seen from its centre.
+
+A triangle has this angle. The two ends of a straight line are half a turn apart.
+"""
+LARGEST_FORCE_LINE_OFFSET_OVER_BRAKE_SIZE = 0.25
+"""Distance of a force's line from its group of edges above which a note states the distance.
+
+It is relative to the brake's size, and measured from the middle of the group `actuation`. A line
+is at most 0.1 of the size off on the examples.
+"""
+LARGEST_LINING_THICKNESS_DIFFERENCE_OF_MESH = 0.1
+"""Relative difference of a lining's thickness in the brake file from the mesh that a note states.
+
+The thickness of the mesh follows from the area of the lining and the length of the contact.
 """
 MOST_RISE_FALL_CHANGES_ON_ANY_MESH = 5
 """Largest number of turns between rise and fall that a lining's face may have on any mesh.
@@ -85,7 +113,7 @@ class ShoeMeshReadFromFile:
 
 
 def notes_on_mesh_file(
-    shoe: Shoe, made: ShoeMeshReadFromFile, response: ShoeResponse
+    shoe: Shoe, made: ShoeMeshReadFromFile, response: ShoeResponse, size: float
 ) -> Iterator[str]:
     """Yield the notes on a shoe's mesh file that go with the shoe's result, one line each.
 
@@ -97,6 +125,7 @@ def notes_on_mesh_file(
     shoe : the shoe
     made : mesh of the shoe
     response : result of the shoe, which gives the mean pressure
+    size : size of the brake [m] (`Brake.size`)
 
     Raises
     ------
@@ -105,6 +134,9 @@ def notes_on_mesh_file(
     """
     lead = f"shoe {shoe.name!r}: its mesh"
     yield from (f"{lead}: {note}" for note in made.notes)
+    yield from (
+        f"{lead}: {note}" for note in notes_on_file_that_differs_from_mesh(shoe, made.mesh, size)
+    )
     compression = mean_compression_of_lining(shoe, response)
     if compression <= 0:
         return
@@ -138,6 +170,74 @@ def notes_on_mesh_file(
         yield (
             f"{lead}: the contact line lies up to {distance} off the {surface}; "
             "this counts as the lining's shape, a gap"
+        )
+
+
+def notes_on_file_that_differs_from_mesh(shoe: Shoe, mesh: Any, size: float) -> Iterator[str]:
+    """Yield a note for each place or length of the brake file that the mesh hardly agrees with.
+
+    These are the thickness of the lining, the pin and the line of the actuation force. `mesh` is in
+    the frame of the shoe, and `size` [m] is the size of the brake.
+    """
+    thickness = _thickness_of_meshed_lining(shoe, mesh, size)
+    if abs(thickness / shoe.lining.thickness - 1) > LARGEST_LINING_THICKNESS_DIFFERENCE_OF_MESH:
+        yield (
+            f"lining.thickness = {length_as_text_in_mm(shoe.lining.thickness)} in the brake file, "
+            f"but the lining of the mesh is {1e3 * thickness:.3g} mm thick; the mesh has the shape"
+        )
+    hole = mesh.p[:, np.unique(mesh.facets[:, mesh.boundaries["hinge"]])]
+    pin = shoe.pin_position_in_shoe_frame
+    centre = 0.5 * (hole.max(axis=1) + hole.min(axis=1))
+    radii = np.hypot(*(hole - centre[:, None]))
+    away = math.dist(pin, centre)
+    # The nodes of a round hole have one distance from its centre and lie all around it.
+    angles = np.sort(np.arctan2(hole[1] - centre[1], hole[0] - centre[0]))
+    widest = float(np.diff(angles, append=angles[0] + 2 * math.pi).max())
+    is_round = widest < LARGEST_ANGLE_BETWEEN_NODES_OF_HOLE and (
+        float(np.ptp(radii)) <= LARGEST_HOLE_RADIUS_SCATTER * float(radii.mean())
+    )
+    if is_round and away > LARGEST_PIN_OFFSET_OVER_HOLE_RADIUS * float(radii.mean()):
+        yield (
+            f"the pin is {1e3 * away:.3g} mm from the centre of the round group hinge, whose "
+            f"radius is {1e3 * float(radii.mean()):.3g} mm"
+        )
+    if "actuation" in mesh.boundaries and shoe.actuation.force:
+        yield from _note_on_force_line_off_its_group(shoe, mesh, size)
+
+
+def _thickness_of_meshed_lining(shoe: Shoe, mesh: Any, size: float) -> float:
+    """The thickness [m] of a lining by the area of its elements and the length of its contact.
+
+    `mesh` is in the frame of the shoe, and `size` [m] is the size of the brake.
+    """
+    x, y = mesh.p[:, mesh.t]
+    # The area of a polygon by its corners (shoelace formula).
+    areas = 0.5 * np.abs((x * np.roll(y, -1, axis=0) - np.roll(x, -1, axis=0) * y).sum(axis=0))
+    sides = mesh.p[:, mesh.facets[:, mesh.boundaries["contact"]]]
+    length = float(np.hypot(*(sides[:, 1] - sides[:, 0])).sum())
+    thickness = float(areas[mesh.subdomains["lining"]].sum()) / length
+    if not shoe.is_on_plane:
+        # The area of a ring's sector over the length L of its face on a circle of radius R is
+        # t - t^2/(2 R) for a lining within the circle, and t + t^2/(2 R) outside of it.
+        sign = shoe.sign_internal_plus_external_minus
+        thickness = sign * size * (1 - math.sqrt(max(1 - 2 * sign * thickness / size, 0.0)))
+    return thickness
+
+
+def _note_on_force_line_off_its_group(shoe: Shoe, mesh: Any, size: float) -> Iterator[str]:
+    """Yield a note if the line of the actuation force passes far from the group `actuation`.
+
+    `mesh` is in the frame of the shoe, and `size` [m] is the size of the brake.
+    """
+    nodes = np.unique(mesh.facets[:, mesh.boundaries["actuation"]])
+    middle = shoe.convert_points_to_brake_frame(mesh.p[:, nodes].mean(axis=1, keepdims=True))[:, 0]
+    along = shoe.actuation.unit_vector_of_force
+    to_middle = middle - np.array(shoe.actuation.point.xy)
+    away = abs(float(along[0] * to_middle[1] - along[1] * to_middle[0]))
+    if away > LARGEST_FORCE_LINE_OFFSET_OVER_BRAKE_SIZE * size:
+        yield (
+            f"the line of the force passes {1e3 * away:.3g} mm from the middle of the group "
+            "actuation, which also takes the moment"
         )
 
 

@@ -131,8 +131,8 @@ def _reason_against_modelling_width_of_shoe(shoe: Shoe) -> str | None:
     """The reason why the model of the width does not apply to a shoe; None where it applies."""
     if shoe.mesh is not None:
         return (
-            "a mesh of its own is a section without widths; "
-            "without mesh, [shoe.body] makes a shoe that has them"
+            "it has a mesh of its own, which is drawn in the plane: the estimate needs the widths "
+            "of parts such as web and table, which [shoe.body] without mesh gives"
         )
     if shoe.body is not None and shoe.body.bending_stiffness is not None:
         return "its bending_stiffness is not that of a section of its thickness and width"
