@@ -15,6 +15,7 @@ from drumlin.cli.options import (
     ElementsOption,
     PenaltyOption,
     command_options_given_by_user,
+    parser_of_number_option,
     penalty_as_number,
 )
 from drumlin.cli.terminal import print_line_folded_to_terminal_width, show_spinner_beside_words
@@ -100,7 +101,14 @@ def check(
             "--reference", metavar="FILE", help="reference values; default: stored, else made anew"
         ),
     ] = None,
-    tolerance: Annotated[float, typer.Option(help="of p in L2 and of the torque, relative")] = 0.01,
+    tolerance: Annotated[
+        float,
+        typer.Option(
+            parser=parser_of_number_option("--tolerance"),
+            metavar="<float>",
+            help="of p in L2 and of the torque, relative",
+        ),
+    ] = 0.01,
 ) -> None:
     """Compare anybody's p(theta) with reference values.
 
