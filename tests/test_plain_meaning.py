@@ -97,6 +97,10 @@ def test_changes_of_a_brake_are_a_dict(brake, changes):
     said = f"^changes = {re.escape(repr(changes))}: must be a dict of new values by key, such as "
     with pytest.raises(drumlin.BadInput, match=said):
         drumlin.vary(brake, changes)
+    with pytest.raises(
+        drumlin.BadInput, match=r"^brake = 'my\.toml': must be a brake; drumlin\.re"
+    ):
+        drumlin.vary("my.toml", {"friction": 0.3})
 
 
 @pytest.mark.parametrize("key", ["[0].force", "shoe[].hinge.angle", "", ".", "friction.", 5])

@@ -223,6 +223,10 @@ def vary(brake: BrakePartTypeVariable, changes: Mapping[str, Any]) -> BrakePartT
     >>> drumlin.vary(brake, {"friction": 0.4, "drum.radius": "150 mm"}).friction
     0.4
     """
+    if not isinstance(brake, PartOfInputFile):
+        raise BadInput(
+            f"brake = {value_as_text(brake)}: must be a brake; drumlin.read_brake reads a file"
+        )
     if not isinstance(changes, Mapping):
         raise BadInput(
             f"changes = {value_as_text(changes)}: must be a dict of new values by key, "
