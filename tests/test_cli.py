@@ -282,7 +282,7 @@ HEAVY = {
 
 @pytest.mark.parametrize(
     ("options", "none_of"),
-    [(["--elements", "10"], HEAVY), ([], HEAVY | BESIDE)],
+    [(["--elements", "10"], HEAVY), ([], HEAVY | BESIDE | {"skfem"})],
     ids=["mesh", "columns"],
 )
 def test_solving_loads_what_it_calls(tmp_path, options, none_of):

@@ -62,6 +62,7 @@ from drumlin.fem.hp.division import (
     element_sizes_growing_from_both_ends,
 )
 from drumlin.fem.hp.element import (
+    _hierarchical_function_values_and_slopes,
     condensed_element_stiffness,
     plane_stress_stiffness_of_elements,
     reference_element_of_degree,
@@ -157,7 +158,19 @@ def test_the_stiffness_is_that_of_skfems_own_assembly_of_the_same_mesh(p):
     assert np.abs(mapped - theirs.toarray()).max() < 1e-12 * np.abs(theirs).max()
 
 
-@pytest.mark.parametrize("p", [3, 5, 8])
+@pytest.mark.parametrize("p", [3, 5, 8, 12])
+def test_the_hierarchical_functions_are_those_of_scikit_fem(p):
+    x = np.random.default_rng(p).uniform(size=(2, 11))
+    theirs = skfem.ElementQuadP(p)
+    values, slopes = _hierarchical_function_values_and_slopes(p, x)
+    assert len(values) == (p + 1) ** 2
+    for i, (value, slope) in enumerate(zip(values, slopes, strict=True)):
+        their_value, their_slope = theirs.lbasis(x, i)
+        assert np.array_equal(value, their_value)
+        assert np.array_equal(slope, their_slope)
+
+
+@pytest.mark.parametrize("p", [2, 3, 5, 8])
 def test_the_nodal_functions_are_one_at_their_own_node_and_carry_linear_fields(p):
     x = 0.5 * (gauss_lobatto_points(p) + 1)
     at = np.array([np.repeat(x, p + 1), np.tile(x, p + 1)])

@@ -9,10 +9,11 @@ displacements and the shape of the element, so that rigid-body motions are repre
 
 from collections.abc import Iterator
 from functools import cache
+from itertools import product
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.polynomial.legendre import leggauss
+from numpy.polynomial.legendre import Legendre, leggauss
 
 from drumlin.base.arrays import Floats, Ints
 from drumlin.base.errors import NoAnswer
@@ -116,24 +117,49 @@ def shape_function_values_and_slopes(p: int, x: Floats) -> tuple[Floats, Floats]
     The element of degree p is the unit square [0, 1]^2 and has a = (p + 1)^2 nodes. Each function
     is 1 at its node and 0 at the others. The nodes form a grid and are numbered row by row.
     """
-    # scikit-fem takes long to load, and the pressure laws do not need it.
-    import skfem  # noqa: PLC0415
-
-    hierarchical = skfem.ElementQuadP(p) if p > 2 else skfem.ElementQuad2()
-    count = (p + 1) ** 2
-    at_nodes = [
-        hierarchical.lbasis(points_of_square_tensor_grid(node_positions_on_edge_from_0_to_1(p)), i)[
-            0
-        ]
-        for i in range(count)
-    ]
-    at_points = [hierarchical.lbasis(x, i) for i in range(count)]
-    values = np.array([value for value, _ in at_points])
-    slopes = np.array([slope for _, slope in at_points])
+    grid = points_of_square_tensor_grid(node_positions_on_edge_from_0_to_1(p))
+    at_nodes, _ = _hierarchical_function_values_and_slopes(p, grid)
+    values, slopes = _hierarchical_function_values_and_slopes(p, x)
     # A nodal function is 1 at its own node and 0 at the others. The inverse of the matrix of values
     # at the nodes therefore has the coefficients of the nodal functions.
-    nodal: Floats = np.asarray(np.linalg.inv(np.array(at_nodes)), dtype=float)
-    return nodal @ values, (nodal @ slopes.reshape(count, -1)).reshape(slopes.shape)
+    nodal: Floats = np.asarray(np.linalg.inv(at_nodes), dtype=float)
+    return nodal @ values, (nodal @ slopes.reshape(len(slopes), -1)).reshape(slopes.shape)
+
+
+def _hierarchical_function_values_and_slopes(p: int, x: Floats) -> tuple[Floats, Floats]:
+    """Values (a, q) and slopes (a, 2, q) of hierarchical functions of degree p at points x (2, q).
+
+    The functions span the polynomials of degree p on the unit square. They are those of
+    scikit-fem's class ElementQuadP, to the last bit. They stand here because scikit-fem takes as
+    long to load as a solve takes.
+    """
+    # A function is the product of two functions of one coordinate, whose numbers are given here:
+    # first at the corners, then on each of the four edges, and last inside the square.
+    inner = range(2, p + 1)
+    numbers = [(0, 0), (1, 0), (1, 1), (0, 1)]
+    numbers += [(k, 0) for k in inner] + [(1, k) for k in inner]
+    numbers += [(k, 1) for k in inner] + [(0, k) for k in inner]
+    numbers += list(product(inner, inner))
+    first, second = np.array(numbers).T
+    values_x, slopes_x = _integrated_legendre_values_and_slopes(p, x[0])
+    values_y, slopes_y = _integrated_legendre_values_and_slopes(p, x[1])
+    slopes = slopes_x[first] * values_y[second], slopes_y[second] * values_x[first]
+    return values_x[first] * values_y[second], np.stack(slopes, axis=1)
+
+
+def _integrated_legendre_values_and_slopes(p: int, x: Floats) -> tuple[Floats, Floats]:
+    """Values and slopes (p + 1, q) of 1 - x, x, and p - 1 integrals of Legendre polynomials.
+
+    The integrals vanish at both ends of the interval [0, 1]. Their scale is that of Szabo and
+    Babuska, Finite Element Analysis, section 6.1. `x` (q,) are the points.
+    """
+    values, slopes = [1.0 - x, x], [-1.0 + 0.0 * x, 1.0 + 0.0 * x]
+    for n in range(2, p + 1):
+        integral = Legendre.basis(n - 1).integ(lbnd=-1)
+        scale = np.sqrt((2.0 * n - 1.0) / 2.0)
+        values.append(integral(2.0 * x - 1.0) * scale)
+        slopes.append(2 * integral.deriv()(2.0 * x - 1.0) * scale)
+    return np.array(values), np.array(slopes)
 
 
 def _shape_function_values_and_slopes_in_long_double(p: int, x: Floats) -> tuple[Any, Any]:
