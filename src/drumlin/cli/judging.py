@@ -38,7 +38,8 @@ def cost(
 ) -> None:
     """Compare the time of a solve with that of its parts and of a further load case.
 
-    The parts are assembly, one factorisation and one back-substitution.
+    The parts are assembly, one factorisation and one back-substitution. All times are also given
+    in default solves of the brake, which hardly depend on the machine.
     """
     from drumlin.verification.cost import time_and_memory_report_lines
 
