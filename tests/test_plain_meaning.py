@@ -100,7 +100,7 @@ def test_changes_of_a_brake_are_a_dict(brake, changes):
     with pytest.raises(
         drumlin.BadInput, match=r"^brake = 'my\.toml': must be a brake; drumlin\.re"
     ):
-        drumlin.vary("my.toml", {"friction": 0.3})
+        drumlin.vary("my.toml", {"friction": 0.3})  # type: ignore[type-var]
 
 
 @pytest.mark.parametrize("key", ["[0].force", "shoe[].hinge.angle", "", ".", "friction.", 5])
