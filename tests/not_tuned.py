@@ -197,6 +197,7 @@ NOT_TUNED: dict[str, dict[str, str]] = {
         "MOST_PRESSED_NODES_OF_SHORT_CONTACT": "judgement; more pressed nodes show the ends",
         "ROUND_OFF_OF_GAP": ROUND_OFF,
         "ROUND_OFF_OF_ANGLE": ROUND_OFF,
+        "STEEPEST_GAP_AT_SHORT_CONTACT": "bounds the brakes that a search is for; time alone",
         "NUMBER_OF_SAMPLED_GAPS": "steps of a search",
         "ZOOMS_TO_TOUCHING_PLACE": "steps of a search",
     },

@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import resource
 import subprocess
 import sys
@@ -348,6 +349,15 @@ def test_compare_view_mesh_and_cost(tmp_path):
     assert (tmp_path / "brake_right.msh").exists() and (tmp_path / "brake_left.msh").exists()
     done = drumlin("cost", STUDY / "brake.toml", "--elements", 20)
     assert "times their sum" in done.stdout and "of the first" in done.stdout
+    # The last line has the same times as the lines before, in default solves.
+    text = " ".join(done.stdout.split())
+    default_solve = float(re.search(r"default solve ([0-9.]+) ms; in default solves: ", text)[1])
+    for name in ("assembly", "factorisation", "whole solve", "further load case"):
+        (milliseconds,) = re.findall(rf"{name} ([0-9.]+) ms", text)
+        ratio = float(re.findall(rf"{name} ([0-9.e-]+)(?:,|$)", text)[-1])
+        assert ratio == pytest.approx(
+            float(milliseconds) / default_solve, rel=0.1, abs=0.1 / default_solve
+        )
     assert drumlin("cost", STUDY / "brake.toml", "--elements", 20, "--table").returncode == 2
 
 

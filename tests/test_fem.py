@@ -16,6 +16,7 @@ from drumlin.comparison import solve_on_refined_meshes
 from drumlin.contact import active_set
 from drumlin.fem.analysis.fields import (
     stress_and_displacement_fields_of_shoe,
+    stress_and_displacement_fields_of_shoes_and_ring,
     write_fields_to_vtu_file,
 )
 from drumlin.fem.equilibrium.group import ShoeGroup
@@ -176,6 +177,29 @@ def test_the_fields_of_every_kind_agree(kind, brake, tmp_path):
     mesh = meshio.read(tmp_path / "f.vtu")
     assert picked(mesh.cells, "type") == [found.cell_type]
     assert mesh.point_data["von Mises [Pa]"] == pytest.approx(found.von_mises)
+
+
+def test_shoes_of_one_shape_are_load_cases_of_one_solve(brake, monkeypatch):
+    """The fields of all shoes are those of each shoe, and equal bodies are solved once."""
+    scene = make_prepared_model(brake, elements=30)
+    response = solve_prepared_model(scene, brake)
+    apart = [stress_and_displacement_fields_of_shoe(scene, brake, response, i) for i in (0, 1)]
+    assert scene.bodies[0] is scene.bodies[1]
+    solved, kind = [], type(scene.bodies[0].condensed)
+    solve_cases = kind.nodal_displacements_in_load_cases
+
+    def noting_solve(*given):
+        solved.append(given)
+        return solve_cases(*given)
+
+    monkeypatch.setattr(kind, "nodal_displacements_in_load_cases", noting_solve)
+    together = stress_and_displacement_fields_of_shoes_and_ring(scene, brake, response)
+    assert len(solved) == 1
+    for one, other in zip(apart, together, strict=True):
+        for name in ("displacement", "stress", "von_mises", "push"):
+            value = getattr(one, name)
+            assert np.abs(getattr(other, name) - value).max() <= 1e-12 * np.abs(value).max()
+        assert np.array_equal(one.points, other.points)
 
 
 @pytest.fixture(scope="module")

@@ -5,7 +5,7 @@ import pytest
 
 import drumlin
 from drumlin import Brake, vary
-from drumlin.fem.error_control import levels, short_contact, singular_points
+from drumlin.fem.error_control import levels, short_contact
 from drumlin.fem.preparation.prepare import make_prepared_model
 from picking import saying
 
@@ -41,6 +41,16 @@ def test_a_contact_a_little_longer_than_the_shortest_keeps_its_pressure():
     assert response.shoes[0].error["pressure"] < 0.02
 
 
+def noting_calls(noted, function):
+    """The function, which adds the arguments of each call to the list `noted`."""
+
+    def noting(*given, **options):
+        noted.append(given)
+        return function(*given, **options)
+
+    return noting
+
+
 SPRING_BESIDE_ACTUATION = {
     "shoe": "right",
     "point": {"x": "58 mm", "y": "50 mm"},
@@ -73,26 +83,28 @@ def test_the_formula_is_not_used_on_the_mesh_of_a_file():
 
 
 @pytest.mark.parametrize(
-    ("lining", "force", "divisions"),
-    [(CORNER, "0.2 N", 2), (WEDGE, "1e-4 N", 3), (CROWN, "1e-8 N", 3)],
+    ("lining", "force"), [(CORNER, "0.2 N"), (WEDGE, "1e-4 N"), (CROWN, "1e-8 N")]
 )
-def test_the_torque_of_a_too_short_contact_is_that_of_graded_elements(
-    monkeypatch, lining, force, divisions
-):
-    """It needs one division a level, and another one where the place lies inside the lining."""
-    divided = []
+def test_the_torque_of_a_too_short_contact_is_that_of_graded_elements(monkeypatch, lining, force):
+    """It needs one division a level. The touching place is sought once a level, and once before.
 
-    def counted(*given, **options):
-        divided.append(given)
-        return make_prepared_model(*given, **options)
-
-    monkeypatch.setattr(levels, "make_prepared_model", counted)
+    The error of the torque needs the place once more.
+    """
+    divided, sought = [], []
+    search = short_contact._gap_of_first_touching_rigid_shoe
+    monkeypatch.setattr(levels, "make_prepared_model", noting_calls(divided, make_prepared_model))
+    monkeypatch.setattr(
+        short_contact, "_gap_of_first_touching_rigid_shoe", noting_calls(sought, search)
+    )
     brake = pressing(lining, force)
     early = drumlin.solve(brake, model_error=False)
-    assert len(divided) == divisions
+    assert len(divided) == 2
+    assert [shoe.name for _, shoe, _ in sought] == 4 * ["right"]
     assert saying(early.notes, "too short to know its pressure")
-    for module in (short_contact, singular_points):
-        monkeypatch.setattr(module, "contact_too_short_by_formula", lambda *_: None)
+    monkeypatch.setattr(short_contact, "contact_too_short_by_formula", lambda *_: None)
+    monkeypatch.setattr(
+        levels, "too_short_contacts_expected_of_rigid_shoes", lambda brake: [None, None]
+    )
     graded = drumlin.solve(brake, model_error=False)
     for a, b in zip(early.shoes, graded.shoes, strict=True):
         for name in ("torque", "reaction"):
@@ -100,6 +112,16 @@ def test_the_torque_of_a_too_short_contact_is_that_of_graded_elements(
             far = np.linalg.norm(np.subtract(getattr(a, value), getattr(b, value)))
             allowed = a.error[name] + b.error[name]
             assert far <= allowed * np.linalg.norm(getattr(b, value))
+
+
+def test_no_touching_place_is_sought_under_a_usual_force(monkeypatch):
+    sought = []
+    search = short_contact._gap_of_first_touching_rigid_shoe
+    monkeypatch.setattr(
+        short_contact, "_gap_of_first_touching_rigid_shoe", noting_calls(sought, search)
+    )
+    drumlin.solve(pressing(CROWN, "2 kN"), model_error=False)
+    assert not sought
 
 
 def test_the_unknown_place_within_a_too_short_contact_is_part_of_the_torque_s_error():

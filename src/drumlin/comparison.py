@@ -34,7 +34,11 @@ from drumlin.response.norms import (
     relative_error_of_number,
 )
 from drumlin.response.response import UNCOMPARED_EDGE_ZONE_IN_RADIANS, Response
-from drumlin.response.show import plot_pressure_of_each_shoe, text_of_contact_arcs
+from drumlin.response.show import (
+    matplotlib_axes_itself_or_new,
+    plot_pressure_of_each_shoe,
+    text_of_contact_arcs,
+)
 
 NAME_OF_RESULT_WITHOUT_HEAT = "cold"
 """Name, in comparisons, of the result that finite elements give for a heated brake without heat."""
@@ -397,8 +401,9 @@ class ModelComparison(Generic[BrakeTypeVariable]):
         """Draw the pressure of every shoe by every model, in MPa over degrees, on a plane over mm.
 
         The curves are drawn into the given matplotlib `axes`, or into new axes if it is None. The
-        method returns the axes.
+        method returns the axes. Raises BadInput for a value that is no axes of matplotlib.
         """
+        axes = None if axes is None else matplotlib_axes_itself_or_new(axes)
         for model, response in self.responses.items():
             axes = plot_pressure_of_each_shoe(response, axes, prefix=f"{model}, ")
         if axes is not None:

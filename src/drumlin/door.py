@@ -44,10 +44,18 @@ The states of so many increments fill some 100 MB of JSON.
 LARGEST_ROTATION_OR_SLIDE_OF_HOLD_BY_UNIT = {"rad": 2 * math.pi, "m": 1.0}
 """Largest rotation of a drum and largest slide on a plane for `hold`, by their SI units.
 
+A turn that is rounded up to six digits, 6.28319, is still taken.
+
 Brakes slip as a whole after some 0.03 degrees or 0.1 mm, and their moment is constant afterwards.
 Up to 100 rad the moment of the double-shoe and of the duplex brake keeps 12 digits. Round-off
 changes it by some 1e-6 of its value at 1e4 rad, by 0.1 percent at 1e5 rad, and by 0.5 to 27
 percent at 1e7 rad.
+"""
+
+LARGEST_EXCESS_OF_ROUNDED_UP_ROTATION = 1e-6
+"""Relative excess of a rotation over the largest one that counts as rounding.
+
+A turn of 2 pi = 6.2831853 that a user rounds up to six digits, 6.28319, exceeds it by 7e-7.
 """
 
 FunctionThatShowsProgressText = Callable[[str], None]
@@ -80,8 +88,8 @@ def _make_public_function_that_rewords_errors(
     ) -> FunctionResult:
         """Call the function, and name Python arguments in the errors that it raises."""
         try:
-            _check_arguments_have_annotated_types(annotations, arguments, options)
-            return function(*arguments, **options)
+            given = _arguments_with_annotated_types(annotations, arguments, options)
+            return function(*given.in_order, **given.by_name)
         except DrumlinError as error:
             error.replace_options_by_python_arguments_in_message()
             # A traceback shows the line alone. The errors that led to it stay in `__context__`.
@@ -113,30 +121,57 @@ def _make_public_function_that_solves(
     return _make_public_function_that_rewords_errors(call_function_with_one_thread)
 
 
-def _check_arguments_have_annotated_types(
-    annotations: Mapping[str, str], arguments: Sequence[object], options: Mapping[str, object]
-) -> None:
-    """Raise BadInput if an argument has another type than its annotation says.
+class _GivenArguments(NamedTuple):
+    """The arguments of a call: those that are given in their order, and those given by name."""
 
-    Integers that no floating-point number can hold are refused, too.
+    in_order: list[Any]
+    by_name: dict[str, Any]
+
+
+def _arguments_with_annotated_types(
+    annotations: Mapping[str, str], arguments: Sequence[object], options: Mapping[str, object]
+) -> _GivenArguments:
+    """The arguments of a call, each converted to the type that its annotation says.
 
     Parameters
     ----------
     annotations : annotations of the function's parameters by their names
     arguments : values of the first parameters, which are given without names
     options : the arguments that are given by name
+
+    Raises
+    ------
+    BadInput
+        for an argument of another type than its annotation says, and for integers that no
+        floating-point number can hold
     """
-    from drumlin.base.python_arguments import require_argument_of_annotated_type
+    # Too many arguments are left to Python, which refuses them when it calls the function.
+    names = [*annotations, *("" for _ in arguments[len(annotations) :])]
+    return _GivenArguments(
+        [
+            _argument_with_annotated_type(name, value, annotations.get(name))
+            for name, value in zip(names, arguments, strict=False)
+        ],
+        {
+            name: _argument_with_annotated_type(name, value, annotations.get(name))
+            for name, value in options.items()
+        },
+    )
+
+
+def _argument_with_annotated_type(name: str, value: object, annotation: str | None) -> object:
+    """The value of an argument, converted to its annotated type; None for no annotation.
+
+    Raises BadInput for another type, and for an integer that no floating-point number can hold.
+    """
+    from drumlin.base.python_arguments import argument_with_annotated_type
     from drumlin.base.texts import check_integers_have_few_digits
 
-    # Too many arguments are left to Python, which refuses them when it calls the function.
-    for name, value in (*zip(annotations, arguments, strict=False), *options.items()):
-        try:
-            check_integers_have_few_digits(name, value)
-        except ValueError as error:
-            raise BadInput(str(error)) from None
-        if name in annotations:
-            require_argument_of_annotated_type(name, value, annotations[name])
+    try:
+        check_integers_have_few_digits(name, value)
+    except ValueError as error:
+        raise BadInput(str(error)) from None
+    return value if annotation is None else argument_with_annotated_type(name, value, annotation)
 
 
 class _BrakeWithFileText(NamedTuple):
@@ -740,7 +775,7 @@ def _rotation_or_slide_of_hold_in_si(rotation: float | str, surface: FrictionSur
     found = _value_of_function_option_in_si("--rotation", rotation, surface.coordinate_unit)
     most = LARGEST_ROTATION_OR_SLIDE_OF_HOLD_BY_UNIT[surface.coordinate_unit]
     # The comparison is written so that a value that is no number is refused, too.
-    if not abs(found) <= most:
+    if not abs(found) <= most * (1 + LARGEST_EXCESS_OF_ROUNDED_UP_ROTATION):
         raise BadInput(
             f"--rotation = {rotation!r}: must be at most "
             f"{most * surface.si_to_shown_unit_factor:g} {surface.shown_unit} to either side"

@@ -1,8 +1,10 @@
-"""Check the types of arguments that a user passes to the public functions in Python."""
+"""Check and convert the arguments that a user passes to the public functions in Python."""
 
 import numbers
 import os
-from collections.abc import Callable, Hashable, Sequence
+from collections.abc import Callable, Hashable, Sequence, Set
+from decimal import Decimal
+from typing import Any
 
 from drumlin.base.errors import BadInput
 from drumlin.base.texts import value_as_text
@@ -26,26 +28,35 @@ the value up in a table, for which it must have a hash value.
 """
 
 
-def require_argument_of_annotated_type(name: str, value: object, annotation: str) -> None:
-    """Raise BadInput if the value of an argument has none of its annotated types.
+def argument_with_annotated_type(name: str, value: object, annotation: str) -> object:
+    """The value of an argument, converted to the annotated type that it stands for.
 
-    A value of any type passes if the annotation has a type that WORDS_FOR_ANNOTATED_TYPES lacks.
+    A whole float serves as a whole number, 0 and 1 as False and True, a fraction and a decimal
+    number as a number, and a set of texts as a list. A value of any type is returned unchanged if
+    the annotation has a type that WORDS_FOR_ANNOTATED_TYPES lacks.
 
     Parameters
     ----------
     name : name of the argument, for the error message
     value : its value
     annotation : its annotation as text, such as "int | None"
+
+    Raises
+    ------
+    BadInput
+        for a value that has none of the annotated types, and stands for none of their values
     """
     types = annotation.split(" | ")
     if set(types) - set(_TESTS_OF_TYPES):
-        return
+        return value
     if name in ARGUMENTS_THAT_LIST_THEIR_ALLOWED_TEXTS and isinstance(value, Hashable):
-        return
-    if not any(_TESTS_OF_TYPES[word](value) for word in types):
-        *others, last = [WORDS_FOR_ANNOTATED_TYPES[word] for word in types]
-        allowed = f"{', '.join(others)} or {last}" if others else last
-        raise BadInput(f"{name} = {value_as_text(value)}: must be {allowed}")
+        return value
+    for word in types:
+        if _TESTS_OF_TYPES[word](value):
+            return _CONVERSIONS_OF_TYPES.get(word, _same_value)(value)
+    *others, last = [WORDS_FOR_ANNOTATED_TYPES[word] for word in types]
+    allowed = f"{', '.join(others)} or {last}" if others else last
+    raise BadInput(f"{name} = {value_as_text(value)}: must be {allowed}")
 
 
 def _kind_of_numpy_scalar(value: object) -> str:
@@ -64,29 +75,70 @@ def _is_bool(value: object) -> bool:
     return isinstance(value, bool) or _kind_of_numpy_scalar(value) == "b"
 
 
-def _is_number_but_no_bool(value: object) -> bool:
-    """Whether the value is a real number, of Python or of numpy; True and False are none."""
-    is_real = isinstance(value, numbers.Real) or _kind_of_numpy_scalar(value) in ("i", "u", "f")
-    return is_real and not _is_bool(value)
+def _is_number_but_no_bool(value: Any) -> bool:
+    """Whether the value is a real number that a float can hold; True and False are none.
+
+    Numbers of Python, of numpy and of the modules `fractions` and `decimal` are numbers.
+    """
+    is_real = isinstance(value, numbers.Real | Decimal) or _kind_of_numpy_scalar(value) in tuple(
+        "iuf"
+    )
+    if not is_real or _is_bool(value):
+        return False
+    try:
+        float(value)
+    except (OverflowError, ValueError):
+        # The number is a fraction beyond the largest float, or a signalling nan of `decimal`.
+        return False
+    return True
 
 
-def _is_whole_number_but_no_bool(value: object) -> bool:
-    """Whether the value is an integer, of Python or of numpy; True and False are none."""
-    return isinstance(value, numbers.Integral) and not _is_bool(value)
+def _is_whole_number_but_no_bool(value: Any) -> bool:
+    """Whether the value is a whole number such as 6 or 6.0; True and False are none."""
+    return _is_number_but_no_bool(value) and (
+        isinstance(value, numbers.Integral) or float(value).is_integer()
+    )
 
 
-def _is_list_of_texts(value: object) -> bool:
-    """Whether the value is a list or another sequence of texts; a single text is none."""
-    is_list = isinstance(value, Sequence) and not isinstance(value, str | bytes)
-    return is_list and all(isinstance(entry, str) for entry in value)  # type: ignore[attr-defined]
+def _is_truth_value(value: Any) -> bool:
+    """Whether the value is True, False, 1 or 0, of Python or of numpy."""
+    return _is_bool(value) or (_is_number_but_no_bool(value) and value in (0, 1))
+
+
+def _is_list_or_set_of_texts(value: Any) -> bool:
+    """Whether the value is a list, another sequence, or a set of texts; a single text is none."""
+    is_list = isinstance(value, Sequence | Set) and not isinstance(value, str | bytes)
+    return is_list and all(isinstance(entry, str) for entry in value)
+
+
+def _float_of_number(value: Any) -> float:
+    """The number as a float; an integer of Python stays an integer."""
+    return value if isinstance(value, int | float) else float(value)
+
+
+def _list_of_texts(value: Any) -> Sequence[str]:
+    """The texts in their order; those of a set are sorted, because a set has no order."""
+    return sorted(value) if isinstance(value, Set) else value
+
+
+def _same_value(value: object) -> object:
+    """The value itself, for a type whose values need no conversion."""
+    return value
 
 
 _TESTS_OF_TYPES: dict[str, Callable[[object], bool]] = {
     "int": _is_whole_number_but_no_bool,
     "float": _is_number_but_no_bool,
-    "bool": _is_bool,
+    "bool": _is_truth_value,
     "str": lambda value: isinstance(value, str),
     "Path": lambda value: isinstance(value, os.PathLike),
-    "Sequence[str]": _is_list_of_texts,
+    "Sequence[str]": _is_list_or_set_of_texts,
     "None": lambda value: value is None,
+}
+
+_CONVERSIONS_OF_TYPES: dict[str, Callable[[Any], object]] = {
+    "int": int,
+    "float": _float_of_number,
+    "bool": bool,
+    "Sequence[str]": _list_of_texts,
 }

@@ -311,6 +311,15 @@ def vary(brake: BrakePartTypeVariable, changes: Mapping[str, Any]) -> BrakePartT
     >>> drumlin.vary(brake, {"friction": 0.4, "drum.radius": "150 mm"}).friction
     0.4
     """
+    if not isinstance(brake, PartOfInputFile):
+        raise BadInput(
+            f"brake = {value_as_text(brake)}: must be a brake; drumlin.read_brake reads a file"
+        )
+    if not isinstance(changes, Mapping):
+        raise BadInput(
+            f"changes = {value_as_text(changes)}: must be a dict of new values by key, "
+            'such as {"friction": 0.3}'
+        )
     # All changes are made before the brake is checked: they may be valid only together.
     data = brake.model_dump(by_alias=True)
     for key, value in changes.items():
@@ -574,8 +583,17 @@ def _are_lists_of_equal_length(one: Any, other: Any) -> bool:
 
 
 def _split_dotted_key(key: str) -> list[str]:
-    """Split a dotted key into names and numbers: "shoe[0].lining" is "shoe", "0", "lining"."""
-    return key.replace("[", ".").replace("]", "").split(".")
+    """Split a dotted key into names and numbers: "shoe[0].lining" is "shoe", "0", "lining".
+
+    Raises BadInput for a key that is no text, and for a key in which a name or a number is missing.
+    """
+    words = key.replace("[", ".").replace("]", "").split(".") if isinstance(key, str) else [""]
+    if "" in words:
+        raise BadInput(
+            f"key = {value_as_text(key)}: must be names joined by dots, with an index only behind "
+            "a name, such as 'shoe[0].hinge.angle' or 'shoe.left.hinge.angle'"
+        )
+    return words
 
 
 def _is_key_word_an_index(step: str) -> bool:

@@ -5,13 +5,20 @@ from typing import Annotated
 import typer
 
 import drumlin
-from drumlin.cli.options import BrakeFileArgument
+from drumlin.cli.options import BrakeFileArgument, parser_of_whole_number_option
 from drumlin.cli.terminal import print_line_folded_to_terminal_width, print_note_to_standard_error
 
 
 def explore(
     brake_file: BrakeFileArgument,
-    port: Annotated[int, typer.Option(help="of this machine; 0: any free one")] = 8765,
+    port: Annotated[
+        int,
+        typer.Option(
+            parser=parser_of_whole_number_option("--port"),
+            metavar="<int>",
+            help="of this machine; 0: any free one",
+        ),
+    ] = 8765,
     browser: Annotated[
         bool, typer.Option("--browser/--no-browser", help="open the page in a browser")
     ] = True,

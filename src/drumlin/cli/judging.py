@@ -15,6 +15,7 @@ from drumlin.cli.options import (
     ElementsOption,
     PenaltyOption,
     command_options_given_by_user,
+    parser_of_number_option,
     penalty_as_number,
 )
 from drumlin.cli.terminal import print_line_folded_to_terminal_width, show_spinner_beside_words
@@ -37,7 +38,8 @@ def cost(
 ) -> None:
     """Compare the time of a solve with that of its parts and of a further load case.
 
-    The parts are assembly, one factorisation and one back-substitution.
+    The parts are assembly, one factorisation and one back-substitution. All times are also given
+    in default solves of the brake, which hardly depend on the machine.
     """
     from drumlin.verification.cost import time_and_memory_report_lines
 
@@ -100,7 +102,14 @@ def check(
             "--reference", metavar="FILE", help="reference values; default: stored, else made anew"
         ),
     ] = None,
-    tolerance: Annotated[float, typer.Option(help="of p in L2 and of the torque, relative")] = 0.01,
+    tolerance: Annotated[
+        float,
+        typer.Option(
+            parser=parser_of_number_option("--tolerance"),
+            metavar="<float>",
+            help="of p in L2 and of the torque, relative",
+        ),
+    ] = 0.01,
 ) -> None:
     """Compare anybody's p(theta) with reference values.
 

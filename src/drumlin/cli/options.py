@@ -3,12 +3,62 @@
 Options that several commands share are here, and options with long help texts.
 """
 
+import math
+from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
 from drumlin.base.errors import BadInput
+from drumlin.base.written_numbers import number_without_unit_from_text
+
+
+def parser_of_number_option(option: str) -> Callable[[object], float]:
+    """The function that reads the value of an option, a number as people write it.
+
+    The function reads "0,5" and "0.1 %", too. It raises BadInput for a text that is no number, and
+    for a number that has two readings.
+    """
+
+    def number_of_option(value: object) -> float:
+        """The number that the user gave; the default of the option is a number already."""
+        try:
+            found = number_without_unit_from_text(value)
+            if not isinstance(found, int | float):
+                raise ValueError(f"must be a number{_hint_about_underscore(value)}")
+        except ValueError as error:
+            raise BadInput(f"{option} = {value!r}: {error}") from error
+        return found
+
+    return number_of_option
+
+
+def parser_of_whole_number_option(option: str) -> Callable[[object], int]:
+    """The function that reads the value of an option, a whole number as people write it.
+
+    The function reads "6.0" and "1 500", too. It raises BadInput for any other text, such as "1e3":
+    a count has no exponent.
+    """
+
+    def whole_number_of_option(value: object) -> int:
+        """The whole number that the user gave; the default of the option is a number already."""
+        try:
+            found = number_without_unit_from_text(value)
+            is_whole = isinstance(found, int | float) and float(found).is_integer()
+            if not is_whole or "e" in str(value).lower():
+                raise ValueError(f"must be a whole number{_hint_about_underscore(value)}")
+        except ValueError as error:
+            raise BadInput(f"{option} = {value!r}: {error}") from error
+        return int(found)  # type: ignore[call-overload]
+
+    return whole_number_of_option
+
+
+def _hint_about_underscore(value: object) -> str:
+    """A hint for an error message about a text with an underscore between digits, or ""."""
+    return " without underscores" if "_" in str(value) else ""
+
 
 BrakeFilesArgument = Annotated[
     list[Path], typer.Argument(metavar="BRAKE.toml...", help="one brake file or more")
@@ -17,7 +67,14 @@ BrakeFileArgument = Annotated[Path, typer.Argument(metavar="BRAKE.toml", help="t
 
 # Options of the finite-element model.
 
-ElementsOption = Annotated[int | None, typer.Option(help="finite elements along each lining")]
+ElementsOption = Annotated[
+    int | None,
+    typer.Option(
+        parser=parser_of_whole_number_option("--elements"),
+        metavar="<int>",
+        help="finite elements along each lining",
+    ),
+]
 ParametricMeshKindOption = Annotated[
     str | None, typer.Option(metavar="quad2|quad1|tri2|tri1", help="kind of the parametric mesh")
 ]
@@ -27,8 +84,10 @@ PenaltyOption = Annotated[
 ErrorToleranceOption = Annotated[
     float | None,
     typer.Option(
+        parser=parser_of_number_option("--tolerance"),
+        metavar="<float>",
         help="refine until the estimated errors of p (L2) and torque are below it; on mesh files "
-        "as far as possible"
+        "as far as possible",
     ),
 ]
 FiniteWidthOption = Annotated[
@@ -47,14 +106,24 @@ NoModelErrorOption = Annotated[
 # Options of the elastic foundation and of solid shoes.
 
 FoundationSectionsOption = Annotated[
-    int | None, typer.Option(help="sections of each beam of the foundation model")
+    int | None,
+    typer.Option(
+        parser=parser_of_whole_number_option("--sections"),
+        metavar="<int>",
+        help="sections of each beam of the foundation model",
+    ),
 ]
 LiftedSimplificationsOption = Annotated[
     list[str] | None,
     typer.Option(metavar="NAME|all", help="simplification of the foundation model to lift"),
 ]
 DegreeAcrossWidthOption = Annotated[
-    int | None, typer.Option(help="degree of the polynomials across the width of solid shoes")
+    int | None,
+    typer.Option(
+        parser=parser_of_whole_number_option("--across"),
+        metavar="<int>",
+        help="degree of the polynomials across the width of solid shoes",
+    ),
 ]
 FieldsFileOption = Annotated[
     Path | None,
@@ -159,13 +228,16 @@ def command_options_given_by_user(**options: Any) -> dict[str, Any]:
 def penalty_as_number(penalty: str | None) -> float | None:
     """The contact stiffness that --penalty gives, as a number; None if the option is not given.
 
-    Raises BadInput where the given text is no number.
+    Raises BadInput for a text that is no number, and for a number that has two readings.
     """
     if penalty is None:
         return None
+    if penalty.strip().lower() in {"inf", "infinity"}:
+        return math.inf
     try:
-        return float(penalty)
+        found = number_without_unit_from_text(penalty)
     except ValueError as error:
-        raise BadInput(
-            f"--penalty = {penalty!r}: must be a number greater than 0, or inf"
-        ) from error
+        raise BadInput(f"--penalty = {penalty!r}: {error}") from error
+    if not isinstance(found, float):
+        raise BadInput(f"--penalty = {penalty!r}: must be a number greater than 0, or inf")
+    return found

@@ -153,7 +153,7 @@ def export(
     brake_file: BrakeFileArgument,
     to: Annotated[
         str, typer.Option("--to", metavar="calculix", help="the program that the files are for")
-    ],
+    ] = "calculix",
     output: Annotated[Path, typer.Option(metavar="DIR", help="folder of the files")] = Path(),
     elements: ElementsOption = None,
     kind: ParametricMeshKindOption = None,

@@ -11,6 +11,7 @@ import typer
 
 import drumlin
 from drumlin.base.errors import BadInput, NoAnswer, text_of_error_for_command_line
+from drumlin.base.written_numbers import number_without_unit_from_text
 from drumlin.cli import options as of
 from drumlin.cli.answer import print_brake_response
 from drumlin.cli.options import (
@@ -267,7 +268,14 @@ def hold(
     brake_file: BrakeFileArgument,
     model: of.AnalysisModelOption = "fem",
     rotation: of.RotationOption = None,
-    steps: Annotated[int, typer.Option(help="increments of the rotation")] = 20,
+    steps: Annotated[
+        int,
+        typer.Option(
+            parser=of.parser_of_whole_number_option("--steps"),
+            metavar="<int>",
+            help="increments of the rotation",
+        ),
+    ] = 20,
     json_file: of.StatesJsonOption = None,
     elements: ElementsOption = None,
     kind: ParametricMeshKindOption = None,
@@ -402,25 +410,30 @@ def size(
     print_brake_response(found.brake, found.response)
 
 
-def _is_number_without_unit(text: str) -> bool:
-    """Whether a text is a number alone, without a unit behind it."""
-    try:
-        float(text)
-    except ValueError:
-        return False
-    return True
-
-
 def wear(
     brake_file: BrakeFileArgument,
     model: of.WearingModelOption = "fem",
     distance: of.SlidingDistanceOption = None,
     coefficient: of.WearCoefficientOption = None,
-    exponent: Annotated[float, typer.Option(help="of the pressure in the rate of wear")] = 1.0,
+    exponent: Annotated[
+        float,
+        typer.Option(
+            parser=of.parser_of_number_option("--exponent"),
+            metavar="<float>",
+            help="of the pressure in the rate of wear",
+        ),
+    ] = 1.0,
     torque: of.HeldTorqueOption = None,
     reverse: of.ReversalDistanceOption = None,
     guided: of.GuidedAlongMiddleRadiusOption = False,
-    tolerance: Annotated[float | None, typer.Option(help="relative error of p (L2) a step")] = None,
+    tolerance: Annotated[
+        float | None,
+        typer.Option(
+            parser=of.parser_of_number_option("--tolerance"),
+            metavar="<float>",
+            help="relative error of p (L2) a step",
+        ),
+    ] = None,
     json_file: of.StatesJsonOption = None,
     elements: ElementsOption = None,
     kind: ParametricMeshKindOption = None,
@@ -454,8 +467,9 @@ def wear(
         write_json(json_file, run.as_dict())
     unit = sliding_distance_of_e_fold_pressure_change(run.setup, run.law)
     for option, value in (("--distance", distance), ("--reverse", reverse)):
-        if value is not None and _is_number_without_unit(value):
-            km = 1e-3 * float(value) * unit
+        number = number_without_unit_from_text(value)
+        if isinstance(number, float):
+            km = 1e-3 * number * unit
             print_line_folded_to_terminal_width(
                 f"{option} {value} has no unit: {value} times 1/(k K), {km:.5g} km"
             )

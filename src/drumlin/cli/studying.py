@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from drumlin.base.errors import NoAnswer
+from drumlin.cli.options import parser_of_whole_number_option
 from drumlin.cli.terminal import (
     PrintedColumn,
     print_line_folded_to_terminal_width,
@@ -55,7 +56,14 @@ def sweep(
     output: Annotated[
         Path | None, typer.Option(metavar="FILE.csv|FILE.parquet", help="the table of all cases")
     ] = None,
-    jobs: Annotated[int | None, typer.Option(help="processes; default: one a core")] = None,
+    jobs: Annotated[
+        int | None,
+        typer.Option(
+            parser=parser_of_whole_number_option("--jobs"),
+            metavar="<int>",
+            help="processes; default: one a core",
+        ),
+    ] = None,
     scheduler: Annotated[
         str | None,
         typer.Option(metavar="ADDRESS", help="a Dask scheduler, in place of this machine's cores"),

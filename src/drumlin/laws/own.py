@@ -5,13 +5,16 @@ is then solved as by the closed-form laws of `drumlin.laws.shapes`.
 """
 
 import inspect
+import traceback
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from drumlin.base.arrays import Floats
-from drumlin.base.errors import BadInput, NoAnswer
+from drumlin.base.errors import BadInput, DrumlinError, NoAnswer
+from drumlin.base.texts import value_as_text
 from drumlin.laws.shapes import PressureIntegrals, PressureLawOfHingedShoe, ShoeAnglesAndRadii
 
 PressureShapeFunction = Callable[[Floats, ShoeAnglesAndRadii], Any]
@@ -71,9 +74,9 @@ def make_law_from_pressure_shape(
 
         They have the shape of `phi`. Round-off below zero is set to zero.
         """
-        values = np.asarray(shape(np.ravel(phi), arc), dtype=float)
-        values = np.broadcast_to(values, (np.size(phi),)) if values.ndim == 0 else values
         asked = f"law {name!r}: its function must return a finite number for each angle; it "
+        values = _real_numbers_returned_by_shape(shape, np.ravel(phi), arc, asked)
+        values = np.broadcast_to(values, (np.size(phi),)) if values.ndim == 0 else values
         if values.shape != (np.size(phi),):
             raise BadInput(
                 f"{asked}got {np.size(phi)} angles and returned an array of shape {values.shape}"
@@ -120,6 +123,34 @@ def make_law_from_pressure_shape(
     )
 
 
+def _real_numbers_returned_by_shape(
+    shape: PressureShapeFunction, phi: Floats, arc: ShoeAnglesAndRadii, asked: str
+) -> Floats:
+    """The numbers that the user's function returns at the angles phi (n,) [rad], of any shape.
+
+    Raises BadInput if the function raises an exception, or returns other values than real numbers.
+    `asked` is the begin of the message, and ends with "it ".
+    """
+    try:
+        returned = shape(phi, arc)
+    except DrumlinError:
+        raise
+    except Exception as error:
+        # The last line of the user's own code helps to find the fault.
+        frame = traceback.extract_tb(error.__traceback__)[-1]
+        at = f" ({Path(frame.filename).name}:{frame.lineno})"
+        raise BadInput(f"{asked}raised {type(error).__name__}: {error}{at}") from error
+    try:
+        values = np.asarray(returned)
+        is_real = values.dtype.kind in "biuf"
+    except ValueError:
+        # numpy makes no array of lists with different lengths.
+        is_real = False
+    if not is_real:
+        raise BadInput(f"{asked}returned {value_as_text(returned)}")
+    return values.astype(float)
+
+
 def _require_function_of_angles_and_layout(name: str, shape: object) -> None:
     """Raise BadInput if the shape of the law `name` cannot be called with two arguments."""
     asked = (
@@ -128,6 +159,9 @@ def _require_function_of_angles_and_layout(name: str, shape: object) -> None:
     )
     if not callable(shape):
         raise BadInput(f"{asked}; it is {shape!r}")
+    if isinstance(shape, np.ufunc) and shape.nin != 2:
+        # A function such as np.sin takes its further arguments as places for its result.
+        raise BadInput(f"{asked}; it is {shape!r}, a function of {shape.nin}")
     try:
         arguments = inspect.signature(shape)
     except ValueError:

@@ -350,7 +350,7 @@ def wear_linings_over_sliding_distance(
         raise BadInput(f"reverse = {reverse:g}: needs the interfaces of the drum turning backward")
     held = 1.0 if torque is None else torque
     _require_options_above_zero({"distance": distance, "reverse": reverse, "torque": held})
-    _require_valid_wear_law(law, tolerance, distance)
+    _require_valid_wear_options(law, tolerance, distance)
     wear_run = _WearRunInProgress(
         forward=_WearStepper(forward, law, torque),
         backward=_WearStepper(backward or forward, law, torque),
@@ -372,14 +372,19 @@ def _require_options_above_zero(values: Mapping[str, float]) -> None:
             raise BadInput(f"{name} = {value:g}: must be greater than 0")
 
 
-def _require_valid_wear_law(law: WearLaw, tolerance: float, distance: float) -> None:
+def require_wear_law_in_range(law: WearLaw) -> None:
+    """Raise BadInput for a wear law whose coefficient or exponent is out of range."""
+    if not 0 <= law.coefficient < math.inf:
+        raise BadInput(f"coefficient = {law.coefficient:g}: must not be negative, and finite")
+    if not 0.3 <= law.exponent <= 4:
+        raise BadInput(f"exponent = {law.exponent:g}: must be from 0.3 to 4")
+
+
+def _require_valid_wear_options(law: WearLaw, tolerance: float, distance: float) -> None:
     """Raise BadInput for a wear law, a tolerance or a sliding distance out of range."""
     if not 0 < tolerance <= 0.1:
         raise BadInput(f"tolerance = {tolerance:g}: must be greater than 0 and at most 0.1")
-    if not law.coefficient >= 0:
-        raise BadInput(f"coefficient = {law.coefficient:g}: must not be negative")
-    if not 0.3 <= law.exponent <= 4:
-        raise BadInput(f"exponent = {law.exponent:g}: must be from 0.3 to 4")
+    require_wear_law_in_range(law)
     if math.isinf(distance) and law.coefficient == 0:
         raise BadInput("coefficient = 0: nothing wears, so that a distance in m must be given")
 

@@ -5,15 +5,22 @@ after the other. The method itself is in `drumlin.lining_wear.run_in` and
 `drumlin.lining_wear.archard`.
 """
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from drumlin.base.errors import BadInput
 from drumlin.base.texts import error_text_in_percent
+from drumlin.base.written_numbers import number_without_unit_from_text
 from drumlin.brake.brake import Brake
 from drumlin.brake.units import number_in_si_from_command_option_text
-from drumlin.lining_wear.archard import DEFAULT_PRESSURE_ERROR_OF_WEAR_STEP, WearLaw, WearState
+from drumlin.lining_wear.archard import (
+    DEFAULT_PRESSURE_ERROR_OF_WEAR_STEP,
+    WearLaw,
+    WearState,
+    require_wear_law_in_range,
+)
 from drumlin.lining_wear.linings import (
     WearSetup,
     wear_setup_by_finite_elements,
@@ -125,14 +132,15 @@ def make_wear_law(coefficient: float | str | None, exponent: float) -> WearLaw:
     """Make the wear law from a wear coefficient and the exponent of the pressure.
 
     The coefficient is a number [1/Pa], a text with a unit, or None for DEFAULT_WEAR_COEFFICIENT.
+    Raises BadInput for a coefficient or an exponent out of range.
     """
     if coefficient is None:
-        return WearLaw(DEFAULT_WEAR_COEFFICIENT, exponent)
-    if isinstance(coefficient, str):
-        return WearLaw(
-            number_in_si_from_command_option_text("--coefficient", coefficient, "1/Pa"), exponent
-        )
-    return WearLaw(coefficient, exponent)
+        coefficient = DEFAULT_WEAR_COEFFICIENT
+    elif isinstance(coefficient, str):
+        coefficient = number_in_si_from_command_option_text("--coefficient", coefficient, "1/Pa")
+    law = WearLaw(coefficient, exponent)
+    require_wear_law_in_range(law)
+    return law
 
 
 def make_wear_setups_of_brake(
@@ -189,14 +197,19 @@ def sliding_distance_from_option(option: str, given: float | str, unit: float) -
     Raises
     ------
     BadInput
-        for a text that is no number, with or without a unit
+        for a text that is no number, with or without a unit, and for inf and nan
     """
-    if not isinstance(given, str):
-        return given
     try:
-        return float(given) * unit
-    except ValueError:
-        return number_in_si_from_command_option_text(option, given, "m")
+        number: Any = number_without_unit_from_text(given)
+    except ValueError as error:
+        raise BadInput(f"{option} = {given!r}: {error}") from error
+    if isinstance(number, str) and number.strip(" +-").lower() in {"inf", "infinity", "nan"}:
+        number = math.inf
+    if isinstance(number, str):
+        return number_in_si_from_command_option_text(option, number, "m")
+    if not math.isfinite(number):
+        raise BadInput(f"{option} = {given!r}: must be finite")
+    return number * unit if isinstance(given, str) else number
 
 
 def wear_linings_of_whole_brake(

@@ -13,7 +13,8 @@ from drumlin.base.arrays import (
     Floats,
     text_of_fields_with_arrays_by_shape,
 )
-from drumlin.base.errors import NoAnswer
+from drumlin.base.errors import BadInput, NoAnswer
+from drumlin.base.texts import did_you_mean_hint
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.one_sided import OneSidedSupportForce
 from drumlin.brake.surface import FRICTION_SURFACE_OF_DRUM, FrictionSurface
@@ -493,6 +494,25 @@ class FiguresOfMeritOnPlane(NamedTuple):
         return self.braking_force
 
 
+class ShoeResponsesByNameOrIndex(tuple[ShoeResponse, ...]):
+    """The responses of shoes: a tuple whose entries are also found by the name of the shoe.
+
+    `shoes["left"]` is the response of the shoe named "left".
+    """
+
+    __slots__ = ()
+
+    def __getitem__(self, key: Any) -> Any:
+        """The response at an index or of a shoe's name, or the responses of a slice."""
+        if not isinstance(key, str):
+            return super().__getitem__(key)
+        names = [shoe.name for shoe in self]
+        if key not in names:
+            hint = did_you_mean_hint(key, names)
+            raise BadInput(f"shoe = {key!r}: no such shoe{hint}; allowed: {', '.join(names)}")
+        return super().__getitem__(names.index(key))
+
+
 @dataclass(frozen=True, repr=False, eq=False)
 class Response(BaseClassWithArrayEquality):
     """The answer of a model for a brake: torque, pressures, reactions and contact of its shoes.
@@ -502,7 +522,8 @@ class Response(BaseClassWithArrayEquality):
     Attributes
     ----------
     model : name of the model
-    shoes : response of each shoe
+    shoes : response of each shoe, found by index or by name: `shoes[0]` or `shoes["left"]`. The
+        tuple that is given becomes a `ShoeResponsesByNameOrIndex`
     balance : largest imbalance of forces and of moments among the shoes
     converged : whether the iterations of the model have converged
     iterations : number of iterations of the model
@@ -540,7 +561,8 @@ class Response(BaseClassWithArrayEquality):
     spring_pulls: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
-        """Raise NoAnswer if a result of a shoe is infinite or not a number."""
+        """Let shoes be found by name; NoAnswer if a result of a shoe is infinite or no number."""
+        object.__setattr__(self, "shoes", ShoeResponsesByNameOrIndex(self.shoes))
         for shoe in self.shoes:
             numbers = shoe.torque, shoe.normal_force, shoe.peak_pressure, *shoe.hinge_reaction
             if not (all(map(math.isfinite, numbers)) and np.isfinite(shoe.pressure).all()):
@@ -579,7 +601,7 @@ class Response(BaseClassWithArrayEquality):
         """Draw the pressure of every shoe, in MPa over degrees, or over mm on a plane.
 
         The curves are drawn into the given matplotlib `axes`, or into new axes if it is None. The
-        method returns the axes.
+        method returns the axes. Raises BadInput for a value that is no axes of matplotlib.
         """
         return plot_pressure_of_each_shoe(self, axes)
 

@@ -5,7 +5,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from drumlin.base.errors import BadInput
 from drumlin.base.shown_tables import html_table_with_caption, text_lines_of_aligned_columns
+from drumlin.base.texts import value_as_text
 from drumlin.brake.surface import FrictionSurface
 
 if TYPE_CHECKING:
@@ -66,19 +68,31 @@ def html_table_of_response(response: "Response") -> str:
     )
 
 
+def matplotlib_axes_itself_or_new(axes: Any) -> Any:
+    """The given axes of matplotlib; for None new axes.
+
+    Raises BadInput for any other value.
+    """
+    # matplotlib is loaded only when something is drawn.
+    from matplotlib import pyplot as plt  # noqa: PLC0415
+    from matplotlib.axes import Axes  # noqa: PLC0415
+
+    if axes is None:
+        return plt.subplots()[1]
+    if not isinstance(axes, Axes):
+        raise BadInput(f"axes = {value_as_text(axes)}: must be one axes of matplotlib, or None")
+    return axes
+
+
 def plot_pressure_of_each_shoe(response: "Response", axes: Any = None, prefix: str = "") -> Any:
     """Draw the pressure of every shoe, in MPa over degrees, or over mm on a plane.
 
     The curves are drawn into the given matplotlib `axes`, or into new axes if it is None. In the
     legend `prefix` stands before the name of the shoe. The vertical axis ends above the largest
     peak pressure: the unbounded pressure at a sharp edge of a lining is cut. The function returns
-    the axes.
+    the axes. Raises BadInput for a value that is no axes of matplotlib.
     """
-    if axes is None:
-        # matplotlib is loaded only when something is drawn.
-        from matplotlib import pyplot as plt  # noqa: PLC0415
-
-        _, axes = plt.subplots()
+    axes = matplotlib_axes_itself_or_new(axes)
     surface = response.surface
     top = axes.get_ylim()[1] if axes.has_data() else 0.0
     for shoe in response.shoes:

@@ -4,7 +4,7 @@ A number in Python is in SI units, while a sweep file has a unit on every quanti
 the units, so that sweeps from Python and from files are then checked and solved by the same code.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping, Sequence, Set
 from typing import Any
 
 import numpy as np
@@ -20,7 +20,7 @@ RANGE_AND_DISTRIBUTION_KEYS_IN_UNIT_OF_VARIED_KEY = ("from", "to", "mean", "mode
 def sweep_file_data_from_python_values(
     brake: Brake,
     values: Mapping[str, Any],
-    models: str | Sequence[str] | Mapping[str, Mapping[str, Any]],
+    models: str | Sequence[str] | Set[str] | Mapping[str, Mapping[str, Any]],
     **keys: Any,
 ) -> dict[str, Any]:
     """The data of a sweep file without its brake, from values in Python.
@@ -55,13 +55,16 @@ def _options_by_name_of_model(models: Any) -> dict[str, Any]:
     """The options of each model by its name; see `sweep_file_data_from_python_values`."""
     if isinstance(models, str):
         return {models: {}}
-    is_list = isinstance(models, Mapping | Sequence)
+    is_list = isinstance(models, Mapping | Sequence | Set)
     if not is_list or not all(isinstance(name, str) for name in models):
         raise BadInput(
             f'model = {models!r}: must be a name such as "fem", a list of names, or a dict of '
             "names and their options"
         )
-    return dict(models) if isinstance(models, Mapping) else {name: {} for name in models}
+    if isinstance(models, Mapping):
+        return dict(models)
+    # The names in a set are sorted, because a set has no order.
+    return {name: {} for name in (sorted(models) if isinstance(models, Set) else models)}
 
 
 def _sweep_values_of_key_with_units(brake: Brake, key: str, given: Any) -> Any:

@@ -15,6 +15,7 @@ from drumlin.base.errors import BadInput
 from drumlin.base.shown_tables import html_table_with_caption, text_lines_of_aligned_columns
 from drumlin.base.texts import did_you_mean_hint
 from drumlin.brake.units import PRINTED_UNIT_AND_FACTOR_BY_SI_UNIT
+from drumlin.response.show import matplotlib_axes_itself_or_new
 from drumlin.sweeps.cases import CaseResultsByName
 from drumlin.sweeps.table import check_table_file_is_writable, write_table_file
 
@@ -312,7 +313,8 @@ class SweepTable(Sequence[CaseResultsByName]):
         Raises
         ------
         BadInput
-            for an unknown column, for a column of texts, and without `x` if several keys vary
+            for an unknown column, for a column of texts, for other axes, and without `x` if
+            several keys vary
         """
         drawn = [
             self.heading_of_column(x or self._only_varied_key_with_numbers()),
@@ -321,11 +323,7 @@ class SweepTable(Sequence[CaseResultsByName]):
         for heading in drawn:
             if any(isinstance(row.get(heading), str) for row in self.rows):
                 raise BadInput(f"column {heading!r}: has texts; only numbers can be drawn")
-        if axes is None:
-            # matplotlib is loaded only when something is drawn.
-            from matplotlib import pyplot as plt  # noqa: PLC0415
-
-            _, axes = plt.subplots()
+        axes = matplotlib_axes_itself_or_new(axes)
         for model in dict.fromkeys(row["model"] for row in self.rows):
             rows = self._solved_rows_of_model(model)
             columns = [[row.get(heading, math.nan) for row in rows] for heading in drawn]

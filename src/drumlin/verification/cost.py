@@ -28,7 +28,7 @@ from drumlin.fem.preparation.bodies import ShoeSubstructure
 from drumlin.fem.preparation.meshes import Mesher
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.preparation.scene import PreparedModel
-from drumlin.fem.solve import require_element_options_have_effect
+from drumlin.fem.solve import require_element_options_have_effect, solve
 from drumlin.fem.substructure.body import (
     sparse_stiffness_of_body,
 )
@@ -360,7 +360,26 @@ def time_and_memory_lines_of_one_brake(brake: Brake, **options: Any) -> list[str
         f"{found.solve_time_over_sum_of_its_parts:.2f} times their sum",
         f"further load case {found.further * 1e3:.1f} ms "
         f"= 1/{1 / found.further_solve_time_over_solve_time:.0f} of the first",
+        _text_line_of_times_in_default_solves(brake, found),
     ]
+
+
+def _text_line_of_times_in_default_solves(brake: Brake, found: TimesAndMemoryOfSolve) -> str:
+    """A line with the time of a default solve of the brake, and the other times in such solves.
+
+    A default solve chooses its hp elements itself, and states its errors. The ratios hardly depend
+    on the machine.
+    """
+    unit = _median_seconds_of_call(partial(solve, brake), NUMBER_OF_TIMINGS_OF_EACH_TASK)
+    ratios = {
+        "assembly": found.assembly,
+        "factorisation": found.factorisation,
+        "substitution": found.substitution,
+        "whole solve": found.solve,
+        "further load case": found.further,
+    }
+    texts = [f"{name} {seconds / unit:.2g}" for name, seconds in ratios.items()]
+    return f"default solve {unit * 1e3:.1f} ms; in default solves: {', '.join(texts)}"
 
 
 def _median_seconds_of_call(call: Callable[[], object], repeats: int) -> float:

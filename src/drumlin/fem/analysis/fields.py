@@ -12,15 +12,17 @@ import numpy as np
 from drumlin.base.arrays import BaseClassWithArrayEquality, Floats, Ints
 from drumlin.base.errors import BadInput
 from drumlin.base.files import temporary_file_replacing_output
-from drumlin.brake.brake import Brake, ShoeFrame
+from drumlin.brake.brake import Brake, Shoe, ShoeFrame
 from drumlin.brake.elasticity import ElasticLayer
 from drumlin.fem.hp.grid import HpElementGrid
 from drumlin.fem.preparation.bodies import (
+    ShoeSubstructure,
     functions_of_free_thermal_strain_by_layer,
 )
 from drumlin.fem.preparation.displacements import (
     friction_stress_over_friction_coefficient_of_lining,
     nodal_contact_pressures_of_each_lining,
+    nodal_displacements_of_each_shoe,
     nodal_displacements_of_shoe,
 )
 from drumlin.fem.preparation.scene import PreparedModel
@@ -186,7 +188,22 @@ def stress_and_displacement_fields_of_shoe(
     shoe, body = brake_with_forces_of_response(brake, response).shoes[index], scene.bodies[index]
     answer = response.shoes[index]
     p = answer.nodal_pressures_on_linings[:: shoe.frame.sense]
-    u = nodal_displacements_of_shoe(body, brake, shoe, answer, p).reshape(-1, 2).T
+    u = nodal_displacements_of_shoe(body, brake, shoe, answer, p)
+    return _fields_of_shoe_with_nodal_displacements(body, brake, shoe, p, u)
+
+
+def _fields_of_shoe_with_nodal_displacements(
+    body: ShoeSubstructure, brake: Brake, shoe: Shoe, p: Floats, displacements: Floats
+) -> StressAndDisplacementFields:
+    """Displacements and stresses in a shoe whose nodes have known displacements.
+
+    Parameters
+    ----------
+    body, brake, shoe : the shoe's substructure, the brake, and the shoe
+    p : pressures (n,) [Pa] at the contact nodes, in the order of their angle in the shoe's frame
+    displacements : displacements (2 nodes,) [m] in the shoe's frame
+    """
+    u = displacements.reshape(-1, 2).T
     pressure = np.zeros(body.basis.N)
     pressure[body.line.nodes] = p
     solved = _BodyWithNodalDisplacements(
@@ -254,10 +271,16 @@ def stress_and_displacement_fields_of_shoes_and_ring(
     scene: PreparedModel, brake: Brake, response: Response
 ) -> list[StressAndDisplacementFields]:
     """Displacements and stresses in each shoe, and then in the drum ring if it is elastic."""
-    every = [
-        stress_and_displacement_fields_of_shoe(scene, brake, response, i)
-        for i in range(len(brake.shoes))
-    ]
+    loaded = brake_with_forces_of_response(brake, response)
+    pressures = nodal_contact_pressures_of_each_lining(loaded, response)
+    displacements = nodal_displacements_of_each_shoe(scene.bodies, loaded, response)
+    every = []
+    for i, shoe in enumerate(loaded.shoes):
+        every.append(
+            _fields_of_shoe_with_nodal_displacements(
+                scene.bodies[i], brake, shoe, pressures[i], displacements[i]
+            )
+        )
     if scene.ring is not None:
         every.append(stress_and_displacement_fields_of_ring(scene, brake, response))
     return every

@@ -15,7 +15,9 @@ from drumlin.base.errors import AnswerLostToRoundOff, NoAnswer
 from drumlin.brake.brake import Brake
 from drumlin.fem.error_control.short_contact import (
     SHORTEST_CONTACT_WITH_KNOWN_PRESSURE,
+    contacts_too_short_by_formula,
     response_with_ends_of_too_short_contacts,
+    too_short_contacts_expected_of_rigid_shoes,
 )
 from drumlin.fem.error_control.singular_points import singular_points_of_each_shoe_shape
 from drumlin.fem.hp.division import (
@@ -248,11 +250,16 @@ def solve_brake_on_finer_and_finer_mesh_levels(
     if prepare is None and len(levels) != 1 and not first_level_is_an_answer:
         end_motion = ALLOWED_END_MOTION_ON_FIRST_LEVEL
     prepare = prepare or partial(make_prepared_model, brake, alike=alike, cache=cache)
+    too_short = (
+        too_short_contacts_expected_of_rigid_shoes(brake)
+        if start is None
+        else contacts_too_short_by_formula(brake, start)
+    )
     for level in levels or REFINEMENT_LEVELS_FROM_COARSE_TO_FINE:
         solved: SolvedLevel | None = None
         error = level.pressure_error_due_to_column_size_ratio
         points_after = partial(singular_points_of_each_shoe_shape, brake, alike=alike, error=error)
-        points = points_after(last)
+        points = points_after(last, too_short=too_short)
         points_of_passes: list[SingularPointsByShoeShape] = []
         for _ in range(MAX_DIVISIONS_OF_BRAKE_PER_LEVEL):
             # The brake is divided with small elements at the singular points of the earlier pass,
@@ -260,9 +267,7 @@ def solve_brake_on_finer_and_finer_mesh_levels(
             limited = replace(level, largest_column=min(level.largest_column, column_limit))
             model = replace(prepare(limited, points), rigid_limits=rigid_limits)
             try:
-                response = response_with_ends_of_too_short_contacts(
-                    brake, respond(model, brake, start=last)
-                )
+                response = respond(model, brake, start=last)
             except NoAnswer as refusal:
                 solved = None
                 if math.isinf(column_limit) and not isinstance(refusal, AnswerLostToRoundOff):
@@ -272,9 +277,11 @@ def solve_brake_on_finer_and_finer_mesh_levels(
                 if refusals == 2 or (last is start and math.isfinite(column_limit)):
                     raise
                 break
-            solved = SolvedLevel(model, response)
+            too_short = contacts_too_short_by_formula(brake, response)
+            last = response_with_ends_of_too_short_contacts(brake, response, too_short)
+            solved = SolvedLevel(model, last)
             points_of_passes.append(points)
-            last, points = response, points_after(response)
+            points = points_after(last, too_short=too_short)
             # The passes end when the new points agree with the points of any earlier pass. Ends of
             # the contact that return to an earlier position would otherwise alternate for ever.
             if _do_singular_points_repeat_earlier_pass(brake, points_of_passes, points, end_motion):

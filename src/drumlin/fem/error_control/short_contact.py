@@ -1,10 +1,11 @@
 """The place and length of a contact that is too short for elements, by the half-plane formula.
 
 A shoe that touches the drum at one place presses there with a force F per width. If the gap beside
-the place rises steeply, the contact is so short that no division resolves its pressure. The first
-pass of a solve leaves one pressed node on such a shoe, and does not show how short the contact is:
-the contact would become shorter with each finer division. The force F and the shape of the gap tell
-the length at once.
+the place rises steeply, the contact is so short that no division resolves its pressure. A pass of a
+solve leaves one pressed node on such a shoe, and does not show how short the contact is: the
+contact would become shorter with each finer division. The force F and the shape of the gap tell
+the length at once. The place and a small force are known before the first pass, from the rigid
+shoe, so that already the first division has columns that end at the place.
 
 The contact ends where the gap of the rigid shoe, which just touches the drum, is F/(k E'). Here E'
 is the modulus of the half-plane with the compliance of the lining's surface, and k depends on the
@@ -19,7 +20,7 @@ or with a ring, the formula is not used.
 """
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -66,6 +67,12 @@ GAP_RISE_AT_CONTACT_END_FROM_CORNER = 3.6
 A corner yields more than a half-plane. The value is the one of the finite elements on corners of 90
 degrees with gaps of four slopes, friction 0.3 and contacts of 2 nm to 20 um, of which they take
 3.5 to 3.6.
+"""
+STEEPEST_GAP_AT_SHORT_CONTACT = 1.0
+"""Slope of the gap up to which a contact is sought before the first pass, in metres per metre.
+
+The gap of a rigid shoe rises by less than a tenth of its length. The value bounds the force from
+above and spares all other brakes the search; it changes the time alone.
 """
 ROUND_OFF_OF_GAP = 4 * float(np.finfo(float).eps)
 """Round-off in a gap, relative to the size of the brake. Gaps below it count as contact."""
@@ -118,16 +125,74 @@ def contact_too_short_by_formula(
     if not _are_shoes_hinged_on_rigid_surface_under_actuation_alone(brake):
         return None
     pressed = sorted(shoe.frame.phi_coordinates_as_list(answer.contact_arcs[0]))
-    gap = _gap_of_first_touching_rigid_shoe(brake, shoe, 0.5 * (pressed[0] + pressed[1]))
+    closing = _gap_closed_by_turn_about_hinge(brake, shoe)
+    sense = math.copysign(1.0, closing(np.array([0.5 * (pressed[0] + pressed[1])]))[0])
+    gap = _gap_of_first_touching_rigid_shoe(brake, shoe, sense)
     if not 2 * pressed[0] - pressed[1] < gap.place < 2 * pressed[1] - pressed[0]:
         return None
-    modulus = shoe.lining.material.young_modulus_of_equivalent_half_plane
-    contact = _contact_around_touching_place(
-        gap, shoe.arc, answer.normal_force / (shoe.lining.width * modulus), brake.size
+    return _contact_if_too_short(brake, shoe, gap, answer.normal_force)
+
+
+def contacts_too_short_by_formula(
+    brake: Brake, response: Response
+) -> tuple[TooShortContact | None, ...]:
+    """For each shoe of a response its contact that is too short, or None.
+
+    See `contact_too_short_by_formula`.
+    """
+    return tuple(
+        contact_too_short_by_formula(brake, shoe, answer)
+        for shoe, answer in zip(brake.shoes, response.shoes, strict=True)
     )
-    longest = SHORTEST_CONTACT_WITH_KNOWN_PRESSURE / MARGIN_OF_FORMULA_FOR_SHORT_CONTACTS
+
+
+def too_short_contacts_expected_of_rigid_shoes(brake: Brake) -> tuple[TooShortContact | None, ...]:
+    """For each shoe the contact that is too short if the shoe is rigid, or None.
+
+    The contacts are known before the first pass of a solve. They are sought where
+    `contact_too_short_by_formula` applies, and under forces that are small enough.
+    """
+    if not _are_shoes_hinged_on_rigid_surface_under_actuation_alone(brake):
+        return (None,) * len(brake.shoes)
+    return tuple(_too_short_contact_expected_of_rigid_shoe(brake, shoe) for shoe in brake.shoes)
+
+
+def _too_short_contact_expected_of_rigid_shoe(brake: Brake, shoe: Shoe) -> TooShortContact | None:
+    """The contact of a hinged shoe that is too short if the shoe is rigid, or None."""
+    if len(shoe.arcs) > 1 or shoe.mesh is not None:
+        return None
+    moment = shoe.moment_of_all_loads_about_point(shoe.pin)
+    # No lever of the contact force about the pin is longer than the diameter of the drum.
+    approach = _approach_of_lining_under_force(shoe, abs(moment) / (2 * brake.size))
+    if moment == 0 or approach > STEEPEST_GAP_AT_SHORT_CONTACT * _length_of_too_short_contact(shoe):
+        return None
+    gap = _gap_of_first_touching_rigid_shoe(brake, shoe, math.copysign(1.0, moment))
+    theta = shoe.frame.surface_coordinates_of_phi(np.array([gap.place]))[0]
+    lever = _moment_about_pin_of_unit_contact_force(brake, shoe, theta)
+    return _contact_if_too_short(brake, shoe, gap, abs(moment / lever)) if lever else None
+
+
+def _contact_if_too_short(
+    brake: Brake, shoe: Shoe, gap: "_GapOfRigidShoe", normal_force: float
+) -> TooShortContact | None:
+    """The contact by the formula under a normal force [N], or None if it is not too short."""
+    contact = _contact_around_touching_place(
+        gap, shoe.arc, _approach_of_lining_under_force(shoe, normal_force), brake.size
+    )
     length = (contact.end - contact.start) * brake.size
-    return contact if length < longest * shoe.lining.thickness else None
+    return contact if length < _length_of_too_short_contact(shoe) else None
+
+
+def _length_of_too_short_contact(shoe: Shoe) -> float:
+    """Length [m] below which a contact of a shoe counts as too short by the formula."""
+    longest = SHORTEST_CONTACT_WITH_KNOWN_PRESSURE / MARGIN_OF_FORMULA_FOR_SHORT_CONTACTS
+    return longest * shoe.lining.thickness
+
+
+def _approach_of_lining_under_force(shoe: Shoe, normal_force: float) -> float:
+    """The normal force [N] per width of the lining, divided by its modulus as a half-plane [m]."""
+    modulus = shoe.lining.material.young_modulus_of_equivalent_half_plane
+    return normal_force / (shoe.lining.width * modulus)
 
 
 def _are_shoes_hinged_on_rigid_surface_under_actuation_alone(brake: Brake) -> bool:
@@ -144,14 +209,15 @@ def _are_shoes_hinged_on_rigid_surface_under_actuation_alone(brake: Brake) -> bo
     )
 
 
-def response_with_ends_of_too_short_contacts(brake: Brake, response: Response) -> Response:
+def response_with_ends_of_too_short_contacts(
+    brake: Brake, response: Response, contacts: Sequence[TooShortContact | None]
+) -> Response:
     """The response, in which contacts that are too short for the elements end as the formula says.
 
-    See `contact_too_short_by_formula`.
+    `contacts` are those of `contacts_too_short_by_formula`.
     """
     shoes = list(response.shoes)
-    for i, shoe in enumerate(brake.shoes):
-        contact = contact_too_short_by_formula(brake, shoe, shoes[i])
+    for i, (shoe, contact) in enumerate(zip(brake.shoes, contacts, strict=True)):
         if contact is not None:
             ends = np.array([contact.start, contact.end])
             first, last = sorted(shoe.frame.surface_coordinates_of_phi(ends).tolist())
@@ -171,14 +237,20 @@ def force_error_due_to_place_in_too_short_contact(
     """
     if contact_too_short_by_formula(brake, shoe, answer) is None:
         return 0.0
+    ends = answer.contact_arcs[0][0], answer.contact_arcs[-1][1]
+    moments = [_moment_about_pin_of_unit_contact_force(brake, shoe, theta) for theta in ends]
+    return abs(moments[1] - moments[0]) / min(map(abs, moments))
+
+
+def _moment_about_pin_of_unit_contact_force(brake: Brake, shoe: Shoe, theta: float) -> float:
+    """Moment [m] about the pin of a unit normal force at theta, with the friction that it causes.
+
+    `theta` is the coordinate along the surface [rad, on a plane m].
+    """
     surface = friction_surface_of_shoe(brake, shoe)
     drag = brake.signed_friction_stress_over_pressure(shoe)
-    pin = shoe.pin.xy
-    moments = []
-    for place in (answer.contact_arcs[0][0], answer.contact_arcs[-1][1]):
-        unit = surface.force(surface.shape_function_values(np.array(place)), drag)
-        moments.append(unit.moment - float(planar_cross_product(pin, unit.force)))
-    return abs(moments[1] - moments[0]) / min(map(abs, moments))
+    unit = surface.force(surface.shape_function_values(np.array(theta)), drag)
+    return unit.moment - float(planar_cross_product(shoe.pin.xy, unit.force))
 
 
 class _GapOfRigidShoe(NamedTuple):
@@ -194,24 +266,34 @@ class _GapOfRigidShoe(NamedTuple):
     at: Callable[[Floats], Floats]
 
 
-def _gap_of_first_touching_rigid_shoe(brake: Brake, shoe: Shoe, middle: float) -> _GapOfRigidShoe:
-    """The gap of a hinged rigid shoe that has turned until it touches the drum.
+def _gap_closed_by_turn_about_hinge(brake: Brake, shoe: Shoe) -> Callable[[Floats], Floats]:
+    """The function that gives the closing of the gap [m] at phi [rad] by a counter-clockwise turn.
 
-    The shoe turns in the direction that closes the gap at the coordinate phi `middle` [rad].
+    The shoe turns by 1 rad about its hinge, at small angles.
     """
     surface = friction_surface_of_shoe(brake, shoe)
     turn = rigid_body_motion_of_turn_about_point(shoe.pin)
     (factors,) = surface.gap_closing_factors_of_rigid_body_motions(turn[None])
 
+    def closing(phi: Floats) -> Floats:
+        """The closing of the gap [m] at phi [rad], of the same shape."""
+        theta = shoe.frame.surface_coordinates_of_phi(phi)
+        return np.asarray(factors @ surface.shape_function_values(theta)[:2])
+
+    return closing
+
+
+def _gap_of_first_touching_rigid_shoe(brake: Brake, shoe: Shoe, sense: float) -> _GapOfRigidShoe:
+    """The gap of a hinged rigid shoe that has turned until it touches the drum.
+
+    The shoe turns counter-clockwise if `sense` is 1, and clockwise if it is -1.
+    """
+    closing = _gap_closed_by_turn_about_hinge(brake, shoe)
+
     def unloaded(phi: Floats) -> Floats:
         theta = shoe.frame.surface_coordinates_of_phi(phi)
         return clearance.gaps_between_unloaded_lining_and_surface(brake, shoe, theta)
 
-    def closing(phi: Floats) -> Floats:
-        theta = shoe.frame.surface_coordinates_of_phi(phi)
-        return np.asarray(factors @ surface.shape_function_values(theta)[:2])
-
-    sense = math.copysign(1.0, closing(np.array([middle]))[0])
     start, end = shoe.arc
     kinks = shoe.frame.phi_coordinates_as_list(
         clearance.coordinates_of_clearance_table_rows(shoe.lining)

@@ -28,7 +28,7 @@ from drumlin.brake.friction import FrictionOverPressureCurve
 from drumlin.fem.error_control.short_contact import (
     SHORTEST_CONTACT_WITH_KNOWN_PRESSURE,
     TooShortContact,
-    contact_too_short_by_formula,
+    contacts_too_short_by_formula,
 )
 from drumlin.fem.hp.corner import logarithmic_pressures_at_pointed_gap_kinks
 from drumlin.fem.hp.division import (
@@ -85,7 +85,12 @@ class _OpeningInsideContact(NamedTuple):
 
 
 def singular_points_of_each_shoe_shape(
-    brake: Brake, response: Response | None, alike: Sequence[int] = (), error: float = 0.0
+    brake: Brake,
+    response: Response | None,
+    alike: Sequence[int] = (),
+    error: float = 0.0,
+    *,
+    too_short: Sequence[TooShortContact | None] | None = None,
 ) -> dict[int, list[SingularPoint]]:
     """The singular points of the pressure on all linings, collected for each shape of shoe.
 
@@ -103,12 +108,17 @@ def singular_points_of_each_shoe_shape(
         indices
     error : planned relative error of p on the next level (e in `RuleOfDegreeAndGradingByLevel`);
         with 0 every kink of a table near the contact is a singular point
+    too_short : for each shoe its contact that is too short for elements, or None; by default it
+        follows from the response by `contacts_too_short_by_formula`
     """
+    if too_short is None and response is not None:
+        too_short = contacts_too_short_by_formula(brake, response)
     points: dict[int, list[SingularPoint]] = {}
     first_alike = alike or equal_shapes(brake)
     for i, (shoe, first) in enumerate(zip(brake.shoes, first_alike, strict=True)):
         answer = None if response is None else response.shoes[i]
-        points_of_shoe = _singular_points_of_lining(brake, shoe, answer, error)
+        contact = None if too_short is None else too_short[i]
+        points_of_shoe = _singular_points_of_lining(brake, shoe, answer, error, contact)
         curve = brake.friction_coefficient_curve_of_shoe(shoe)
         if answer is not None and answer.contact_arcs and len(curve.mu) > 1:
             points_of_shoe += _singular_points_at_kinks_of_friction(
@@ -119,7 +129,11 @@ def singular_points_of_each_shoe_shape(
 
 
 def _singular_points_of_lining(
-    brake: Brake, shoe: Shoe, answer: ShoeResponse | None, level_error: float
+    brake: Brake,
+    shoe: Shoe,
+    answer: ShoeResponse | None,
+    level_error: float,
+    too_short: TooShortContact | None,
 ) -> list[SingularPoint]:
     """The singular points of the pressure on the lining of one shoe, in any order.
 
@@ -128,14 +142,14 @@ def _singular_points_of_lining(
     brake, shoe : the brake and the shoe
     answer : the earlier response of the shoe, or None
     level_error : planned error of p on the next level
+    too_short : the contact of the shoe if it is too short for elements, else None
     """
     arcs = [] if answer is None else contact_arcs_merged_over_narrow_gaps(shoe, answer)
     points = _singular_points_at_steps_of_lining(shoe, answer, arcs)
-    if answer is None:
-        return points
-    too_short = contact_too_short_by_formula(brake, shoe, answer)
     if too_short is not None:
         return points + _singular_points_at_too_short_contact(brake, shoe, too_short)
+    if answer is None:
+        return points
     points += _singular_points_at_kinks_of_gap(
         shoe, answer, arcs, brake.length_per_surface_coordinate, level_error
     )

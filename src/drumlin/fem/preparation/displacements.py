@@ -1,5 +1,8 @@
 """The displacements of all nodes of a shoe, recovered from the response of its brake."""
 
+from collections.abc import Sequence
+from typing import NamedTuple
+
 import numpy as np
 
 from drumlin.base.arrays import Floats
@@ -67,14 +70,60 @@ def nodal_displacements_of_shoe(
     p : pressures (n,) [Pa] at the contact nodes on all linings of the shoe, in the order of their
         angle in the shoe's own frame
     """
+    case = _load_case_of_shoe(body, brake, shoe, answer, p)
+    return body.condensed.nodal_displacements_in_load_cases(*(part[:, None] for part in case))[:, 0]
+
+
+def nodal_displacements_of_each_shoe(
+    bodies: Sequence[ShoeSubstructure], brake: Brake, response: Response
+) -> list[Floats]:
+    """For each shoe the displacements (d nodes,) [m] that `nodal_displacements_of_shoe` gives.
+
+    Shoes that share one substructure are its load cases, for which its equations are solved once.
+    The brake has the actuation forces of the response.
+    """
+    pressures = nodal_contact_pressures_of_each_lining(brake, response)
+    numbers_by_body: dict[int, list[int]] = {}
+    for i, body in enumerate(bodies):
+        numbers_by_body.setdefault(id(body), []).append(i)
+    found: dict[int, Floats] = {}
+    for numbers in numbers_by_body.values():
+        body = bodies[numbers[0]]
+        cases = [
+            _load_case_of_shoe(body, brake, brake.shoes[i], response.shoes[i], pressures[i])
+            for i in numbers
+        ]
+        columns = [np.column_stack(part) for part in zip(*cases, strict=True)]
+        u = body.condensed.nodal_displacements_in_load_cases(*columns)
+        found |= {i: u[:, column] for column, i in enumerate(numbers)}
+    return [found[i] for i in range(len(bodies))]
+
+
+class _LoadCaseOfShoe(NamedTuple):
+    """What moves the nodes of a shoe in a response.
+
+    Attributes
+    ----------
+    forces : nodal forces (2n,) [N] of pressure and friction on the contact nodes
+    motion : motion (3,) of the body's frame
+    load : factors (l,) of the body's load columns
+    """
+
+    forces: Floats
+    motion: Floats
+    load: Floats
+
+
+def _load_case_of_shoe(
+    body: ShoeSubstructure, brake: Brake, shoe: Shoe, answer: ShoeResponse, p: Floats
+) -> _LoadCaseOfShoe:
+    """The load case of a shoe in a response; parameters as in `nodal_displacements_of_shoe`."""
     load, motion = load_column_factors_and_frame_motion_in_response(body, brake, shoe, answer)
-    # The pressures and friction stresses give the nodal forces (2n,) [N] on the contact nodes.
+    # The pressures and friction stresses give the nodal forces on the contact nodes.
     dragging = friction_stress_over_friction_coefficient_of_lining(brake, shoe, answer, p)
-    nodal = (
+    forces = (
         brake.signed_friction_stress_over_pressure_in_shoe_frame(shoe)
         * (body.coupling.T.T @ dragging)
         - body.coupling.N.T @ p
     )
-    return body.condensed.nodal_displacements_in_load_cases(
-        nodal[:, None], motion[:, None], load[:, None]
-    )[:, 0]
+    return _LoadCaseOfShoe(forces, motion, load)
