@@ -142,6 +142,7 @@ NOT_TUNED: dict[str, dict[str, str]] = {
         "WIDEST_FIRST_PIECE_WITHOUT_CUT": "the length over which the pressure changes at an edge",
     },
     "fem/width/prepare.py": {
+        "MOST_NODES_OF_CONTACT_FACE": MEMORY,
         "MATRICES_OF_CONTACT_NODES": MEMORY,
         "MATRICES_OF_JOINED_COLUMNS": MEMORY,
         "MOST_BYTES_OF_KEPT_CHOLESKY_FACTOR": MEMORY,

@@ -136,7 +136,7 @@ def test_a_face_with_too_many_nodes_would_take_any_memory(monkeypatch):
     degree = partial(functions_across_width_of_shoe, degree=2)
     nodes = len(wide.bodies[0].line.nodes)
     for most, fits in ((nodes, True), (nodes - 1, False)):
-        monkeypatch.setattr(width_prepare, "MAX_NODES_OF_CONTACT_PROBLEM", most)
+        monkeypatch.setattr(width_prepare, "MOST_NODES_OF_CONTACT_FACE", most)
         found = memory_bytes_of_condensation_on_divisions(brake, wide.divisions, degree)
         assert math.isfinite(found) == fits
 

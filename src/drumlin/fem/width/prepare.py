@@ -15,7 +15,6 @@ from drumlin.brake.fields import Material
 from drumlin.brake.friction import reason_if_friction_depends_on_pressure
 from drumlin.brake.heat import reason_if_any_shoe_is_heated
 from drumlin.brake.orthotropic import reason_if_any_part_is_orthotropic
-from drumlin.contact.equations import MAX_NODES_OF_CONTACT_PROBLEM
 from drumlin.fem.hp.body import (
     condensed_body_with_cholesky_factor,
     contact_line_of_lining_face_nodes,
@@ -69,6 +68,13 @@ MOST_BYTES_OF_KEPT_CHOLESKY_FACTOR = 10_000_000
 """Largest memory [bytes] of a shoe's Cholesky factor that is kept after the shoe is coupled.
 
 A larger factor is computed again when it is needed.
+"""
+MOST_NODES_OF_CONTACT_FACE = 3200
+"""Largest number of nodes of a contact face; a shoe with more is refused.
+
+The limit is one of memory. By MATRICES_OF_CONTACT_NODES a shoe with so many nodes takes 0.66 GB
+while it is condensed. With 2822 nodes a solve to a tolerance took 0.81 GB in all ("free" 510080 of
+`drumlin_studies.solid_error`).
 """
 MATRICES_OF_CONTACT_NODES = 8.0
 """Memory of a shoe's condensation to n contact nodes, divided by the memory of a matrix (n, n).
@@ -189,7 +195,7 @@ def prepare_model_with_shoe_widths(
     BadInput
         if the model does not apply to the brake, or if the degree is out of range
     NoAnswer
-        for a singular stiffness, and for more than MAX_NODES_OF_CONTACT_PROBLEM nodes of a contact
+        for a singular stiffness, and for more than MOST_NODES_OF_CONTACT_FACE nodes of a contact
         face
     """
     alike = indices_of_first_shoes_of_equal_shape(brake)
@@ -249,7 +255,7 @@ def prepare_model_with_widths_on_given_elements(
     Raises
     ------
     NoAnswer
-        for a singular stiffness, and for more than MAX_NODES_OF_CONTACT_PROBLEM nodes of a contact
+        for a singular stiffness, and for more than MOST_NODES_OF_CONTACT_FACE nodes of a contact
         face
     """
     make = degree if callable(degree) else partial(functions_across_width_of_shoe, degree=degree)
@@ -290,9 +296,9 @@ def _require_few_nodes_of_contact_face(
 ) -> None:
     """Raise NoAnswer if the contact face of a shoe has too many nodes."""
     nodes = _number_of_contact_face_nodes(shoe, division, functions)
-    if nodes > MAX_NODES_OF_CONTACT_PROBLEM:
+    if nodes > MOST_NODES_OF_CONTACT_FACE:
         raise NoAnswer(
-            f"its {nodes} contact nodes are more than the {MAX_NODES_OF_CONTACT_PROBLEM} that "
+            f"its {nodes} contact nodes are more than the {MOST_NODES_OF_CONTACT_FACE} that "
             f"are allowed"
         )
 
@@ -427,13 +433,13 @@ def memory_bytes_of_condensation_on_divisions(
     """The approximate memory [bytes] that the matrices of all shoes take while they are condensed.
 
     The parameters are those of `largest_number_of_unknowns_on_divisions`. The memory is inf if a
-    contact face has more than MAX_NODES_OF_CONTACT_PROBLEM nodes, since there is no model of it.
+    contact face has more than MOST_NODES_OF_CONTACT_FACE nodes, since there is no model of it.
     """
     largest = kept = 0.0
     for i, division in divisions.items():
         functions = make(brake.shoes[i])
         nodes = _number_of_contact_face_nodes(brake.shoes[i], division, functions)
-        if nodes > MAX_NODES_OF_CONTACT_PROBLEM:
+        if nodes > MOST_NODES_OF_CONTACT_FACE:
             return math.inf
         own = _memory_bytes_of_condensation(brake.shoes[i], division, functions, nodes)
         # Of a shoe that is condensed already three matrices are left.
