@@ -512,23 +512,6 @@ def test_the_first_level_resolves_contact_ends_that_move_across_the_width():
     assert off.brake["pressure"] < 1e-2
 
 
-def test_a_missed_tolerance_has_one_more_section_level_for_its_errors(flexible, monkeypatch):
-    table, tolerance = t_section(flexible), TolerancesOfPressureAndTorque(1e-4, 1e-4)
-    monkeypatch.setattr(ladder, "MOST_LEVELS_FOR_SECTION_ERROR_ESTIMATE", 2)
-    monkeypatch.setattr(ladder, "MOST_BYTES_OF_SOLID", 0)
-    estimate, levels = ladder.errors_of_solved_cross_section_meshes, []
-
-    def estimate_and_count_levels(brake, climb, factors):
-        levels.append(len(climb.levels))
-        return estimate(brake, climb, factors)
-
-    monkeypatch.setattr(ladder, "errors_of_solved_cross_section_meshes", estimate_and_count_levels)
-    found = solve_brake_with_widths_to_tolerance(table, tolerance, must=False)
-    assert levels == [2, 3]
-    assert any("tolerance 0.0001 not reached" in note for note in found.notes)
-    assert "on a section of degree 3," in found.notes[-1]
-
-
 @pytest.mark.slow
 def test_where_a_finer_level_has_too_many_nodes_the_first_level_answers(flexible, monkeypatch):
     table, tolerance = t_section(flexible), TolerancesOfPressureAndTorque(4e-3, 4e-3)

@@ -29,8 +29,7 @@ solved levels are tried from coarse to fine, until the sum of both errors meets 
 coarse level with an error above SECTION_ERROR_SHARE_OF_TOLERANCE of the tolerance can thus be
 combined with functions whose error is small, and the answer that was compared is often the answer
 that is returned. No further functions are tried once the error of the pressure p no longer falls,
-or if the elements alone miss the tolerance. If a tolerance may be missed and would be missed, the
-section's error is told once more with one more level.
+or if the elements alone miss the tolerance.
 
 If most of a lining overhangs its web, a provisional error of the lowest degree is computed first,
 from the distance to the next degree alone. The distance is extrapolated to an infinite degree and
@@ -158,8 +157,7 @@ fraction of their distance. On nine random brakes that missed 1 % ("built" 51004
 the third level lowers the stated error of p on the second level on six, by 1.3 to 5.5 times, and
 raises it on three, by at most 1.2 times. With the degree 1 across the width it takes 0.3 to 5 s and
 at most 260 MB on these brakes. The answer itself needs a higher degree, and is computed on the
-third level only if MOST_BYTES_OF_SOLID allows it. A solve that would miss its tolerance tells the
-section's error once more with one level more than before.
+third level only if MOST_BYTES_OF_SOLID allows it.
 """
 LEAST_LEVELS_FOR_SECTION_ERROR_ESTIMATE = 2
 """Smallest number of levels that give the estimate of the hp elements' error."""
@@ -168,8 +166,8 @@ MOST_UNKNOWNS_FOR_FURTHER_SECTION_LEVEL = 60_000
 
 The unknowns are counted with the degree WIDTH_DEGREE_FOR_HP_ELEMENT_ERROR_ESTIMATE across the
 width. From the second level to the third they grow by 2.3 to 3 times, so that the third level has
-at most some 180 000 unknowns. With a larger limit solves take more memory; with a smaller
-limit the stated errors of long shoes are larger. If the tolerance must be met, there is no limit.
+at most some 180 000 unknowns. With a larger limit solves take more memory; with a smaller limit the
+stated errors of long shoes are larger. If the tolerance must be met, there is no limit.
 """
 MOST_BYTES_OF_SOLID = 650_000_000
 """Largest memory [bytes] of the matrices of solid shoes if a tolerance may be missed.
@@ -580,24 +578,7 @@ def solve_brake_with_widths_and_keep_model(
         errors = errors_of_degrees_across_width(
             brake, sections.plane, compared, degrees, penalty=penalty, cache=cache
         )
-    widths: list[WidthError] = []
-    choice = cheapest_choice_within_tolerance(
-        sections.errors, _errors_appended_to_list(errors, widths), tolerance, fits_into_memory
-    )
-    if adaptive and not must and not choice.error.is_within_error_tolerance(tolerance):
-        # One more level, with its low degree across the width, costs little beside finer pieces. It
-        # shows the section's error of all levels better.
-        sections = _cross_section_meshes_with_errors(
-            brake,
-            tolerance,
-            must=must,
-            penalty=penalty,
-            cache=cache,
-            number_of_levels=len(sections.errors) + 1,
-        )
-        choice = cheapest_choice_within_tolerance(
-            sections.errors, iter(widths), tolerance, fits_into_memory
-        )
+    choice = cheapest_choice_within_tolerance(sections.errors, errors, tolerance, fits_into_memory)
     if must and not choice.error.is_within_error_tolerance(tolerance):
         raise NoAnswer(_message_on_unreached_error_tolerance(tolerance, choice))
     try:
@@ -612,15 +593,6 @@ def solve_brake_with_widths_and_keep_model(
     if not choice.error.is_within_error_tolerance(tolerance):
         warning = _message_on_unreached_error_tolerance(tolerance, choice)
     return _solved_level_with_errors_and_notes(solved, choice, warning)
-
-
-def _errors_appended_to_list(
-    errors: Iterator[WidthError], found: list[WidthError]
-) -> Iterator[WidthError]:
-    """Yield errors one by one, and append each of them to the list `found`."""
-    for error in errors:
-        found.append(error)
-        yield error
 
 
 def _solved_level_of_choice(
@@ -687,14 +659,12 @@ def _cross_section_meshes_with_errors(
     must: bool,
     penalty: float,
     cache: CacheOfCondensedBodies,
-    number_of_levels: int | None = None,
 ) -> SectionErrors:
     """The levels of the section's hp elements that a solve to a tolerance needs, with their errors.
 
     The last level has an error of at most SECTION_ERROR_SHARE_OF_TOLERANCE of the tolerance, unless
-    it is the finest one that is allowed. If parts differ in width and `number_of_levels` is given,
-    there are so many levels instead, unless a level has no answer or too many unknowns. The other
-    parameters are those of `solve_brake_with_widths_and_keep_model`.
+    it is the finest one that is allowed. The parameters are those of
+    `solve_brake_with_widths_and_keep_model`.
     """
     part = SECTION_ERROR_SHARE_OF_TOLERANCE
     share = TolerancesOfPressureAndTorque(part * tolerance.pressure, part * tolerance.torque)
@@ -717,16 +687,12 @@ def _cross_section_meshes_with_errors(
     asked = TolerancesOfPressureAndTorque(
         share.pressure / factors.pressure, share.torque / factors.force
     )
-    if number_of_levels is not None:
-        asked = TolerancesOfPressureAndTorque(0.0, 0.0)
     climb = refine_cross_section_mesh_until_tolerance_is_met(
         brake,
         asked,
         answer,
         cache,
-        REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[
-            : number_of_levels or MOST_LEVELS_FOR_SECTION_ERROR_ESTIMATE
-        ],
+        REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[:MOST_LEVELS_FOR_SECTION_ERROR_ESTIMATE],
         plane,
         must=must,
     )
