@@ -61,7 +61,10 @@ NOT_TUNED: dict[str, dict[str, str]] = {
         "MOST_NODES_AT_RAISED_DEGREE": MEMORY,
         "DEGREE_OF_SPLIT_ELEMENT_GEOMETRY": "degree above which no shape changes",
     },
-    "fem/substructure/body.py": {"DEGREES_OF_FREEDOM_OF_BODY_FRAME": DEFINITION},
+    "fem/substructure/body.py": {
+        "DEGREES_OF_FREEDOM_OF_BODY_FRAME": DEFINITION,
+        "COLUMNS_MULTIPLIED_TOGETHER": SPEED,
+    },
     "fem/substructure/elimination.py": {"NODES_OF_SMALLEST_DISSECTION_REGION": SPEED},
     "fem/width/correction.py": {
         "REMAINING_ERROR_OVER_WIDTH_CORRECTION": "measured error that is said",
@@ -118,9 +121,8 @@ NOT_TUNED: dict[str, dict[str, str]] = {
         "LEAST_LEVELS_FOR_SECTION_ERROR_ESTIMATE": DEFINITION,
         "MOST_UNKNOWNS_FOR_FURTHER_SECTION_LEVEL": "bound of the work of one solve; the "
         "errors that remain are stated",
-        "LARGEST_SOLID": MEMORY,
-        "MOST_UNKNOWNS_OF_KEPT_MODEL": MEMORY,
-        "LARGEST_SOLID_OF_COMPARED_STEPS": MEMORY,
+        "MOST_BYTES_OF_SOLID": MEMORY,
+        "MOST_BYTES_OF_KEPT_MODEL": MEMORY,
         "LARGEST_FIRST_PIECE": "half: most of a lining has all functions of each degree",
         "NEXT_DEGREE_FACTORS": "covers the brakes of an experiment that takes too long for a test",
         "LEAST_FALL": "bound of the work of one solve; the errors that remain are stated",
@@ -140,6 +142,9 @@ NOT_TUNED: dict[str, dict[str, str]] = {
         "WIDEST_FIRST_PIECE_WITHOUT_CUT": "the length over which the pressure changes at an edge",
     },
     "fem/width/prepare.py": {
+        "MOST_NODES_OF_CONTACT_FACE": MEMORY,
+        "MATRICES_OF_CONTACT_NODES": MEMORY,
+        "MATRICES_OF_JOINED_COLUMNS": MEMORY,
         "MOST_BYTES_OF_KEPT_CHOLESKY_FACTOR": MEMORY,
         "LARGEST_POISSON_RATIO_OF_WIDTH_MODEL": SAID,
         "LARGEST_WIDTH_DEGREE": SAID,
@@ -201,7 +206,10 @@ NOT_TUNED: dict[str, dict[str, str]] = {
         "NUMBER_OF_SAMPLED_GAPS": "steps of a search",
         "ZOOMS_TO_TOUCHING_PLACE": "steps of a search",
     },
-    "fem/hp/shoe.py": {"STRAIGHT_BEAM_COLUMNS_PER_BATCH": MEMORY},
+    "fem/hp/shoe.py": {
+        "CONTACT_STIFFNESS_ROWS_CHANGED_TOGETHER": MEMORY,
+        "STRAIGHT_BEAM_COLUMNS_PER_BATCH": MEMORY,
+    },
     "fem/hp/element.py": {
         "SHAPE_FUNCTION_SLOPES_PER_BATCH": SPEED,
         "SMALLEST_SIZE_COMPUTED_BY_TRIANGLE": SPEED,

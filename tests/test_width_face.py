@@ -52,6 +52,16 @@ def test_written_pressures_tell_those_of_the_nodes(degree):
     np.testing.assert_allclose(written.pressure, written.pressure[:, ::-1])
 
 
+def test_products_with_the_tangential_coupling_are_those_of_the_whole_matrix(solved):
+    _, scene, _ = solved
+    coupling = scene.bodies[0].coupling
+    X = np.random.default_rng(2).standard_normal((coupling.T.shape[1], 3))
+    expected = coupling.T @ X
+    np.testing.assert_allclose(
+        coupling.tangential_coupling_for_products @ X, expected, atol=1e-13 * np.abs(expected).max()
+    )
+
+
 def test_the_peak_is_the_largest_pressure_away_from_the_ends(solved):
     brake, _, response = solved
     face, shoe = pressure_on_face_of_lining(brake, response, 0), response.shoes[0]

@@ -1,6 +1,10 @@
 """Large shoes with a width: ways to condense them that need less memory change no answer."""
 
+import math
+import tracemalloc
 import weakref
+from functools import partial
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -11,7 +15,16 @@ import drumlin.fem.width.prepare as width_prepare
 import drumlin.fem.width.shoe as width_shoe
 from drumlin.fem.error_control.levels import REFINEMENT_LEVELS_FROM_COARSE_TO_FINE
 from drumlin.fem.model import solve_prepared_model
-from drumlin.fem.width.prepare import prepare_model_with_shoe_widths
+from drumlin.fem.width.functions import (
+    FunctionsAcrossWidth,
+    functions_across_width_of_shoe,
+    piece_ends_across_half_width_of_shoe,
+)
+from drumlin.fem.width.prepare import (
+    memory_bytes_of_condensation_on_divisions,
+    prepare_model_with_shoe_widths,
+    prepare_model_with_widths_on_given_elements,
+)
 from wide_shoes import HELD
 
 KINDS = ("T-section", "rigid with a backing", "narrow body in a grip", "post", "pad")
@@ -96,6 +109,38 @@ def test_of_the_columns_of_a_large_shoe_only_a_few_exist_at_a_time(large, monkey
     assert max(existing) <= 3
 
 
+@pytest.mark.parametrize(("degree", "pieces"), [(9, 1), (2, 4)])
+def test_the_memory_of_a_condensation_is_known_before_it_is_made(degree, pieces, large):
+    """Two shoes: in the first the joined columns take more memory, in the second the contact."""
+    brake = HELD["T-section"]()
+    large()
+    wide = prepared(brake)
+
+    def functions(shoe):
+        ends = piece_ends_across_half_width_of_shoe(shoe)
+        cuts = [np.linspace(*own, pieces, endpoint=False) for own in pairwise(ends)]
+        return FunctionsAcrossWidth((*np.concatenate(cuts).tolist(), ends[-1]), degree)
+
+    tracemalloc.start()
+    before, _ = tracemalloc.get_traced_memory()
+    prepare_model_with_widths_on_given_elements(brake, wide.divisions, functions)
+    _, peak = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    stated = memory_bytes_of_condensation_on_divisions(brake, wide.divisions, functions)
+    assert 0.5 < stated / (peak - before) < 1.5
+
+
+def test_a_face_with_too_many_nodes_would_take_any_memory(monkeypatch):
+    brake = HELD["T-section"]()
+    wide = prepared(brake)
+    degree = partial(functions_across_width_of_shoe, degree=2)
+    nodes = len(wide.bodies[0].line.nodes)
+    for most, fits in ((nodes, True), (nodes - 1, False)):
+        monkeypatch.setattr(width_prepare, "MOST_NODES_OF_CONTACT_FACE", most)
+        found = memory_bytes_of_condensation_on_divisions(brake, wide.divisions, degree)
+        assert math.isfinite(found) == fits
+
+
 def test_the_stated_memory_of_a_body_is_that_of_its_matrices(large):
     def bytes_of_matrices(values):
         arrays = [value for value in values if isinstance(value, np.ndarray)]
@@ -106,7 +151,9 @@ def test_the_stated_memory_of_a_body_is_that_of_its_matrices(large):
         if is_large:
             large()
         body = prepared(brake, 3).bodies[0]
+        # The mass matrix is computed at its first access, which every solve makes.
+        assert body.coupling.M.any()
         owners = (vars(body.condensed).values(), vars(body.coupling).values(), body.flexibility)
         true = sum(map(bytes_of_matrices, owners))
-        stated = width_prepare._memory_bytes_of_condensed_solid_shoe(body)
+        stated = width_prepare.memory_bytes_of_condensed_solid_shoe(body)
         assert stated == pytest.approx(true, rel=0.1)

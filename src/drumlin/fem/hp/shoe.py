@@ -13,7 +13,6 @@ from typing import NamedTuple
 import numpy as np
 
 from drumlin.base.arrays import Floats, Ints
-from drumlin.base.lapack import dgemm
 from drumlin.brake.beam_axis import make_beam_axis
 from drumlin.brake.brake import Shoe
 from drumlin.brake.components import BeamBody
@@ -59,6 +58,12 @@ STRAIGHT_BEAM_COLUMNS_PER_BATCH = 8
 
 More columns together take more memory. Fewer columns take more time, because each batch is a call
 of each step. The stiffness is the same for every number.
+"""
+CONTACT_STIFFNESS_ROWS_CHANGED_TOGETHER = 256
+"""Number of rows of a contact stiffness that are corrected for round-off at the same time.
+
+With more rows the correction takes more memory; with fewer rows it takes more time. The stiffness
+is the same for every number.
 """
 PointAtDepthAndAngleFunction = Callable[[Floats, Floats], Floats]
 """A function from depths behind the lining's face and positions phi [rad] to points (2, ...) [m].
@@ -740,23 +745,25 @@ def condensed_shoe_corrected_for_round_off(
     load = -forces_in_frame(A[loads, contact]).T
     held = forces_in_frame(A[frame, contact]).T
     on_frame, work = -A[frame, loads], -A[loads, loads]
-    S = stiffness_in_frame(A[contact, contact])
-    # The matrices of a shoe with a width are large, so that each one is dropped after its use.
-    del A
+    # The stiffness of a shoe with a width takes hundreds of megabytes. It is converted and
+    # corrected in its place, so that no second matrix of its size exists at any time.
+    S = A[contact, contact]
+    S[:] = stiffness_in_frame(S)
 
     # Small forces on the contact nodes are added to the loads. Loads and reactions are then in
     # equilibrium.
     imbalance = end.forces_and_moments_of_unit_loads_about_pin(pin) - on_frame - R.T @ load
     load += R @ np.linalg.solve(R.T @ R, imbalance)
-    corrected = contact_stiffness_without_strain_in_rigid_motion(S, R, held)
-    del S
+    round_off_forces = correct_strain_in_rigid_motion_of_contact_stiffness(S, R, held)
     actuation = end.columns.column_slice_of_each_load[ACTUATION_LOAD_NAME]
+    whole = A[:-extra, :-extra]
+    write_stiffness_of_hinge_face(whole, R)
     return CondensedShoe(
-        S=stiffness_of_hinge_face_and_contact_nodes(corrected.S, R),
+        S=whole,
         loads=np.concatenate([on_frame, load]),
         work=work,
         centre=end.centre,
-        rigid_mode_forces=corrected.round_off_forces,
+        rigid_mode_forces=round_off_forces,
         force_imbalance=float(np.abs(imbalance[:2, actuation][:, :2]).max()),
         columns=end.columns,
     )
@@ -939,21 +946,13 @@ def _constrain_element_column_side_to_hinge(
     return ColumnSubstructure(K, left, piece.right)
 
 
-class _ContactStiffnessCorrectedForRoundOff(NamedTuple):
-    """The stiffness `S` (2n, 2n) of the n contact nodes, corrected for round-off.
-
-    `round_off_forces` (2n, 3) estimate the forces on the contact nodes that the three rigid-body
-    modes of the shoe cause by round-off alone.
-    """
-
-    S: Floats
-    round_off_forces: Floats
-
-
-def contact_stiffness_without_strain_in_rigid_motion(
+def correct_strain_in_rigid_motion_of_contact_stiffness(
     S: Floats, R: Floats, held: Floats
-) -> _ContactStiffnessCorrectedForRoundOff:
-    """The stiffness of the contact nodes, corrected so that rigid-body modes cause no strain.
+) -> Floats:
+    """Correct the stiffness of the contact nodes in place: rigid-body modes then cause no strain.
+
+    Returns an estimate (2n, 3) of the forces on the contact nodes that the three rigid-body modes
+    of the shoe cause by round-off alone.
 
     The frame is the rigid face that the hinge holds. If the frame makes a unit motion while the
     contact nodes are fixed, the forces `held` act on the contact nodes. If the contact nodes move
@@ -973,21 +972,22 @@ def contact_stiffness_without_strain_in_rigid_motion(
         nodes are fixed
     """
     # The first correction changes the 2 x 2 block of each node.
-    corrected, own = S.copy(), np.arange(len(S)).reshape(-1, 2)
+    own = np.arange(len(S)).reshape(-1, 2)
     before = S @ R + held
     node = before[:, :2].reshape(-1, 2, 2)
-    corrected[own[:, :, None], own[:, None]] -= 0.5 * (node + node.swapaxes(1, 2))
+    S[own[:, :, None], own[:, None]] -= 0.5 * (node + node.swapaxes(1, 2))
     # The second correction is a symmetric change of the whole matrix. With the matrices
     # `back` = R (R^T R)^-1, `after` and Z = after - back (R^T after + after^T R) / 4 it is
     # back Z^T + Z back^T.
-    after = corrected @ R + held
+    after = S @ R + held
     back = R @ np.linalg.inv(R.T @ R)
     moment = R.T @ after
     part = after - 0.25 * back @ (moment + moment.T)
-    # BLAS changes the matrix in place.
-    factors = np.hstack([back, part]), np.hstack([part, back])
-    dgemm(-1.0, *factors, 1.0, corrected.T, trans_b=1, overwrite_c=1)
-    return _ContactStiffnessCorrectedForRoundOff(corrected, before)
+    left, right = np.hstack([back, part]), np.hstack([part, back])
+    for start in range(0, len(S), CONTACT_STIFFNESS_ROWS_CHANGED_TOGETHER):
+        rows = slice(start, start + CONTACT_STIFFNESS_ROWS_CHANGED_TOGETHER)
+        S[rows] -= left[rows] @ right.T
+    return before
 
 
 def stiffness_of_hinge_face_and_contact_nodes(S: Floats, R: Floats) -> Floats:
@@ -997,15 +997,27 @@ def stiffness_of_hinge_face_and_contact_nodes(S: Floats, R: Floats) -> Floats:
     (2n, 2n) alone is enough: no forces arise if frame and contact nodes move together as a rigid
     body, by the modes R (2n, 3).
     """
-    SR = S @ R
-    whole = np.empty(
-        (DEGREES_OF_FREEDOM_OF_BODY_FRAME + len(S), DEGREES_OF_FREEDOM_OF_BODY_FRAME + len(S))
-    )
-    whole[:DEGREES_OF_FREEDOM_OF_BODY_FRAME, :DEGREES_OF_FREEDOM_OF_BODY_FRAME] = R.T @ SR
-    whole[:DEGREES_OF_FREEDOM_OF_BODY_FRAME, DEGREES_OF_FREEDOM_OF_BODY_FRAME:] = -SR.T
-    whole[DEGREES_OF_FREEDOM_OF_BODY_FRAME:, :DEGREES_OF_FREEDOM_OF_BODY_FRAME] = -SR
+    count = DEGREES_OF_FREEDOM_OF_BODY_FRAME + len(S)
+    whole = np.empty((count, count))
     whole[DEGREES_OF_FREEDOM_OF_BODY_FRAME:, DEGREES_OF_FREEDOM_OF_BODY_FRAME:] = S
+    write_stiffness_of_hinge_face(whole, R)
     return whole
+
+
+def write_stiffness_of_hinge_face(whole: Floats, R: Floats) -> None:
+    """Write the rows and columns of the frame into a stiffness on the frame and the contact nodes.
+
+    `whole` (3 + 2n, 3 + 2n) has the stiffness on the contact nodes in its last rows and columns.
+    `R` (2n, 3) and the frame are those of `stiffness_of_hinge_face_and_contact_nodes`.
+    """
+    frame, contact = (
+        slice(DEGREES_OF_FREEDOM_OF_BODY_FRAME),
+        slice(DEGREES_OF_FREEDOM_OF_BODY_FRAME, None),
+    )
+    SR = whole[contact, contact] @ R
+    whole[frame, frame] = R.T @ SR
+    whole[frame, contact] = -SR.T
+    whole[contact, frame] = -SR
 
 
 def rotate_axes_of_all_nodes_by_one_angle(V: Floats, angle: Floats) -> Floats:

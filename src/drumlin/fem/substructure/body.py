@@ -41,10 +41,19 @@ from drumlin.fem.substructure.flexibility import (
     EliminatedUnknownsInOrder,
     flexibility_under_contact_forces,
 )
+from drumlin.fem.substructure.interface import MatrixForProducts
 from drumlin.fem.substructure.loads import ColumnsOfUnitLoads, stack_nodal_loads_as_matrix_columns
 
 DEGREES_OF_FREEDOM_OF_BODY_FRAME = 3
 """Number of degrees of freedom of a body's frame, its supported rigid line: dx, dy and rotation."""
+
+
+COLUMNS_MULTIPLIED_TOGETHER = 256
+"""Number of columns of displacements that are multiplied with a coupling matrix at the same time.
+
+With more columns the copies of the columns take more memory; with fewer columns the products take
+more time. The value is a judgement.
+"""
 
 
 class MultiPointConstraints(NamedTuple):
@@ -311,38 +320,46 @@ class CondensedBody(BodyWithUnitLoads):
     load_on_frame: Floats
     load_work: Floats
 
-    def flexibility_under_contact_loads(self, N: Floats, T: Floats | None) -> ContactFlexibility:
+    def flexibility_under_contact_loads(
+        self, N: Floats, T: MatrixForProducts | None
+    ) -> ContactFlexibility:
         """How the body moves under unit loads, and under pressures and friction on its contact.
 
         N and T (n, 2n) couple the contact nodes with the drum or the plane; T is None without
         friction.
+
+        With the forces P of unit pressures and loads and the forces Q = T^T of unit friction, the
+        matrices are P^T S_cc^-1 P = Y^T Y and Q^T S_cc^-1 P = T X, where Y = L_cc^-1 P is the half
+        flexibility and X = L_cc^-T Y are displacements. X takes the place of Y. The half
+        flexibility of the friction, which would be as large as Y, is not needed.
         """
-        n = len(N)
-        # The columns of Y, and of all matrices that follow from Y, stand for pressures, unit loads
-        # and friction, in this order.
-        first_friction = n + self.columns.number_of_load_columns
-        pressed, loaded, dragged = slice(n), slice(n, first_friction), slice(first_friction, None)
-        # The forces lie column by column in memory, so that Y takes their place.
-        forces = np.empty((2 * n, first_friction + (0 if T is None else n)), order="F")
-        np.negative(N.T, out=forces[:, pressed])
-        forces[:, loaded] = self.load_on_contact
-        has_friction = T is not None
-        if T is not None:
-            forces[:, dragged] = T.T
-        # For a shoe with a width N and T are large, and no longer needed.
-        del N, T
-        Y = self.half_flexibility_under_nodal_forces(forces, in_place=True)
+        n, end = len(N), len(N) + self.columns.number_of_load_columns
+        pressed, loaded, held = slice(n), slice(n, end), slice(end, None)
+        # The columns stand for pressures, unit loads and the three motions of the frame, in this
+        # order. They lie column by column in memory, so that Y and X take the place of the forces.
+        columns = np.empty((2 * n, end + len(self.L_fc)), order="F")
+        np.negative(N.T, out=columns[:, pressed])
+        # For a shoe with a width N is large, and no longer needed.
+        del N
+        columns[:, loaded] = self.load_on_contact
+        Y = self.half_flexibility_under_nodal_forces(columns[:, :end], in_place=True)
         closure = Y[:, pressed].T @ Y
         np.negative(closure, out=closure)
         reaction = self.L_fc @ Y
+        motion = Y[:, loaded].T @ Y[:, loaded] + self.load_work
+        by_friction: Floats | None = None
+        if T is not None:
+            columns[:, held] = self.L_fc.T
+            X = dtrsm(1.0, self.L_cc, columns, lower=1, trans_a=1, overwrite_b=1)
+            by_friction = _products_of_columns_with_matrix(X, T, n)
         return ContactFlexibility(
             gap_closure_by_pressure=closure[:, pressed],
-            gap_closure_by_friction=closure[:, dragged] if has_friction else None,
+            gap_closure_by_friction=None if by_friction is None else -by_friction[pressed],
             gap_closure_by_load=closure[:, loaded],
-            load_point_motion_by_friction=Y[:, loaded].T @ Y[:, dragged] if has_friction else None,
-            load_point_motion_by_load=Y[:, loaded].T @ Y[:, loaded] + self.load_work,
+            load_point_motion_by_friction=None if by_friction is None else by_friction[loaded],
+            load_point_motion_by_load=motion,
             reaction_to_pressure=reaction[:, pressed],
-            reaction_to_friction=reaction[:, dragged] if has_friction else None,
+            reaction_to_friction=None if by_friction is None else by_friction[held],
             reaction_to_load=reaction[:, loaded] - self.load_on_frame,
         )
 
@@ -402,6 +419,19 @@ class CondensedBody(BodyWithUnitLoads):
             inner=inner,
             columns=columns,
         )
+
+
+def _products_of_columns_with_matrix(X: Floats, T: MatrixForProducts, count: int) -> Floats:
+    """The products X^T T^T (m, n) of the columns of X (k, m) with the n rows of a matrix T (n, k).
+
+    `count` is the number n. COLUMNS_MULTIPLIED_TOGETHER columns are multiplied at a time, because a
+    product of all columns would be copied to its place in the result.
+    """
+    found = np.empty((X.shape[1], count))
+    for start in range(0, len(found), COLUMNS_MULTIPLIED_TOGETHER):
+        own = slice(start, start + COLUMNS_MULTIPLIED_TOGETHER)
+        found[own] = (T @ X[:, own]).T
+    return found
 
 
 @dataclass(frozen=True, kw_only=True)

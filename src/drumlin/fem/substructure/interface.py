@@ -17,7 +17,7 @@ arc, apart from round-off.
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
@@ -137,6 +137,13 @@ class ContactLine:
         return None
 
 
+class MatrixForProducts(Protocol):
+    """A matrix (n, k) of which only the products with other matrices are used."""
+
+    def __matmul__(self, X: Floats, /) -> Floats:
+        """The product (n, m) of the matrix with a matrix X (k, m)."""
+
+
 @dataclass(frozen=True)
 class ContactCouplingMatrices:
     """The matrices that couple nodal pressures of linings with displacements (mortar method).
@@ -160,6 +167,11 @@ class ContactCouplingMatrices:
     N: Floats
     T: Floats
     lever: Floats
+
+    @property
+    def tangential_coupling_for_products(self) -> "MatrixForProducts":
+        """T in a form of which only the products with other matrices are used."""
+        return self.T
 
     @cached_property
     def areas_of_contact_nodes(self) -> Floats:

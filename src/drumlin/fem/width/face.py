@@ -9,6 +9,7 @@ zeta_k is 1 at the node k across the width and 0 at the other nodes.
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
@@ -35,11 +36,36 @@ across the width, so that the written values determine the polynomial.
 """
 
 
+class CouplingMatrixAsKroneckerProduct(NamedTuple):
+    """A coupling matrix (n m, 2 n m) of a face, kept as its two factors.
+
+    Attributes
+    ----------
+    line : (n, 2n) coupling matrix of the section's contact line, for the width 1
+    across : (m, m) mass matrix [m] of the nodes across the width
+    """
+
+    line: Floats
+    across: Floats
+
+    def __matmul__(self, X: Floats, /) -> Floats:
+        """The product (n m, k) of the matrix with a matrix X (2 n m, k).
+
+        A product takes m times fewer multiplications than with the matrix itself.
+        """
+        count, m = len(self.line), len(self.across)
+        # The rows of X are sorted by node of the line, node across the width, and component.
+        by_width = X.reshape(count, m, 2, -1).swapaxes(1, 2).reshape(2 * count, -1)
+        by_line = (self.line @ by_width).reshape(count, m, -1)
+        return np.asarray((self.across @ by_line).reshape(count * m, -1))
+
+
 class CouplingMatricesOfFaceWithWidth(ContactCouplingMatrices):
     """The coupling matrices of a face with a width, of which only the factors are kept.
 
     The dense matrices N and T are computed at each access. They would take more memory than all
-    other matrices of the shoe together, and a solve needs them only a few times.
+    other matrices of the shoe together, and a solve needs them only a few times. The mass matrix M
+    is computed at the first access, when the matrices of the condensation are no longer needed.
 
     Attributes
     ----------
@@ -54,11 +80,15 @@ class CouplingMatricesOfFaceWithWidth(ContactCouplingMatrices):
         own = {
             "line": line,
             "mass_across_width": mass_across_width,
-            "M": np.asarray(np.kron(line.M, mass_across_width), dtype=float),
             "lever": np.asarray(np.kron(line.lever, mass_across_width.sum(axis=1)), dtype=float),
         }
         for name, value in own.items():
             object.__setattr__(self, name, value)
+
+    @cached_property
+    def M(self) -> Floats:
+        """The mass matrix (n m, n m) [m^2] of the face's nodes."""
+        return np.asarray(np.kron(self.line.M, self.mass_across_width), dtype=float)
 
     @property
     def N(self) -> Floats:
@@ -69,6 +99,11 @@ class CouplingMatricesOfFaceWithWidth(ContactCouplingMatrices):
     def T(self) -> Floats:
         """The tangential coupling (n m, 2 n m) [m^2] of the face's nodes."""
         return self._coupling_matrix_of_face_from_matrix_of_line(self.line.T)
+
+    @property
+    def tangential_coupling_for_products(self) -> "CouplingMatrixAsKroneckerProduct":
+        """The tangential coupling (n m, 2 n m) of the face, whose products take little time."""
+        return CouplingMatrixAsKroneckerProduct(self.line.T, self.mass_across_width)
 
     def _coupling_matrix_of_face_from_matrix_of_line(self, vectors: Floats) -> Floats:
         """The coupling matrix (n m, 2 n m) of the face, from the matrix (n, 2n) of the line."""

@@ -68,11 +68,11 @@ the contact face, and no element can have its end there. If an end moves by more
 `SHORTEST_PATH_OF_CONTACT_END`, the columns over its path have equal widths
 (`hp.division.COLUMNS_PER_DEGREE_OVER_MOVING_CONTACT_END`). Such brakes need many pieces across the
 width as well, and some of them do not reach an error of 1 %, because the next finer pieces would
-take more memory than LARGEST_SOLID and LARGEST_SOLID_OF_COMPARED_STEPS allow.
+take more memory than MOST_BYTES_OF_SOLID allows.
 """
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -105,6 +105,8 @@ from drumlin.fem.width.error import (
     relative_torque_pressure_and_reaction_differences,
 )
 from drumlin.fem.width.functions import (
+    FunctionsAcrossWidth,
+    functions_across_width_of_shoe,
     has_parts_of_different_widths,
     piece_ends_across_half_width_of_shoe,
 )
@@ -117,6 +119,8 @@ from drumlin.fem.width.prepare import (
     LARGEST_WIDTH_DEGREE,
     MakeWidthFunctionsOfShoe,
     largest_number_of_unknowns_on_divisions,
+    memory_bytes_of_condensation_on_divisions,
+    memory_bytes_of_condensed_solid_shoe,
     prepare_model_with_shoe_widths,
     prepare_model_with_widths_on_given_elements,
 )
@@ -153,7 +157,7 @@ fraction of their distance. On nine random brakes that missed 1 % ("built" 51004
 the third level lowers the stated error of p on the second level on six, by 1.3 to 5.5 times, and
 raises it on three, by at most 1.2 times. With the degree 1 across the width it takes 0.3 to 5 s and
 at most 260 MB on these brakes. The answer itself needs a higher degree, and is computed on the
-third level only if LARGEST_SOLID allows it.
+third level only if MOST_BYTES_OF_SOLID allows it.
 """
 LEAST_LEVELS_FOR_SECTION_ERROR_ESTIMATE = 2
 """Smallest number of levels that give the estimate of the hp elements' error."""
@@ -162,31 +166,24 @@ MOST_UNKNOWNS_FOR_FURTHER_SECTION_LEVEL = 60_000
 
 The unknowns are counted with the degree WIDTH_DEGREE_FOR_HP_ELEMENT_ERROR_ESTIMATE across the
 width. From the second level to the third they grow by 2.3 to 3 times, so that the third level has
-at most some LARGEST_SOLID unknowns. With a larger limit solves take more memory; with a smaller
-limit the stated errors of long shoes are larger. If the tolerance must be met, there is no limit.
+at most some 180 000 unknowns. With a larger limit solves take more memory; with a smaller limit the
+stated errors of long shoes are larger. If the tolerance must be met, there is no limit.
 """
-LARGEST_SOLID = 190_000
-"""Largest number of unknowns of a shoe if its parts differ in width and a tolerance may be missed.
+MOST_BYTES_OF_SOLID = 650_000_000
+"""Largest memory [bytes] of the matrices of solid shoes if a tolerance may be missed.
 
-With it "free" 510030, 510031 and 510064 of `drumlin_studies.solid_error` take 0.65 to 0.93 GB;
-their answers have 172 000, 159 000 and 100 000 unknowns. If the tolerance must be met, there is no
-limit.
+The memory is that of `prepare.memory_bytes_of_condensation_on_divisions`. The number of unknowns
+does not tell it: with 190 000 unknowns solves took 0.55 to 1.3 GB, because unknowns on the contact
+face take more memory than unknowns inside a shoe. Besides these matrices a solve takes some 0.1 to
+0.3 GB. If the tolerance must be met, there is no limit.
 """
-LARGEST_SOLID_OF_COMPARED_STEPS = 100_000
-"""Largest number of unknowns of a shoe in a step that serves for the error of an earlier step.
+MOST_BYTES_OF_KEPT_MODEL = 40_000_000
+"""Largest memory [bytes] of the shoes of an answer whose prepared model is kept for later use.
 
-Such steps are solved on the first level only, where an unknown takes more memory, because more of
-the unknowns lie on the contact face. A step of 128 000 unknowns takes 1 GB. The limit of 120 000
-lets "free" 510031 and 510078 take 1.3 and 1.1 GB, with the same answers. With a smaller limit the
-errors of long shoes, whose first step has 27 000 unknowns, could not be stated for any finer
-pieces. If the tolerance must be met, there is no limit.
-"""
-MOST_UNKNOWNS_OF_KEPT_MODEL = 50_000
-"""Largest number of unknowns of a shoe for which the model of an answer is kept for later use.
-
-The answer may be the one that is returned, which needs the model. A larger model is made anew in
-this case, because it takes up to 200 MB while finer ones are solved. With a larger number solves
-take more memory, with a smaller number more time.
+The memory is that of `prepare.memory_bytes_of_condensed_solid_shoe`. The answer may be the one
+that is returned, which needs the model. A larger model is made anew in this case. Up to three
+models of earlier steps exist while the next step is solved. With a larger number solves take more
+memory, with a smaller number more time.
 """
 LEAST_FALL = 0.8
 """Ratio of errors of p below which a higher degree across the width counts as an improvement.
@@ -376,11 +373,14 @@ class SectionLevelWithItsError(NamedTuple):
     error : the relative errors
     size : number of unknowns of the largest shoe on the level, relative to its number on the first
         level with the same functions across the width
+    divisions : divisions of the shoes' sections into the level's elements, by the index of the
+        first shoe of each shape
     """
 
     level: RefinementLevel
     error: RelativeErrorsOfSolidModel
     size: float = 1.0
+    divisions: Mapping[int, ShoeElementDivision] = {}
 
 
 class SolvedLevelsWithLastResponse(NamedTuple):
@@ -424,9 +424,9 @@ class SolvedFunctionsAcrossWidth(NamedTuple):
     @classmethod
     def answer_of_solved_level(cls, solved: SolvedLevel) -> "SolvedFunctionsAcrossWidth":
         """The answer of a solved level, with its model unless this is large."""
-        unknowns = largest_number_of_unknowns(solved)
-        is_kept = unknowns <= MOST_UNKNOWNS_OF_KEPT_MODEL
-        return cls(solved.response, unknowns, solved.prepared_model if is_kept else None)
+        memory = sum(map(memory_bytes_of_condensed_solid_shoe, solved.prepared_model.bodies))
+        model = solved.prepared_model if memory <= MOST_BYTES_OF_KEPT_MODEL else None
+        return cls(solved.response, largest_number_of_unknowns(solved), model)
 
 
 class WidthError(NamedTuple):
@@ -448,6 +448,12 @@ class WidthError(NamedTuple):
     def functions(self) -> int | PiecesAcrossWidthsOfShoes:
         """The functions of z: a degree on the first pieces, or pieces with their degree."""
         return self.pieces or self.degree
+
+    def functions_of_shoe(self, shoe: Shoe) -> FunctionsAcrossWidth:
+        """The functions of z across the width of a shoe."""
+        if self.pieces is not None:
+            return self.pieces(shoe)
+        return functions_across_width_of_shoe(shoe, self.degree)
 
     @property
     def functions_as_text(self) -> str:
@@ -543,14 +549,21 @@ def solve_brake_with_widths_and_keep_model(
         brake, sections.plane, penalty=penalty, cache=cache
     )
     adaptive = across is None and has_shoe_with_parts_of_different_widths(brake)
-    most_unknowns = LARGEST_SOLID if adaptive and not must else math.inf
+    most_bytes = MOST_BYTES_OF_SOLID if adaptive and not must else math.inf
+
+    def fits_into_memory(choice: SolidChoice) -> bool:
+        """Whether a choice takes at most the memory that is allowed."""
+        return math.isinf(most_bytes) or most_bytes >= memory_bytes_of_condensation_on_divisions(
+            brake, choice.section.divisions, choice.width.functions_of_shoe
+        )
+
     if adaptive:
         errors = errors_of_finer_pieces_across_width(
             brake,
             sections.plane,
             compared,
             tolerance.pressure,
-            LARGEST_SOLID_OF_COMPARED_STEPS if not must else math.inf,
+            most_bytes=most_bytes,
             penalty=penalty,
             cache=cache,
         )
@@ -565,7 +578,7 @@ def solve_brake_with_widths_and_keep_model(
         errors = errors_of_degrees_across_width(
             brake, sections.plane, compared, degrees, penalty=penalty, cache=cache
         )
-    choice = cheapest_choice_within_tolerance(sections.errors, errors, tolerance, most_unknowns)
+    choice = cheapest_choice_within_tolerance(sections.errors, errors, tolerance, fits_into_memory)
     if must and not choice.error.is_within_error_tolerance(tolerance):
         raise NoAnswer(_message_on_unreached_error_tolerance(tolerance, choice))
     try:
@@ -690,7 +703,7 @@ def cheapest_choice_within_tolerance(
     sections: Sequence[SectionLevelWithItsError],
     widths: Iterator[WidthError],
     tolerance: TolerancesOfPressureAndTorque,
-    most_unknowns: float = math.inf,
+    may_be_solved: Callable[[SolidChoice], bool] = lambda choice: True,
 ) -> SolidChoice:
     """The first functions of z, and the coarsest elements for them, whose errors meet a tolerance.
 
@@ -704,7 +717,7 @@ def cheapest_choice_within_tolerance(
     widths : errors due to the functions of z, from coarse to fine. No more functions are taken
         after MOST_FUNCTIONS_WITHOUT_FALL in a row whose error of p does not fall.
     tolerance : relative errors that are allowed
-    most_unknowns : largest number of unknowns of a shoe on any level but the first
+    may_be_solved : function that tells whether a choice on any level but the first is allowed
     """
     finest = sections[-1].error
     can_sections_meet_tolerance = finest.is_within_error_tolerance(tolerance)
@@ -713,7 +726,7 @@ def cheapest_choice_within_tolerance(
     choices: list[SolidChoice] = []
     for width in widths:
         of_width = [SolidChoice(section, width) for section in sections]
-        small = [of_width[0], *(one for one in of_width[1:] if one.unknowns <= most_unknowns)]
+        small = [of_width[0], *filter(may_be_solved, of_width[1:])]
         for choice in small:
             if choice.error.is_within_error_tolerance(tolerance):
                 return choice
@@ -921,7 +934,7 @@ def errors_of_solved_cross_section_meshes(
         # A shoe without contact has a response without elements, but always a division.
         division = next(iter(step.prepared_model.divisions.values()))
         level = by_degree[division.degree]
-        sections.append(SectionLevelWithItsError(level, error, size))
+        sections.append(SectionLevelWithItsError(level, error, size, step.prepared_model.divisions))
     return sections
 
 
@@ -1073,6 +1086,7 @@ def errors_of_finer_pieces_across_width(
     tolerance: float,
     most_unknowns: float = math.inf,
     *,
+    most_bytes: float = math.inf,
     penalty: float = DEFAULT_PENALTY_FACTOR,
     cache: CacheOfCondensedBodies | None = None,
 ) -> Iterator[WidthError]:
@@ -1091,6 +1105,8 @@ def errors_of_finer_pieces_across_width(
         `hp_elements_to_compare_width_degrees`
     tolerance : relative error of p that is allowed
     most_unknowns : largest number of unknowns of a shoe
+    most_bytes : largest memory [bytes] of the matrices of the shoes, see
+        `prepare.memory_bytes_of_condensation_on_divisions`
     penalty : factor alpha of the contact stiffness alpha E/t (lining modulus E, thickness t)
     cache : substructures of earlier solves
 
@@ -1114,8 +1130,14 @@ def errors_of_finer_pieces_across_width(
         pieces = pieces_of_next_step(
             brake, steps[-1][0], [solved.response for _, solved in steps[-2:]], allowed
         )
-        if largest_number_of_unknowns_on_divisions(brake, section.divisions, pieces) > most:
-            raise NoAnswer("the next pieces across the width have too many unknowns")
+        # The steps that give the error of the first step are always allowed.
+        if are_limited and (
+            largest_number_of_unknowns_on_divisions(brake, section.divisions, pieces)
+            > most_unknowns
+            or memory_bytes_of_condensation_on_divisions(brake, section.divisions, pieces)
+            > most_bytes
+        ):
+            raise NoAnswer("the next pieces across the width take too much memory")
         scene = prepare_model_with_widths_on_given_elements(
             brake, section.divisions, pieces, cache=cache
         )
@@ -1131,7 +1153,7 @@ def errors_of_finer_pieces_across_width(
             SolvedFunctionsAcrossWidth.answer_of_solved_level(section.solved[first.degree]),
         )
     ]
-    overhangs, most = all(map(_has_narrow_first_piece, brake.shoes)), math.inf
+    overhangs, are_limited = all(map(_has_narrow_first_piece, brake.shoes)), False
     while True:
         try:
             while len(steps) <= NUMBER_OF_COMPARED_STEPS:
@@ -1143,8 +1165,7 @@ def errors_of_finer_pieces_across_width(
                 raise
             return
         yield _width_error_of_first_step(brake, steps)
-        # The steps that give the error of the first one are always allowed.
-        steps, most = steps[1:], most_unknowns
+        steps, are_limited = steps[1:], True
 
 
 def _width_error_of_first_step(

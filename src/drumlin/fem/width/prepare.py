@@ -1,5 +1,6 @@
 """The prepared model of a brake whose shoes have a finite width (hierarchic model of the width)."""
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import fields, replace
 from functools import partial
@@ -14,7 +15,6 @@ from drumlin.brake.fields import Material
 from drumlin.brake.friction import reason_if_friction_depends_on_pressure
 from drumlin.brake.heat import reason_if_any_shoe_is_heated
 from drumlin.brake.orthotropic import reason_if_any_part_is_orthotropic
-from drumlin.contact.equations import MAX_NODES_OF_CONTACT_PROBLEM
 from drumlin.fem.hp.body import (
     condensed_body_with_cholesky_factor,
     contact_line_of_lining_face_nodes,
@@ -68,6 +68,30 @@ MOST_BYTES_OF_KEPT_CHOLESKY_FACTOR = 10_000_000
 """Largest memory [bytes] of a shoe's Cholesky factor that is kept after the shoe is coupled.
 
 A larger factor is computed again when it is needed.
+"""
+MOST_NODES_OF_CONTACT_FACE = 3200
+"""Largest number of nodes of a contact face; a shoe with more is refused.
+
+The limit is one of memory. By MATRICES_OF_CONTACT_NODES a shoe with so many nodes takes 0.66 GB
+while it is condensed. With 2822 nodes a solve to a tolerance took 0.81 GB in all ("free" 510080 of
+`drumlin_studies.solid_error`).
+"""
+MATRICES_OF_CONTACT_NODES = 8.0
+"""Memory of a shoe's condensation to n contact nodes, divided by the memory of a matrix (n, n).
+
+The Cholesky factor of the contact stiffness makes up four such matrices, the displacements under
+unit pressures two, and both matrices of gap closure two. The stiffness and its factor are eight as
+well. On "free" 510080 of `drumlin_studies.solid_error`, with 1892 nodes, the memory of the process
+grew by 8.9 such matrices until the contact was solved, and on the second level of "built" 510060,
+with 1638 nodes, by 7.1.
+"""
+MATRICES_OF_JOINED_COLUMNS = 4.2
+"""Memory of the joins of a shoe's columns, divided by the memory of a stretch with two sides.
+
+Near the end of the joins a stretch has the unknowns of its two sides and a quarter of those of the
+contact. Its stiffness, those of both joined stretches, and the coupling with the eliminated
+unknowns exist at once. On three models of "free" 510031 of `drumlin_studies.solid_error`, with 968
+to 1456 unknowns on a side, the memory grew by 3.4 to 4.2 such matrices.
 """
 NO_INTERIOR_RESULTS_MESSAGE = "interior fields: recovered only for a file or a picture"
 """Message which says that a prepared model of solid shoes has no stresses inside the bodies."""
@@ -171,7 +195,7 @@ def prepare_model_with_shoe_widths(
     BadInput
         if the model does not apply to the brake, or if the degree is out of range
     NoAnswer
-        for a singular stiffness, and for more than MAX_NODES_OF_CONTACT_PROBLEM nodes of a contact
+        for a singular stiffness, and for more than MOST_NODES_OF_CONTACT_FACE nodes of a contact
         face
     """
     alike = indices_of_first_shoes_of_equal_shape(brake)
@@ -231,7 +255,7 @@ def prepare_model_with_widths_on_given_elements(
     Raises
     ------
     NoAnswer
-        for a singular stiffness, and for more than MAX_NODES_OF_CONTACT_PROBLEM nodes of a contact
+        for a singular stiffness, and for more than MOST_NODES_OF_CONTACT_FACE nodes of a contact
         face
     """
     make = degree if callable(degree) else partial(functions_across_width_of_shoe, degree=degree)
@@ -256,7 +280,7 @@ def prepare_model_with_widths_on_given_elements(
             friction,
             seconds,
         )
-        made[i] = cache.get(key, body, _memory_bytes_of_condensed_solid_shoe)
+        made[i] = cache.get(key, body, memory_bytes_of_condensed_solid_shoe)
     bodies = tuple(made[i] for i in alike)
     left_out = (
         NO_INTERIOR_RESULTS_MESSAGE,
@@ -271,16 +295,15 @@ def _require_few_nodes_of_contact_face(
     shoe: Shoe, division: ShoeElementDivision, functions: FunctionsAcrossWidth
 ) -> None:
     """Raise NoAnswer if the contact face of a shoe has too many nodes."""
-    across = len(functions.node_distances_across_half_width_of_part(shoe.lining.width / 2))
-    nodes = division.contact_nodes * across
-    if nodes > MAX_NODES_OF_CONTACT_PROBLEM:
+    nodes = _number_of_contact_face_nodes(shoe, division, functions)
+    if nodes > MOST_NODES_OF_CONTACT_FACE:
         raise NoAnswer(
-            f"its {nodes} contact nodes are more than the {MAX_NODES_OF_CONTACT_PROBLEM} that "
+            f"its {nodes} contact nodes are more than the {MOST_NODES_OF_CONTACT_FACE} that "
             f"are allowed"
         )
 
 
-def _memory_bytes_of_condensed_solid_shoe(body: ShoeSubstructure) -> int:
+def memory_bytes_of_condensed_solid_shoe(body: ShoeSubstructure) -> int:
     """The approximate memory [bytes] of a body: three matrices (n, n) for n contact nodes.
 
     A small body has its Cholesky factor as well, which is as large as four matrices (n, n).
@@ -402,6 +425,52 @@ def largest_number_of_unknowns_on_divisions(
         number_of_displacement_unknowns_of_shoe(brake.shoes[i], division, make(brake.shoes[i]))
         for i, division in divisions.items()
     )
+
+
+def memory_bytes_of_condensation_on_divisions(
+    brake: Brake, divisions: Mapping[int, ShoeElementDivision], make: MakeWidthFunctionsOfShoe
+) -> float:
+    """The approximate memory [bytes] that the matrices of all shoes take while they are condensed.
+
+    The parameters are those of `largest_number_of_unknowns_on_divisions`. The memory is inf if a
+    contact face has more than MOST_NODES_OF_CONTACT_FACE nodes, since there is no model of it.
+    """
+    largest = kept = 0.0
+    for i, division in divisions.items():
+        functions = make(brake.shoes[i])
+        nodes = _number_of_contact_face_nodes(brake.shoes[i], division, functions)
+        if nodes > MOST_NODES_OF_CONTACT_FACE:
+            return math.inf
+        own = _memory_bytes_of_condensation(brake.shoes[i], division, functions, nodes)
+        # Of a shoe that is condensed already three matrices are left.
+        largest = max(largest, kept + own)
+        kept += 3 * nodes**2 * np.dtype(float).itemsize
+    return largest
+
+
+def _number_of_contact_face_nodes(
+    shoe: Shoe, division: ShoeElementDivision, functions: FunctionsAcrossWidth
+) -> int:
+    """The number of nodes on the contact face of a shoe with functions across its width."""
+    across = functions.node_distances_across_half_width_of_part(shoe.lining.width / 2)
+    return division.contact_nodes * len(across)
+
+
+def _memory_bytes_of_condensation(
+    shoe: Shoe, division: ShoeElementDivision, functions: FunctionsAcrossWidth, nodes: int
+) -> float:
+    """The approximate memory [bytes] of a shoe's matrices while it is condensed to `nodes` nodes.
+
+    The larger one of two numbers counts: the memory of the matrices of the contact nodes, and the
+    memory of the matrices of joined columns, which depends on the unknowns on a column's side.
+    """
+    layers = layers_with_width_functions(shoe, division, functions)
+    stack = layers.layers_of_element_column_from_given_layer(
+        division.degree, 0, contact=True, back=ConditionAtEdgeFarthestFromContact.FREE
+    )
+    stretch = 2 * stack.number_of_unknowns_on_each_side + nodes / 2
+    entries = max(MATRICES_OF_CONTACT_NODES * nodes**2, MATRICES_OF_JOINED_COLUMNS * stretch**2)
+    return entries * np.dtype(float).itemsize
 
 
 def number_of_displacement_unknowns_of_shoe(

@@ -526,16 +526,15 @@ class _ConversionFromColumnsToContactFace(NamedTuple):
         """The stiffness (2 n nodes, 2 n nodes) of the face's nodes in the shoe's frame.
 
         `S` (2 n functions, 2 n functions) is the stiffness on the contact unknowns of the columns.
-        The result takes its memory, which is up to 250 MB.
+        The result is written into `S`, which may take 250 MB.
         """
         if len(self.inverse) == 1:
             return rotate_node_axes_of_matrix(np.ascontiguousarray(S), self.angles)
-        # The conversion of a few rows at a time needs little memory besides the two matrices.
-        half = np.empty(S.shape)
+        # The conversion of a few rows or columns at a time needs little memory besides the matrix.
         for rows in _slices_of_face_stiffness_rows(len(S)):
-            half[rows] = self.forces_on_face_nodes(S[rows])
-        for rows in _slices_of_face_stiffness_rows(len(S)):
-            S[rows] = self.forces_on_face_nodes(half[:, rows].T)
+            S[rows] = self.forces_on_face_nodes(S[rows])
+        for columns in _slices_of_face_stiffness_rows(len(S)):
+            S[:, columns] = self.forces_on_face_nodes(S[:, columns].T).T
         return S
 
 
