@@ -32,6 +32,10 @@ from drumlin.base.arrays import (
 )
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake
+from drumlin.brake.one_sided import (
+    LARGEST_ROUND_OFF_CONTACT_FORCE,
+    note_on_shoe_held_off_by_its_supports,
+)
 from drumlin.contact import stick_slip
 from drumlin.contact.active_set import ContactSolution
 from drumlin.contact.pressure_friction import (
@@ -671,6 +675,7 @@ def _state_of_brake_at_rotation(
         pulls = path.held.pulls_of_springs(path.increments[k])
         dissipated += path.dissipated[k]
         notes += _notes_if_moment_differs_from_solve(path, k)
+        notes += _notes_on_shoes_without_contact_force(path, k)
         torque += path.held.torque(path.increments[k])
         linings |= _nodal_contact_states_of_linings(path.held.group, path.increments[k])
     order = sorted(linings)
@@ -795,6 +800,20 @@ def _notes_if_moment_differs_from_solve(path: _IncrementsAlongRotationPath, k: i
         f"{text}: the force came on while the {moving} was at rest and left {ends} along its "
         f"abutment from where it was without force; in solve the {moving} moves already as the "
         f"force comes on, which leaves it at {places}"
+    ]
+
+
+def _notes_on_shoes_without_contact_force(path: _IncrementsAlongRotationPath, k: int) -> list[str]:
+    """A note for each shoe on anchors that its supports hold off the drum at rotation number `k`.
+
+    The pressure on the lining of such a shoe is round-off.
+    """
+    group, p = path.held.group, path.increments[k].p
+    peak = float(np.max(p[: path.held.number_of_lining_nodes]))
+    return [
+        note_on_shoe_held_off_by_its_supports(shoe)
+        for shoe, part in zip(group.shoes, group.contact_node_slices_of_shoes, strict=True)
+        if shoe.anchors and np.max(p[part]) <= LARGEST_ROUND_OFF_CONTACT_FORCE * peak
     ]
 
 
