@@ -807,10 +807,13 @@ def hold(
         _solver_options_given_by_user(penalty=penalty),
     )
     end = None if rotation is None else _rotation_or_slide_of_hold_in_si(rotation, held.surface)
-    # If the user gives no rotation, the drum is turned until every node slips.
+    # If the user gives no rotation, the drum is turned until every node slips. The force grows in
+    # as many increments in the search as below, so that both begin with the same state at rest.
     scene = prepared_model_for_hold_wear_or_sensitivity(held, model, **on_mesh)
     if end is None:
-        end = holding.find_drum_rotation_of_full_slip(scene, held, **stiffness)
+        end = holding.find_drum_rotation_of_full_slip(
+            scene, held, increments=steps + 1, **stiffness
+        )
     # The state at rest comes first, so that there is one state more than increments.
     rotations = np.linspace(0.0, end, steps + 1)
     states = holding.turn_holding_brake_and_return_states_at_rotations(
