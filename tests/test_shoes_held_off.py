@@ -118,3 +118,23 @@ def test_an_elastic_shoe_held_off_the_drum_leaves_the_torque_of_its_partner() ->
     assert HELD_OFF in worn.lines()
     slopes = drumlin.sensitivity(brake, elements=16)
     assert slopes.torque == pytest.approx(response.torque, rel=1e-7)
+
+
+def brake_with_spring_of_rate(rate: float) -> Brake:
+    """A duo-servo brake with a spring from shoe to shoe, below the cylinder."""
+    ends = {"point": {"x": 0.06, "y": 0.07}, "end": {"x": -0.06, "y": 0.07}}
+    spring = {"shoe": "right", "to": "left", "preload": 50.0, "rate": rate} | ends
+    return vary(duo_servo(-1, MU, (0.7, 0.8)), {"spring": [spring]})
+
+
+@pytest.mark.parametrize("rate", (2e7, 1e8, 1e10))
+def test_a_spring_stiffer_than_the_brake_pulls_as_in_one_problem_with_the_contact(
+    rate: float,
+) -> None:
+    """`solve` finds the pull from outside, `wear` as an unknown beside the pressures."""
+    brake = brake_with_spring_of_rate(rate)
+    solved = drumlin.solve(brake, elements=16)
+    unworn = drumlin.wear(brake, elements=16, distance=1e-4).states[0]
+    assert solved.torque == pytest.approx(unworn.torque, rel=1e-7)
+    assert solved.spring_pulls == pytest.approx(unworn.pulls, rel=1e-8)
+    assert max(solved.balance.force, solved.balance.moment) < 1e-9

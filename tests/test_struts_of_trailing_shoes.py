@@ -1,4 +1,4 @@
-"""The uni-servo brake turned the other way: a small torque, by hand, and the note that tells why."""
+"""The uni-servo brake turned the other way: its small torque by hand, and the note on it."""
 
 import math
 

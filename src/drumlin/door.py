@@ -322,7 +322,7 @@ def _response_with_notes_and_self_locking(
             raise
         raise NoAnswer("; ".join((str(error), *notes))) from error
     response = response_with_note_on_ignored_keys(whole, response)
-    notes = [*notes_on_struts_of_trailing_shoes(whole, response.shoes), *notes]
+    notes = (*notes_on_struts_of_trailing_shoes(whole, response.shoes), *notes)
     key = first_key_of_pressure_dependent_friction(whole)
     if key is not None and response.self_locking is None:
         linings = " for unworn linings" if options.get("worn_in") else ""

@@ -286,6 +286,7 @@ def error_text_on_shoes_without_contact_force(brake: Brake, members: Sequence[in
     ]
     springs = [
         f"spring[{i}] with a preload of {spring.preload:.6g} N"
+        + (f" and a rate of {spring.rate * 1e-3:.6g} N/mm" if spring.rate else "")
         for i, spring in enumerate(brake.springs)
         if names & {spring.shoe, spring.to}
     ]
