@@ -356,6 +356,8 @@ NOT_TUNED: dict[str, dict[str, str]] = {
     "fem/equilibrium/springs.py": {
         "RELATIVE_TOLERANCE_OF_SPRING_PULLS": ROUND_OFF,
         "MAX_CONTACT_SOLVES_FOR_SPRING_PULLS": PASSES,
+        "RELATIVE_PULL_CHANGE_FOR_BRAKE_COMPLIANCE": ROUND_OFF,
+        "MAX_HALVINGS_OF_SPRING_PULL_STEP": PASSES,
     },
     "fem/model.py": {
         "RELATIVE_SPACING_OF_DOUBLES": DEFINITION,

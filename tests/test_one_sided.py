@@ -234,6 +234,55 @@ def test_a_shoe_that_no_support_holds_is_refused() -> None:
             drumlin.solve(brake, model, **options)
 
 
+@pytest.mark.parametrize("increments", (5, 10))
+def test_friction_holds_a_shoe_at_rest_between_its_anchors(increments: int) -> None:
+    """The load of 1 kN at 30 mm turns the shoe by 30 N m, less than friction can hold.
+
+    The moment stays that of the load until the drum has carried the shoe by the clearance.
+    """
+    clearance = 3e-4
+    brake = vary(
+        shoe_between_anchors(1, clearance=clearance),
+        {"shoe.actuation.point": {"x": 0.1, "y": 0.03}},
+    )
+    scene = prepared_model_for_hold_wear_or_sensitivity(brake, "fem", elements=16)
+    rotations = np.linspace(0, 0.7 * clearance / R, increments)
+    states = holding.turn_holding_brake_and_return_states_at_rotations(scene, brake, rotations)
+    assert [at.torque for at in states] == pytest.approx([30.0] * increments, rel=1e-6)
+
+
+@pytest.mark.slow
+@pytest.mark.filterwarnings("error")
+def test_the_default_rotation_closes_the_clearance_of_an_anchor() -> None:
+    """With the load of the test above, the search took a shoe at its anchor for the one at rest."""
+    brake = vary(
+        shoe_between_anchors(1, clearance=5e-4),
+        {"shoe.actuation.point": {"x": 0.1, "y": 0.03}},
+    )
+    end = drumlin.hold(brake, elements=16, steps=2).states[-1]
+    assert end.rotation > 5e-4 / R
+    assert end.sticking == 0
+    assert end.torque == pytest.approx(drumlin.solve(brake, elements=16).torque, rel=1e-7)
+
+
+def test_a_hold_searches_full_slip_from_the_rest_of_its_states(monkeypatch) -> None:
+    """A shoe that slides to its anchor at rest sticks there as the load increments have it.
+
+    The force therefore grows in the search in as many increments as before the states.
+    """
+    counts = []
+    increase = holding._increase_actuation_force_at_rest
+
+    def count_increments(*arguments):
+        counts.append(arguments[-1])
+        return increase(*arguments)
+
+    monkeypatch.setattr(holding, "_increase_actuation_force_at_rest", count_increments)
+    end = drumlin.hold(shoe_between_anchors(1, clearance=1e-4), elements=8, steps=4).states[-1]
+    assert counts == [5, 5]
+    assert end.sticking == 0
+
+
 @pytest.mark.slow
 def test_a_holding_duo_servo_reverses_through_its_anchor() -> None:
     """Turned to full slip and back, it holds with the torque of each sliding sense."""

@@ -346,6 +346,7 @@ def _response_with_notes_and_self_locking(
         response_with_note_on_ignored_keys,
         self_locking_by_rigid_shoe_law,
     )
+    from drumlin.response.response import notes_on_struts_of_trailing_shoes
 
     # Notes on unlikely values come with a result, and also with the reason why there is no result.
     notes = notes_on_implausible_brake_values(whole)
@@ -356,6 +357,7 @@ def _response_with_notes_and_self_locking(
             raise
         raise NoAnswer("; ".join((str(error), *notes))) from error
     response = response_with_note_on_ignored_keys(whole, response)
+    notes = (*notes_on_struts_of_trailing_shoes(whole, response.shoes), *notes)
     key = first_key_of_pressure_dependent_friction(whole)
     if key is not None and response.self_locking is None:
         linings = " for unworn linings" if options.get("worn_in") else ""
@@ -842,10 +844,13 @@ def hold(
         _solver_options_given_by_user(penalty=penalty),
     )
     end = None if rotation is None else _rotation_or_slide_of_hold_in_si(rotation, held.surface)
-    # If the user gives no rotation, the drum is turned until every node slips.
+    # If the user gives no rotation, the drum is turned until every node slips. The force grows in
+    # as many increments in the search as below, so that both begin with the same state at rest.
     scene = prepared_model_for_hold_wear_or_sensitivity(held, model, **on_mesh)
     if end is None:
-        end = holding.find_drum_rotation_of_full_slip(scene, held, **stiffness)
+        end = holding.find_drum_rotation_of_full_slip(
+            scene, held, increments=steps + 1, **stiffness
+        )
     # The state at rest comes first, so that there is one state more than increments.
     rotations = np.linspace(0.0, end, steps + 1)
     states = holding.turn_holding_brake_and_return_states_at_rotations(

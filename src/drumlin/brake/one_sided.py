@@ -13,7 +13,7 @@ import numpy as np
 
 from drumlin.base.arrays import Floats
 from drumlin.base.errors import BadInput
-from drumlin.brake.brake import Brake
+from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.components import Actuation
 from drumlin.brake.fields import Point
 from drumlin.brake.support import SupportedShoe, work_of_force_in_rigid_body_motions
@@ -32,6 +32,16 @@ The value is the smallest singular value of a matrix. The matrix has the opening
 support in each rigid-body motion, and each motion displaces points by about 1 m. If the value is
 above the limit, c supports prevent c independent motions. The limit is a judgement: far above
 round-off, below any lever arm of a brake.
+"""
+
+
+LARGEST_ROUND_OFF_CONTACT_FORCE = 1e-9
+"""Largest contact force of a shoe that counts as round-off, relative to the largest force on it.
+
+Supports alone may hold a shoe, for example if a return spring is stronger than the wheel cylinder.
+The lining then has no pressure, and the solution of the contact problem leaves round-off in its
+place, 1e-16 to 1e-12 of the forces. A shoe with a smaller contact force than the limit does not
+press on the drum. The limit is a judgement: far above round-off, below any force of use.
 """
 
 
@@ -259,6 +269,42 @@ def require_no_shoe_on_anchors(brake: Brake, what: str) -> None:
                 f"shoe[{i}].anchor: {what} takes no shoes that can leave their supports, "
                 f"as shoe {shoe.name!r} can"
             )
+
+
+def error_text_on_shoes_without_contact_force(brake: Brake, members: Sequence[int]) -> str:
+    """The error text for shoes that their supports hold although no lining presses on the drum.
+
+    The text names the actuation forces and the springs. `members` are the indices of the shoes in
+    the brake.
+    """
+    shoes = [brake.shoes[i] for i in members]
+    names = {shoe.name for shoe in shoes}
+    forces = [
+        f"actuation {shoe.actuation.force:.6g} N on {shoe.name!r}"
+        for shoe in shoes
+        if shoe.actuation.force
+    ]
+    springs = [
+        f"spring[{i}] with a preload of {spring.preload:.6g} N"
+        + (f" and a rate of {spring.rate * 1e-3:.6g} N/mm" if spring.rate else "")
+        for i, spring in enumerate(brake.springs)
+        if names & {spring.shoe, spring.to}
+    ]
+    cause = "the net force presses no shoe against"
+    if springs:
+        cause = "the springs hold every shoe off"
+    return (
+        f"{brake.text_with_names_of_shoes_at_indices(members)}: no contact, {cause} the "
+        f"{brake.surface.name}: {', '.join([*forces, *springs]) or 'no actuation force'}"
+    )
+
+
+def note_on_shoe_held_off_by_its_supports(shoe: Shoe) -> str:
+    """The note on a shoe without contact force that its supports hold, while other shoes press."""
+    return (
+        f"shoe {shoe.name!r}: no contact, its loads hold it off the {shoe.surface.name}, "
+        "on its supports"
+    )
 
 
 def text_with_names_of_bearing_supports(

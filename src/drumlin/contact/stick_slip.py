@@ -464,6 +464,7 @@ def _find_stick_slip_states_from_widened_gaps(
         if not bearing.any():
             raise NoAnswer("no equilibrium: contact pressure cannot balance the actuation anywhere")
         turn = np.maximum(np.abs(system.B[:n, mode]), np.finfo(float).tiny)
+        turn = np.where(bearing, turn, 1.0)
         first = int(np.where(bearing, system.q[:n] / turn, np.inf).argmin())
         # The node slips in the sense in which its friction helps to balance the load on the mode.
         helps = system.C[mode, n + first] * load >= 0
@@ -578,8 +579,8 @@ def _added_gaps_and_loads_that_make_stick_slip_states_valid(
     w = np.where(opened, margin.distances[0], w)
     slip = np.where(slips, sense * margin.distances[1], slip)
     # The distances of a sticking node are mu p - t and mu p + t. Their sum gives the pressure p,
-    # their difference the traction t.
-    mu = np.maximum(system.mu, np.finfo(float).tiny)
+    # their difference the traction t. Other nodes may be without friction.
+    mu = np.where(sticks, np.maximum(system.mu, np.finfo(float).tiny), 1.0)
     stick_p = (margin.distances[0] + margin.distances[1]) / (2 * mu)
     stick_t = 0.5 * (margin.distances[1] - margin.distances[0])
     too_small = sticks & margin.enlarged.any(axis=0)

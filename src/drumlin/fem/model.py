@@ -18,7 +18,7 @@ from drumlin.base.errors import AnswerLostToRoundOff, BadInput, NoAnswer
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.components import ShoeBodyOfConstantSection
 from drumlin.brake.heat import note_on_heated_parts_of_brake
-from drumlin.brake.one_sided import OneSidedSupportForce
+from drumlin.brake.one_sided import OneSidedSupportForce, note_on_shoe_held_off_by_its_supports
 from drumlin.brake.units import length_as_text_in_mm
 from drumlin.contact.active_set import ContactSolution
 from drumlin.fem.equilibrium.group import ShoeGroup, divide_pressed_shoes_into_groups
@@ -861,9 +861,12 @@ def _largest_relative_virtual_work_imbalance(solution: _ShoePartOfGroupSolution)
 
     A test mode is a rigid-body motion on which the support of the shoe does no work. The residual
     is relative to the work of the loads, or to the sum of the absolute work at all contact nodes if
-    this is larger.
+    this is larger. It is 0 for a shoe without pressure: the forces and moments of its loads and
+    supports then say whether they balance.
     """
     group, k, p = solution.group, solution.shoe_number, solution.pressures
+    if not p.any():
+        return 0.0
     coupling, modes = group.substructures_of_shoes[k].coupling, group.rigid_body_modes_of_shoes[k]
     drag = group.brake.signed_friction_stress_over_pressure_in_shoe_frame(group.shoes[k])
     nodal = (
@@ -909,6 +912,8 @@ def _note_on_accuracy_of_shoe_contact(
     """The note on how deep the lining enters the drum, the effect on torque, and any refinement."""
     group, k, p = solution.group, solution.shoe_number, solution.pressures
     shoe, lever = group.shoes[k], group.substructures_of_shoes[k].coupling.lever
+    if not p.any():
+        return note_on_shoe_held_off_by_its_supports(shoe)
     contact = "exact contact, no penetration"
     if not math.isinf(group.penalty):
         lever = lever * group.node_friction_over_shoe_friction(k)

@@ -31,7 +31,9 @@ from drumlin.base.lapack import block_diag
 from drumlin.brake.brake import Brake
 from drumlin.brake.one_sided import (
     ERROR_TEXT_ON_SHOE_THAT_IS_NOT_HELD,
+    LARGEST_ROUND_OFF_CONTACT_FORCE,
     LARGEST_ROUND_OFF_PULL_OF_SUPPORT,
+    LARGEST_SINGULAR_VALUE_OF_REDUNDANT_SUPPORT,
     BearingFlagsOfOneSidedSupports,
     HeldAndFreeRigidBodyMotions,
     OneSidedSupport,
@@ -39,6 +41,7 @@ from drumlin.brake.one_sided import (
     all_choices_of_bearing_supports,
     divide_motions_into_held_and_free,
     do_linings_resist_free_motions,
+    error_text_on_shoes_without_contact_force,
     forces_of_one_sided_supports_on_shoe,
     groups_of_shoes_on_anchors,
     one_sided_supports_of_brake,
@@ -133,7 +136,8 @@ class EquilibriumOfShoesOnAnchors(NamedTuple):
     """An equilibrium of shoes on one-sided supports.
 
     `bearing` tells which supports bear, `contacts` has the contact of each shoe by its name, and
-    `forces` (m,) [N] are the forces of the supports on the shoes. `mu_lock` is the friction
+    `forces` (m,) [N] are the forces of the supports on the shoes. The pressure of a shoe that the
+    supports hold off the drum is zero, on all arcs of its lining. `mu_lock` is the friction
     coefficient at which the shoes would lock with the same bearing supports and the same arcs of
     the linings in contact.
     """
@@ -230,12 +234,14 @@ class _EquilibriumInFreeMotions(NamedTuple):
     Attributes
     ----------
     matrices : N and F of the shoes on the arcs in contact
+    resisted : (k, k') the motions that the supports leave free and that linings resist
     y : (k,) amounts of the rigid-body modes, times E/t of the first lining
     c : for each shoe the factors (2,) [Pa] of the face's two shape functions in its pressure
     arcs : arcs in contact of each shoe
     """
 
     matrices: _AnchoredEquilibriumMatrices
+    resisted: Floats
     y: Floats
     c: list[Floats]
     arcs: list[ContactArcsOfRigidShoe]
@@ -251,9 +257,15 @@ def _equilibrium_in_free_motions(
     """The equilibrium of shoes that can move only in the motions `free`; None if none is found.
 
     The function changes the arcs in contact until the pressure is positive on these arcs and
-    nowhere else. A column of `free` (k, k') has the amounts of the k rigid-body modes in a motion.
-    `work` (k,) is the work of the loads on each mode.
-    The first arcs are those of the linings by default.
+    nowhere else. A shoe whose contact force is round-off keeps its arcs and has no pressure. A shoe
+    without an arc in contact is in equilibrium if its supports alone balance its loads.
+
+    Parameters
+    ----------
+    brake, on : the brake and its shoes
+    free : (k, k') amounts of the k rigid-body modes in each motion
+    work : (k,) work of the loads on each mode
+    first_arcs : arcs in contact from which the search starts; by default those of the linings
     """
     linings = [brake.shoes[i].lining for i in on.members]
     arcs: list[ContactArcsOfRigidShoe] = first_arcs or [lining.arcs for lining in linings]
@@ -266,25 +278,78 @@ def _equilibrium_in_free_motions(
     for _ in range(MOST_ITERATIONS_FOR_CONTACT_ARCS):
         matrices = _equilibrium_matrices_of_shoes_on_arcs(brake, on, arcs)
         K = matrices.normal - drag * matrices.friction
+        resisted: Floats | None = free
+        if not all(arcs):
+            resisted = _motions_that_linings_resist(free, matrices.normal, work)
+        if resisted is None:
+            break
         try:
-            y = free @ np.linalg.solve(free.T @ K @ free, free.T @ work)
+            y = resisted @ np.linalg.solve(resisted.T @ K @ resisted, resisted.T @ work)
         except np.linalg.LinAlgError:
             break
         c = [on.stiffness[k] * shape.T @ y[3 * k : 3 * k + 3] for k, shape in enumerate(shapes)]
-        after = [
-            arcs_of_positive_pressure_on_linings(face, each, lining.arcs)
-            for face, each, lining in zip(on.faces, c, linings, strict=True)
-        ]
+        after = []
+        for k, lining in enumerate(linings):
+            if _is_contact_force_round_off(brake, on, k, c[k], arcs[k]):
+                after.append(arcs[k])
+            else:
+                after.append(arcs_of_positive_pressure_on_linings(on.faces[k], c[k], lining.arcs))
         if all(map(are_contact_arcs_equal, after, arcs)):
-            return _EquilibriumInFreeMotions(matrices, y, c, arcs)
-        # The search ends if a shoe without an arc in contact lifts off, or if the arcs are those of
-        # an earlier iteration, from which the iterations would repeat for ever.
-        back = any(all(map(are_contact_arcs_equal, after, each)) for each in before)
-        if back or not all(after):
+            # A shoe without an arc in contact, or with round-off as its contact force, has no
+            # pressure.
+            for k in range(len(c)):
+                if not arcs[k] or _is_contact_force_round_off(brake, on, k, c[k], arcs[k]):
+                    c[k] = np.zeros_like(c[k])
+            return _EquilibriumInFreeMotions(matrices, resisted, y, c, arcs)
+        # The search ends if the arcs are those of an earlier iteration, from which the iterations
+        # would repeat for ever.
+        if any(all(map(are_contact_arcs_equal, after, each)) for each in before):
             break
         before.append(arcs)
         arcs = after
     return None
+
+
+def _motions_that_linings_resist(free: Floats, normal: Floats, work: Floats) -> Floats | None:
+    """The part of the motions `free` that linings resist, where a shoe has no arc in contact.
+
+    The result is None if the loads do work in the motions that no lining resists: the shoes then
+    move on.
+
+    Parameters
+    ----------
+    free : (k, k') amounts of the k rigid-body modes in each motion
+    normal : matrix N (k, k) of the shoes on the arcs in contact
+    work : (k,) work of the loads on each mode
+    """
+    values, directions = np.linalg.eigh(free.T @ normal @ free)
+    is_resisted = values > LARGEST_SINGULAR_VALUE_OF_REDUNDANT_SUPPORT * values.max(initial=0.0)
+    unresisted = free @ directions[:, ~is_resisted]
+    scale = float(np.linalg.norm(free * work[:, None]))
+    if np.abs(unresisted.T @ work).max(initial=0.0) > LARGEST_ROUND_OFF_CONTACT_FORCE * scale:
+        return None
+    return np.asarray(free @ directions[:, is_resisted])
+
+
+def _is_contact_force_round_off(
+    brake: Brake,
+    on: _GeometryOfShoesOnAnchors,
+    k: int,
+    c: Floats,
+    arcs: ContactArcsOfRigidShoe,
+) -> bool:
+    """Whether the contact force of shoe `k` on its arcs is round-off of the loads on the shoes.
+
+    `c` (2,) [Pa] are the factors of the face's two shape functions in the pressure of the shoe.
+    """
+    shoes = [brake.shoes[i] for i in on.members]
+    largest = max(shoe.largest_force_of_any_load for shoe in shoes)
+    if not arcs:
+        return False
+    ends = np.array(arcs).ravel()
+    peak = float(np.abs(c @ on.faces[k].shape_function_values(ends)[:2]).max(initial=0.0))
+    length = brake.length_per_surface_coordinate * sum(end - start for start, end in arcs)
+    return peak * shoes[k].lining.width * length <= LARGEST_ROUND_OFF_CONTACT_FORCE * largest
 
 
 def _solve_rigid_shoes_on_given_supports(
@@ -310,7 +375,7 @@ def _solve_rigid_shoes_on_given_supports(
     settled = _equilibrium_in_free_motions(brake, on, motions.free, work, first_arcs)
     if settled is None:
         return None
-    (normal, friction), free, y = settled.matrices, motions.free, settled.y
+    (normal, friction), free, y = settled.matrices, settled.resisted, settled.y
     mu_lock = smallest_friction_with_singular_equilibrium(
         free.T @ normal @ free, free.T @ friction @ free, brake.sign_of_motion
     )
@@ -474,14 +539,29 @@ def _indices_of_shoes_solved_with_shoe(brake: Brake, index: int) -> tuple[int, .
     return next(group for group in groups_of_shoes_on_anchors(brake) if index in group)
 
 
-def contact_of_shoe_on_anchors(brake: Brake, index: int) -> RigidShoeContact:
-    """The contact of shoe `index`, which is on anchors.
+def contact_of_shoe_on_anchors(brake: Brake, index: int) -> RigidShoeContact | None:
+    """The contact of shoe `index`, which is on anchors; None if supports hold it off the drum.
 
-    Raises NoAnswer if the shoe locks itself, or if no set of its supports holds it.
+    Raises NoAnswer if the shoe locks itself, if no set of its supports holds it, or if no shoe that
+    is solved with it presses on the drum.
     """
-    return _first_equilibrium_of_shoes_on_anchors(
+    found = _first_equilibrium_of_shoes_on_anchors(
         brake, _indices_of_shoes_solved_with_shoe(brake, index)
-    ).contacts[brake.shoes[index].name]
+    )
+    return _contacts_of_pressed_shoes(brake, found).get(brake.shoes[index].name)
+
+
+def _contacts_of_pressed_shoes(
+    brake: Brake, found: EquilibriumOfShoesOnAnchors
+) -> dict[str, RigidShoeContact]:
+    """The contact of each shoe with a contact force, by its name.
+
+    Raises NoAnswer if no shoe has a contact force.
+    """
+    pressed = {name: contact for name, contact in found.contacts.items() if contact.c.any()}
+    if not pressed:
+        raise NoAnswer(error_text_on_shoes_without_contact_force(brake, found.shoes.members))
+    return pressed
 
 
 def locking_frictions_of_shoes_on_anchors(brake: Brake) -> dict[int, float]:
@@ -525,7 +605,7 @@ class SolutionOfAllShoesOnAnchors(NamedTuple):
 
     Attributes
     ----------
-    contacts : contact of each shoe, by its name
+    contacts : contact of each shoe that presses on the drum, by its name
     supports : forces of the one-sided supports on each shoe, by its name
     warnings : a line of text for each group of shoes with more than one equilibrium; it names the
         supports that bear in each of these equilibria
@@ -539,7 +619,8 @@ class SolutionOfAllShoesOnAnchors(NamedTuple):
 def solve_shoes_on_anchors(brake: Brake) -> SolutionOfAllShoesOnAnchors:
     """Solve all shoes on anchors of a brake by the rigid-shoe law.
 
-    Raises NoAnswer for shoes that lock themselves, or that no set of their supports holds.
+    Raises NoAnswer for shoes that lock themselves, that no set of their supports holds, or all of
+    which their supports hold off the drum.
     """
     contacts: dict[str, RigidShoeContact] = {}
     supports: dict[str, tuple[OneSidedSupportForce, ...]] = {}
@@ -549,7 +630,7 @@ def solve_shoes_on_anchors(brake: Brake) -> SolutionOfAllShoesOnAnchors:
             _first_equilibrium_of_shoes_on_anchors(brake, members)
         ]
         first = found[0]
-        contacts |= first.contacts
+        contacts |= _contacts_of_pressed_shoes(brake, first)
         for i in members:
             supports[brake.shoes[i].name] = forces_of_one_sided_supports_on_shoe(
                 first.shoes.supports, first.forces, i

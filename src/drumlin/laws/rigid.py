@@ -26,6 +26,7 @@ from drumlin.base.arrays import Floats
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.heat import warning_that_law_neglects_heat
+from drumlin.brake.one_sided import note_on_shoe_held_off_by_its_supports
 from drumlin.brake.support import SupportRigidBodyModes
 from drumlin.brake.writing import part_values_other_than_defaults
 from drumlin.laws.anchored import (
@@ -564,7 +565,11 @@ def solve_brake_by_rigid_shoe_law(
         ]
     word = brake.surface.name
     apart = [
-        note_on_shoe_without_contact(shoe.name, word) for shoe in shoes if not shoe.contact_arcs
+        note_on_shoe_held_off_by_its_supports(shoe)
+        if shoe.anchors
+        else note_on_shoe_without_contact(shoe.name, word)
+        for shoe, answer in zip(under.shoes, shoes, strict=True)
+        if not answer.contact_arcs
     ]
     balances = [relative_imbalance_of_shoe(under, i, shoe) for i, shoe in enumerate(shoes)]
     response = Response(

@@ -135,5 +135,5 @@ def are_contact_arcs_equal(a: ContactArcsOfRigidShoe, b: ContactArcsOfRigidShoe)
         return False
     # Contact iterations compare a few numbers many times. Lists are faster for this than arrays.
     ends_of_a, ends_of_b = list(chain(*a)), list(chain(*b))
-    round_off = 1e-13 * max(1.0, *map(abs, ends_of_b))
+    round_off = 1e-13 * max([1.0, *map(abs, ends_of_b)])
     return all(abs(x - y) <= round_off for x, y in zip(ends_of_a, ends_of_b, strict=True))

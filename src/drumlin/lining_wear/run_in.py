@@ -23,6 +23,10 @@ from drumlin.base.texts import error_text_in_percent, number_as_text
 from drumlin.brake.brake import Brake
 from drumlin.brake.friction import first_key_of_pressure_dependent_friction
 from drumlin.brake.further_loads import first_key_of_loads_besides_actuation
+from drumlin.brake.one_sided import (
+    LARGEST_ROUND_OFF_CONTACT_FORCE,
+    note_on_shoe_held_off_by_its_supports,
+)
 from drumlin.brake.units import length_as_text_in_mm
 from drumlin.laws import rigid
 from drumlin.laws.shoe_contact import RigidShoeContact
@@ -465,11 +469,11 @@ def compute_life_of_linings(
         allowed = part * setup.brake.shoes[surface.shoe].lining.thickness
         deepest = _largest_worn_depth_in_each_state(surface, states)
         # A lining that is not worn out in the run is assumed to go on wearing at the rate of the
-        # final pressure.
+        # final pressure. The rate is 0 on a shoe that its supports hold off the drum.
+        rate = float(law.wear_rate_and_its_slope(goal.pressure[surface.part], 0.0)[0].max())
         if deepest[-1] >= allowed:
             end = min(end, float(np.interp(allowed, deepest, s)))
-        elif law.coefficient > 0:
-            rate = float(law.wear_rate_and_its_slope(goal.pressure[surface.part], 0.0)[0].max())
+        elif rate > 0:
             end = min(end, s[-1] + (allowed - deepest[-1]) / rate)
     # For each state, the relative differences of pressure and torque from their final values. The
     # brake counts as worn in once they stay within the bound `within`.
@@ -684,6 +688,7 @@ def report_lines_of_wear_run(
     for i in np.unique(np.rint(np.linspace(0, len(states) - 1, lines)).astype(int)):
         text.append(_table_line_of_wear_state(setup, states[i], goal, law))
     text += _lines_on_spring_pulls_of_wear_run(setup.brake, states)
+    text += _notes_on_shoes_without_contact_force(setup, states)
     text.append(
         f"worn in (law): {surface.word_for_torque_or_brake_force} {goal.torque:.6g} "
         f"{surface.unit_of_torque_or_brake_force}"
@@ -723,6 +728,23 @@ def _lines_on_spring_pulls_of_wear_run(brake: Brake, states: Sequence[WearState]
                 "the law below takes"
             )
     return lines
+
+
+def _notes_on_shoes_without_contact_force(
+    setup: WearSetup, states: Sequence[WearState]
+) -> list[str]:
+    """A note for each shoe on anchors that its supports hold off the drum in all states of a run.
+
+    The pressure on the lining of such a shoe is round-off, and the lining does not wear.
+    """
+    largest = np.max([state.pressure for state in states], axis=0)
+    notes = []
+    for i, shoe in enumerate(setup.brake.shoes):
+        own = [float(largest[each.part].max()) for each in setup.surfaces if each.shoe == i]
+        limit = LARGEST_ROUND_OFF_CONTACT_FORCE * float(largest.max())
+        if shoe.anchors and own and max(own) <= limit:
+            notes.append(note_on_shoe_held_off_by_its_supports(shoe))
+    return notes
 
 
 def _heading_lines_of_wear_report(setup: WearSetup, law: WearLaw) -> list[str]:

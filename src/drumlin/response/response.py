@@ -433,6 +433,28 @@ def notes_on_forces_of_one_sided_supports(shoes: Sequence[ShoeResponse]) -> tupl
     return (f"supports: {'; '.join(parts)}",)
 
 
+def notes_on_struts_of_trailing_shoes(brake: Brake, shoes: Sequence[ShoeResponse]) -> list[str]:
+    """A note for each strut whose force is small because friction opposes it on both shoes.
+
+    The note stands where neither shoe is self-energising, and the strut pushes the second shoe by
+    less than the force on the first one. `shoes` are the results of all shoes.
+    """
+    found = {shoe.name: shoe for shoe in shoes}
+    notes = []
+    for link in brake.links:
+        source, to = found[link.source], found[link.to]
+        given, passed_on = source.force, to.force
+        if given is None or passed_on is None or source.self_energising or to.self_energising:
+            continue
+        if brake.friction > 0 and passed_on < given:
+            notes.append(
+                f"note: friction opposes shoe {link.source!r} and shoe {link.to!r} in this sense "
+                f"of the motion: their strut passes on {passed_on:.6g} N of {given:.6g} N; in the "
+                "other sense friction helps"
+            )
+    return notes
+
+
 def _arrays_as_lists(
     arrays: BeamAndRingDeflections | PressureOverArcAndWidth,
 ) -> dict[str, list[Any]]:

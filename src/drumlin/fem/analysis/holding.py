@@ -17,7 +17,8 @@ rotation to full slip, and 0.8 % larger at three fifths.
 """
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cache, partial
 from typing import Any, NamedTuple
@@ -32,6 +33,10 @@ from drumlin.base.arrays import (
 )
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake
+from drumlin.brake.one_sided import (
+    LARGEST_ROUND_OFF_CONTACT_FORCE,
+    note_on_shoe_held_off_by_its_supports,
+)
 from drumlin.contact import stick_slip
 from drumlin.contact.active_set import ContactSolution
 from drumlin.contact.pressure_friction import (
@@ -409,7 +414,10 @@ def _apply_actuation_force_to_resting_group(
     feet = FeetOnRoughAbutments.collect_feet_on_rough_abutments(group)
     further = 0 if springs is None else len(springs.numbers)
     count = len(feet.indices_of_shoes_on_rough_abutments)
-    start = np.append(_states_of_nodes_without_friction(group, feet), np.full(further, FORWARD))
+    starts = [
+        np.append(states, np.full(further, FORWARD))
+        for states in _first_guesses_of_states_at_rest(group, feet)
+    ]
     size = under.largest_actuation_force
     unit_gaps = np.concatenate(group.gaps_of_unloaded_linings) / size
     clearances = [support.clearance for support in group.one_sided_supports]
@@ -428,7 +436,9 @@ def _apply_actuation_force_to_resting_group(
     ):
         friction = partial(_friction_of_lining_and_further_nodes, under, constant)
     try:
-        rest, spent = _increase_actuation_force_at_rest(problem, gap, friction, start, increments)
+        rest, spent = _increase_actuation_force_from_first_guess_that_converges(
+            partial(_increase_actuation_force_at_rest, problem, gap, friction), starts, increments
+        )
     except NoAnswer as error:
         # On a brake that locks itself, `solve_shoe_group_with_lining_friction` raises a NoAnswer
         # that states the friction limit. This error replaces the error below.
@@ -438,12 +448,13 @@ def _apply_actuation_force_to_resting_group(
     return _LoadedGroupAtRest(under, problem, per_rotation, friction, rest, spent, springs)
 
 
-def _states_of_nodes_without_friction(group: ShoeGroup, feet: FeetOnRoughAbutments) -> Ints:
-    """The states (n,) of all nodes but springs from which the first load increment starts.
+def _first_guesses_of_states_at_rest(group: ShoeGroup, feet: FeetOnRoughAbutments) -> list[Ints]:
+    """The states (n,) of all nodes but springs from which the first load increment may start.
 
     A solution without friction gives these states. Nodes of linings that touch in this solution
     stick, and all feet stick. One-sided supports that bear in this solution slip, and all other
-    supports are open.
+    supports are open. In the first guess a support with a clearance is open too: friction may hold
+    the shoe before it comes to the support. In the second guess the shoe has come to it.
     """
     smooth = replace(
         group, brake=feet.brake_with_smooth_abutments(0.0), abutment_friction_directions_of_shoes=()
@@ -454,8 +465,15 @@ def _states_of_nodes_without_friction(group: ShoeGroup, feet: FeetOnRoughAbutmen
         contact = smooth.solve_contact_for_given_abutment_friction()
     touching = np.where(contact.active, STICK, OPEN)
     sticking = np.full(len(feet.indices_of_shoes_on_rough_abutments), STICK)
-    bearing = np.where(np.array(smooth.bearing, dtype=bool), FORWARD, OPEN)
-    return np.concatenate([touching, sticking, bearing])
+    bears = np.array(smooth.bearing, dtype=bool)
+    has_clearance = np.array([each.clearance > 0 for each in smooth.one_sided_supports], dtype=bool)
+    choices = [bears & ~has_clearance]
+    if (bears & has_clearance).any():
+        choices.append(bears)
+    return [
+        np.concatenate([touching, sticking, np.where(bearing, FORWARD, OPEN)])
+        for bearing in choices
+    ]
 
 
 def _friction_of_lining_and_further_nodes(
@@ -487,6 +505,23 @@ def _solve_load_increment(
             problem, friction, history, state, p
         )
     return stick_slip.solve_stick_slip_load_increment(problem, friction, history, state)
+
+
+def _increase_actuation_force_from_first_guess_that_converges(
+    increase: Callable[[Ints, int], tuple[StickSlipIncrementSolution, float]],
+    starts: Sequence[Ints],
+    increments: int,
+) -> tuple[StickSlipIncrementSolution, float]:
+    """The result of `increase` from the first of several guesses from which it converges.
+
+    `increase` is a function of the states from which the first increment starts, and of the number
+    of increments. Raises the NoAnswer of the last guess if none converges.
+    """
+    *others, last = starts
+    for start in others:
+        with suppress(NoAnswer):
+            return increase(start, increments)
+    return increase(last, increments)
 
 
 def _increase_actuation_force_at_rest(
@@ -671,6 +706,7 @@ def _state_of_brake_at_rotation(
         pulls = path.held.pulls_of_springs(path.increments[k])
         dissipated += path.dissipated[k]
         notes += _notes_if_moment_differs_from_solve(path, k)
+        notes += _notes_on_shoes_without_contact_force(path, k)
         torque += path.held.torque(path.increments[k])
         linings |= _nodal_contact_states_of_linings(path.held.group, path.increments[k])
     order = sorted(linings)
@@ -795,6 +831,20 @@ def _notes_if_moment_differs_from_solve(path: _IncrementsAlongRotationPath, k: i
         f"{text}: the force came on while the {moving} was at rest and left {ends} along its "
         f"abutment from where it was without force; in solve the {moving} moves already as the "
         f"force comes on, which leaves it at {places}"
+    ]
+
+
+def _notes_on_shoes_without_contact_force(path: _IncrementsAlongRotationPath, k: int) -> list[str]:
+    """A note for each shoe on anchors that its supports hold off the drum at rotation number `k`.
+
+    The pressure on the lining of such a shoe is round-off.
+    """
+    group, p = path.held.group, path.increments[k].p
+    peak = float(np.max(p[: path.held.number_of_lining_nodes]))
+    return [
+        note_on_shoe_held_off_by_its_supports(shoe)
+        for shoe, part in zip(group.shoes, group.contact_node_slices_of_shoes, strict=True)
+        if shoe.anchors and np.max(p[part]) <= LARGEST_ROUND_OFF_CONTACT_FORCE * peak
     ]
 
 

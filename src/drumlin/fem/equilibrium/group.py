@@ -18,7 +18,9 @@ from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.one_sided import (
     ERROR_TEXT_ON_SHOE_THAT_IS_NOT_HELD,
+    LARGEST_ROUND_OFF_CONTACT_FORCE,
     all_choices_of_bearing_supports,
+    error_text_on_shoes_without_contact_force,
 )
 from drumlin.contact import active_set, self_locking
 from drumlin.fem.equilibrium import reach
@@ -253,7 +255,8 @@ class ShoeGroup(ContactProblemsOfShoeGroup):
         """Solve the contact, with directions of abutment friction that agree with its solution.
 
         Each choice of directions, and of bearing one-sided supports, is tried. If no choice agrees
-        with its own solution, the error of the first trial is raised.
+        with its own solution, the error of the first trial is raised. NoAnswer is also raised if
+        one-sided supports hold all shoes of the group without any contact force.
         """
         failure = NoAnswer(
             f"{self.names_of_shoes_as_text}: {self._error_text_that_shoes_are_not_held}"
@@ -266,8 +269,30 @@ class ShoeGroup(ContactProblemsOfShoeGroup):
                     failure = error
                 continue
             if group.does_contact_confirm_support_assumptions(contact):
-                return SolvedGroup(group, contact)
+                return SolvedGroup(group, group._contact_without_round_off_pressures(contact))
         raise failure
+
+    def _contact_without_round_off_pressures(
+        self, contact: active_set.ContactSolution
+    ) -> active_set.ContactSolution:
+        """The contact with zero pressures on each shoe that one-sided supports hold off the drum.
+
+        The contact set stays. Raises NoAnswer if no shoe of the group has a contact force.
+        """
+        if not self.one_sided_supports:
+            return contact
+        areas, p = self.contact_node_areas, contact.p.copy()
+        for k, part in enumerate(self.contact_node_slices_of_shoes):
+            supports = self.support_forces_on_shoe(contact.p, k)
+            largest = max(
+                self.shoes[k].largest_force_of_any_load, *(each.push.force for each in supports)
+            )
+            force = self.largest_actuation_force * float(areas[part] @ p[part])
+            if force <= LARGEST_ROUND_OFF_CONTACT_FORCE * largest:
+                p[part] = 0.0
+        if not p.any():
+            raise NoAnswer(error_text_on_shoes_without_contact_force(self.brake, self.members))
+        return contact if np.array_equal(p, contact.p) else replace(contact, p=p)
 
     @property
     def _error_text_that_shoes_are_not_held(self) -> str:

@@ -8,7 +8,7 @@ so that Broyden's method ends after a few contact solves on the same condensed b
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import TypeVar
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 
@@ -22,9 +22,18 @@ RELATIVE_TOLERANCE_OF_SPRING_PULLS = 1e-12
 """Largest error of a spring's pull, relative to the largest force, at which the iteration ends.
 
 The tolerance is far below the relative error of 1e-9 that is allowed in the balance of forces, and
-above the round-off error of a motion times the spring rate. A spring that is stiffer than the brake
-has a larger round-off and is refused. The value is a judgement.
+above the round-off error of a motion times the spring rate. For a spring that is stiffer than the
+brake, this error is larger, and the tolerance holds for the step of Newton's method. The value is a
+judgement.
 """
+RELATIVE_PULL_CHANGE_FOR_BRAKE_COMPLIANCE = 1e-6
+"""Change of a spring's pull by which the compliance of the brake at the spring is measured.
+
+It is relative to the largest force. The compliance is exact as long as the change leaves the nodes
+in contact as they are. The value affects the number of contact solves, not the result.
+"""
+MAX_HALVINGS_OF_SPRING_PULL_STEP = 12
+"""Largest number of halvings of a step of the pulls that ends where the brake has no answer."""
 MAX_CONTACT_SOLVES_FOR_SPRING_PULLS = 40
 """Contact solves after which the iteration for the spring pulls fails. Usual brakes take four."""
 
@@ -155,9 +164,40 @@ def find_spring_pulls_that_fit_shoe_motions(
     NoAnswer
         as `solve` does, and if no pulls agree with the motions, or a spring would go slack
     """
-    preloads = np.array([spring.preload for spring in brake.springs])
-    rates = np.array([spring.rate for spring in brake.springs])
-    largest = max(*np.abs(preloads), *(shoe.largest_force_of_any_load for shoe in brake.shoes))
+    try:
+        return _find_spring_pulls_by_broyden(brake, solve)
+    except AnswerBeyondModel:
+        raise
+    except NoAnswer:
+        # Springs that are stiffer than the brake: a pull by the motion under the preload is far too
+        # large, and may lift a shoe off.
+        return _find_spring_pulls_from_measured_compliance(brake, solve)
+
+
+class _PreloadsAndRatesOfSprings(NamedTuple):
+    """Preload (m,) [N] and rate (m,) [N/m] of each spring, and the largest force [N] on a brake."""
+
+    preloads: Floats
+    rates: Floats
+    largest_force: float
+
+    @classmethod
+    def of_brake(cls, brake: Brake) -> "_PreloadsAndRatesOfSprings":
+        """The preloads and rates of the springs of a brake."""
+        preloads = np.array([spring.preload for spring in brake.springs])
+        forces = [shoe.largest_force_of_any_load for shoe in brake.shoes]
+        rates = np.array([spring.rate for spring in brake.springs])
+        return cls(preloads, rates, max(*np.abs(preloads), *forces))
+
+
+def _find_spring_pulls_by_broyden(
+    brake: Brake, solve: Callable[[Brake], tuple[SolverAnswerTypeVariable, Floats]]
+) -> tuple[SolverAnswerTypeVariable, tuple[float, ...]]:
+    """The result of `find_spring_pulls_that_fit_shoe_motions`, for springs softer than the brake.
+
+    The first pulls are the preloads. Raises NoAnswer as that function does.
+    """
+    preloads, rates, largest = _PreloadsAndRatesOfSprings.of_brake(brake)
     pulls, inverse = preloads.copy(), -np.eye(len(preloads))
     step = excess = np.zeros(len(preloads))
     for count in range(MAX_CONTACT_SOLVES_FOR_SPRING_PULLS):
@@ -173,8 +213,53 @@ def find_spring_pulls_that_fit_shoe_motions(
             inverse += np.outer(step - moved, step @ inverse) / float(step @ moved)
         step = -inverse @ excess
         pulls = pulls + step
+    raise _error_that_no_spring_pull_agrees(excess)
+
+
+def _find_spring_pulls_from_measured_compliance(
+    brake: Brake, solve: Callable[[Brake], tuple[SolverAnswerTypeVariable, Floats]]
+) -> tuple[SolverAnswerTypeVariable, tuple[float, ...]]:
+    """The result of `find_spring_pulls_that_fit_shoe_motions`, for springs of any rate.
+
+    Newton's method uses the compliance of the brake at its springs, which is measured at each step
+    by small changes of the pulls. Raises NoAnswer as that function does.
+    """
+    preloads, rates, largest = _PreloadsAndRatesOfSprings.of_brake(brake)
+    small = RELATIVE_PULL_CHANGE_FOR_BRAKE_COMPLIANCE * largest
+
+    def solve_under_pulls(under: Floats) -> tuple[SolverAnswerTypeVariable, Floats]:
+        """The answer under pulls (m,) [N] of all springs, and the approach (m,) [m] of each."""
+        return solve(brake_with_loads_assigned_to_shoes(brake, under.tolist()))
+
+    pulls = preloads.copy()
+    answer, approach = solve_under_pulls(pulls)
+    for _ in range(MAX_CONTACT_SOLVES_FOR_SPRING_PULLS):
+        excess = preloads - rates * approach - pulls
+        slopes = np.zeros((len(pulls), len(pulls)))
+        for j in np.flatnonzero(rates):
+            changed = pulls.copy()
+            changed[j] += small
+            slopes[:, j] = (solve_under_pulls(changed)[1] - approach) / small
+        step = np.linalg.solve(np.eye(len(pulls)) + rates[:, None] * slopes, excess)
+        if np.abs(step).max() <= RELATIVE_TOLERANCE_OF_SPRING_PULLS * largest:
+            _check_springs_are_not_slack(preloads, pulls)
+            return answer, tuple(pulls.tolist())
+        for halvings in range(MAX_HALVINGS_OF_SPRING_PULL_STEP + 1):
+            try:
+                answer, approach = solve_under_pulls(pulls + step)
+                break
+            except NoAnswer:
+                if halvings == MAX_HALVINGS_OF_SPRING_PULL_STEP:
+                    raise
+                step = step / 2
+        pulls = pulls + step
+    raise _error_that_no_spring_pull_agrees(excess)
+
+
+def _error_that_no_spring_pull_agrees(excess: Floats) -> NoAnswer:
+    """The error that the pulls do not agree with the motions, by `excess` (m,) [N] of each pull."""
     i = int(np.abs(excess).argmax())
-    raise NoAnswer(
+    return NoAnswer(
         f"spring[{i}]: no pull agrees with the motion of its points; "
         "the spring may hold its shoe off before the lining touches"
     )
