@@ -16,7 +16,7 @@ from typing import Any, Generic, NamedTuple, TypeVar
 
 import numpy as np
 
-from drumlin.base.errors import BadInput, NoAnswer
+from drumlin.base.errors import BadInput, FailedLawOfUser, NoAnswer
 from drumlin.base.files import spreadsheet_cell_safe_from_being_run_as_formula
 from drumlin.base.shown_tables import html_table_with_caption, text_lines_of_aligned_columns
 from drumlin.base.texts import number_as_text
@@ -68,8 +68,8 @@ def solve_and_time_model(
 ) -> ModelResultOrReasonOfFailure:
     """Solve a brake by one model and measure the time.
 
-    If the model raises NoAnswer, the ModelResultOrReasonOfFailure has the reason, and no exception
-    is raised.
+    If the model raises NoAnswer, or if a law of the user fails, the ModelResultOrReasonOfFailure
+    has the reason, and no exception is raised.
 
     Parameters
     ----------
@@ -82,7 +82,7 @@ def solve_and_time_model(
         start = time.perf_counter()
         try:
             response = solve()
-        except NoAnswer as error:
+        except (FailedLawOfUser, NoAnswer) as error:
             failure = str(error)
         seconds.append(time.perf_counter() - start)
     return ModelResultOrReasonOfFailure(name, response, failure, median(seconds), repeats)

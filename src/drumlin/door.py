@@ -708,28 +708,34 @@ class HoldingRun(NamedTuple):
         return holding_states_as_plain_data(list(self.states))
 
     def lines(self) -> list[str]:
-        """Two lines of text: the largest moment that is held, and when the brake slips."""
+        """Two lines of text: the largest moment of all states, and when the brake slips.
+
+        The whole contact begins to slip between two states, and the line names both rotations.
+        """
         surface = self.brake.surface
 
-        def rotation_or_sliding_distance_as_text(state: HoldingState) -> str:
-            """The rotation of a state as text with its unit; on a plane the sliding distance."""
-            shown = state.rotation * surface.si_to_shown_unit_factor
-            return f"{surface.word_for_motion} {shown:.4g} {surface.shown_unit}"
+        def shown_rotation(state: HoldingState) -> str:
+            """The rotation of a state in its unit; on a plane the sliding distance."""
+            return f"{state.rotation * surface.si_to_shown_unit_factor:.4g}"
 
+        word, unit = surface.word_for_motion, surface.shown_unit
         held = max(self.states, key=lambda state: abs(state.torque))
         last = self.states[-1]
         slips = (
-            f"no full slip: at {rotation_or_sliding_distance_as_text(last)}, "
+            f"no full slip: at {word} {shown_rotation(last)} {unit}, "
             f"{100 * last.sticking:.0f} % still stick"
         )
         if last.sticking == 0:
             # On rough abutments the linings may slip back as the forces come on, and stick as the
             # drum begins to turn.
             count = sum(1 for _ in takewhile(lambda state: state.sticking == 0, self.states[::-1]))
-            first = self.states[-count]
-            slips = f"the whole contact slips from {rotation_or_sliding_distance_as_text(first)} on"
+            first = shown_rotation(self.states[-count])
+            # The slip of the whole contact begins between two states.
+            if count < len(self.states):
+                first = f"between {shown_rotation(self.states[-count - 1])} and {first}"
+            slips = f"the whole contact slips from {word} {first} {unit} on"
         moment = f"{abs(held.torque):.6g} {surface.unit_of_torque_or_brake_force}"
-        return [f"holds up to {moment}, at {rotation_or_sliding_distance_as_text(held)}", slips]
+        return [f"holds up to {moment}, at {word} {shown_rotation(held)} {unit}", slips]
 
 
 def _rotation_or_slide_of_hold_in_si(rotation: float | str, surface: FrictionSurface) -> float:
@@ -1239,6 +1245,102 @@ def law(name: str, assumes: str = "") -> Callable[[PressureShapeFunction], Press
         return shape
 
     return register_law_and_return_function_unchanged
+
+
+@_make_public_function_that_rewords_errors
+def remove_law(name: str) -> None:
+    """Remove a pressure law of your own, which the decorator `law` has registered.
+
+    To change a law, register the new function under the same name.
+
+    Parameters
+    ----------
+    name : name of the law
+
+    Returns
+    -------
+    None
+        `solve`, `compare` and `sweep` no longer know the law
+
+    Raises
+    ------
+    BadInput
+        for a name under which you have registered no law
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> @drumlin.law("toe")
+    ... def toe(phi, layout):
+    ...     return np.sin(phi / 2) ** 2
+    >>> drumlin.remove_law("toe")
+    """
+    from drumlin.models import remove_law_of_user
+
+    remove_law_of_user(name)
+
+
+@_make_public_function_that_rewords_errors
+def read_brake(path: Path | str, text: str | None = None) -> Brake:
+    """Read a brake from its file.
+
+    Parameters
+    ----------
+    path : path of the brake file
+    text : content of the file if it has been read already; mesh files are sought beside `path`
+
+    Returns
+    -------
+    Brake
+        frozen, validated data in SI units
+
+    Raises
+    ------
+    BadInput
+        for a file that cannot be read, or that describes no valid brake; the message has one line
+
+    Examples
+    --------
+    >>> drumlin.write_brake(drumlin.example("duplex"), "duplex.toml")
+    >>> drumlin.read_brake("duplex.toml").title
+    'duplex, shoes on abutments'
+    """
+    from drumlin.brake import read_drum_or_plane_brake
+
+    return read_drum_or_plane_brake(path, text)
+
+
+@_make_public_function_that_rewords_errors
+def vary(brake: BrakeOrPath, changes: Mapping[str, Any]) -> Brake:
+    """Make a brake in which some keys have other values; the new brake is checked like a file.
+
+    Parameters
+    ----------
+    brake : the brake, or the path of its file
+    changes : new values by key, in SI or as texts with a unit; a key is written as in the file's
+        error lines, "shoe[0].lining.thickness", or with a shoe's name, "shoe.left.hinge.angle";
+        "shoe.lining.thickness" changes every shoe
+
+    Returns
+    -------
+    Brake
+        another brake; the given one stays as it is
+
+    Raises
+    ------
+    BadInput
+        for a key that does not exist, for the force of a shoe that a cylinder, a cam or a strut
+        sets, or for a brake that does not fit together, in one line
+
+    Examples
+    --------
+    >>> brake = drumlin.example("double_shoe")
+    >>> drumlin.vary(brake, {"friction": 0.4, "drum.radius": "150 mm"}).friction
+    0.4
+    """
+    from drumlin.brake import vary as vary_brake
+
+    return vary_brake(_brake_itself_or_read_from_file(brake), changes)
 
 
 @_make_public_function_that_rewords_errors

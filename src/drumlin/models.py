@@ -271,6 +271,18 @@ def register_law_with_pressure_shape(name: str, assumes: str, shape: PressureSha
     )
 
 
+def remove_law_of_user(name: str) -> None:
+    """Remove a law of the user from MODELS.
+
+    Raises BadInput if the user has registered no law with this name.
+    """
+    laws_of_user = [known for known in MODELS if known not in NAMES_OF_BUILT_IN_MODELS]
+    if name not in laws_of_user:
+        allowed = ", ".join(laws_of_user) or "none, as no law is registered"
+        raise BadInput(f"name = {name!r}: no law of your own has this name; allowed: {allowed}")
+    del MODELS[name]
+
+
 def require_known_model(name: str, option: str) -> None:
     """Raise BadInput if no model has the name that the user gave by the option `option`."""
     if name not in MODELS:

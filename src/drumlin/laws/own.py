@@ -5,13 +5,15 @@ is then solved as by the closed-form laws of `drumlin.laws.shapes`.
 """
 
 import inspect
+import traceback
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from drumlin.base.arrays import Floats
-from drumlin.base.errors import BadInput, NoAnswer
+from drumlin.base.errors import BadInput, FailedLawOfUser, NoAnswer
 from drumlin.laws.shapes import PressureIntegrals, PressureLawOfHingedShoe, ShoeAnglesAndRadii
 
 PressureShapeFunction = Callable[[Floats, ShoeAnglesAndRadii], Any]
@@ -59,8 +61,10 @@ def make_law_from_pressure_shape(
     Raises
     ------
     BadInput
-        for a shape that is no function of two arguments; when the law is used, for a shape that
-        returns other than n finite numbers
+        for a shape that is no function of two arguments
+    FailedLawOfUser
+        when the law is used: for a shape that raises an exception, or returns other than n finite
+        numbers
     NoAnswer
         when the law is used: for a shape that is negative somewhere, or zero everywhere
     """
@@ -71,16 +75,18 @@ def make_law_from_pressure_shape(
 
         They have the shape of `phi`. Round-off below zero is set to zero.
         """
-        values = np.asarray(shape(np.ravel(phi), arc), dtype=float)
+        values = _array_that_function_of_user_returns(name, shape, np.ravel(phi), arc)
         values = np.broadcast_to(values, (np.size(phi),)) if values.ndim == 0 else values
         asked = f"law {name!r}: its function must return a finite number for each angle; it "
         if values.shape != (np.size(phi),):
-            raise BadInput(
+            raise FailedLawOfUser(
                 f"{asked}got {np.size(phi)} angles and returned an array of shape {values.shape}"
             )
         if not np.isfinite(values).all():
             wrong = np.ravel(phi)[~np.isfinite(values)][0]
-            raise BadInput(f"{asked}returned {values[~np.isfinite(values)][0]} at {wrong:g} rad")
+            raise FailedLawOfUser(
+                f"{asked}returned {values[~np.isfinite(values)][0]} at {wrong:g} rad"
+            )
         least = values.min()
         if least < -LARGEST_NEGLIGIBLE_NEGATIVE_PRESSURE * np.abs(values).max():
             at = np.ravel(phi)[values.argmin()]
@@ -118,6 +124,28 @@ def make_law_from_pressure_shape(
         angle_of_largest_pressure,
         pressure_integrals_on_arc_part=pressure_integrals_on_arc_part,
     )
+
+
+def _array_that_function_of_user_returns(
+    name: str, shape: PressureShapeFunction, phi: Floats, layout: ShoeAnglesAndRadii
+) -> Floats:
+    """The values of a user's function as an array of numbers, for the law `name`.
+
+    `phi` (n,) are the angles from the hinge [rad]. Raises FailedLawOfUser if the function raises an
+    exception, or if its values are no numbers; the message names the law, the exception and its
+    line in the user's file.
+    """
+    try:
+        return np.asarray(shape(phi, layout), dtype=float)
+    except Exception as error:
+        place = traceback.extract_tb(error.__traceback__)[-1]
+        at = f"{Path(place.filename).name}, line {place.lineno}"
+        hint = ""
+        if isinstance(error, AttributeError) and isinstance(error.obj, ShoeAnglesAndRadii):
+            hint = "; the layout has phi_1 and phi_2 [rad], R and a [m]"
+        raise FailedLawOfUser(
+            f"law {name!r}: its function failed with {type(error).__name__}: {error} ({at}){hint}"
+        ) from error
 
 
 def _require_function_of_angles_and_layout(name: str, shape: object) -> None:

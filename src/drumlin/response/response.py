@@ -13,7 +13,7 @@ from drumlin.base.arrays import (
     Floats,
     text_of_fields_with_arrays_by_shape,
 )
-from drumlin.base.errors import NoAnswer
+from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.one_sided import OneSidedSupportForce
 from drumlin.brake.surface import FRICTION_SURFACE_OF_DRUM, FrictionSurface
@@ -281,8 +281,10 @@ class ShoeResponse(BaseClassWithArrayEquality):
         """The pressure [Pa] at angles `theta` [rad] of any shape; 0 beyond the lining.
 
         In each polynomial piece the pressure is Lagrange's interpolation of the nodal values.
+        Raises BadInput for an angle more than a turn beyond the lining, which is one in degrees.
         """
         theta = np.asarray(theta, dtype=float)
+        self._refuse_coordinates_more_than_turn_beyond_lining(theta)
         ends = self.theta[:: self.order]
         piece = np.clip(np.searchsorted(ends, theta, side="right") - 1, 0, len(ends) - 2)
         x, y = (
@@ -304,6 +306,20 @@ class ShoeResponse(BaseClassWithArrayEquality):
         value = (factors * before * behind).sum(axis=-1)
         on_lining = (theta >= self.theta[0]) & (theta <= self.theta[-1])
         return np.where(on_lining, value, 0.0)
+
+    def _refuse_coordinates_more_than_turn_beyond_lining(self, theta: Floats) -> None:
+        """Raise BadInput if one of the angles `theta` [rad] is more than a turn beyond the lining.
+
+        On a plane the same bound holds for places in metres, as a shoe does not tell its surface.
+        """
+        start, end = float(self.theta[0]), float(self.theta[-1])
+        beyond = theta[(theta < start - 2 * math.pi) | (theta > end + 2 * math.pi)]
+        if beyond.size:
+            raise BadInput(
+                f"theta = {beyond[0]:g}: is far beyond the lining, which lies from {start:.4g} to "
+                f"{end:.4g}; angles are in rad, as numpy.radians makes them from degrees, and "
+                "places on a plane in m"
+            )
 
     def curve(self) -> tuple[Floats, Floats]:
         """Points of the pressure curve for plots and tables.

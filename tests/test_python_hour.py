@@ -1,0 +1,112 @@
+"""What stopped a contact researcher in the first hour of Python: each stumble."""
+
+import math
+import re
+
+import numpy as np
+import pytest
+
+import drumlin
+from command_line import drumlin as run
+from drumlin.models import MODELS, NAMES_OF_BUILT_IN_MODELS
+
+
+@pytest.fixture
+def brake():
+    """The brake of README."""
+    return drumlin.example("double_shoe")
+
+
+@pytest.fixture
+def laws():
+    """The registered models, which are as they were after the test."""
+    yield MODELS
+    for name in set(MODELS) - NAMES_OF_BUILT_IN_MODELS:
+        del MODELS[name]
+
+
+# A law of your own that fails.
+
+
+FAILING_LAWS = {
+    "nan": (lambda phi, layout: phi * math.nan, "a finite number .* returned nan at"),
+    "typo": (
+        lambda phi, layout: phi / layout.radius,
+        "failed with AttributeError: .* 'radius' .test_python_hour.py, line .*; the layout has phi",
+    ),
+    "text": (lambda phi, layout: "high", "failed with ValueError: .*'high'"),
+    "shape": (lambda phi, layout: [1.0, 2.0], "returned an array of shape"),
+}
+
+
+@pytest.mark.parametrize("wrong", FAILING_LAWS)
+def test_a_law_that_fails_is_a_failed_row_and_no_end_of_a_comparison(brake, laws, wrong):
+    function, said = FAILING_LAWS[wrong]
+    drumlin.law("toe")(function)
+    with pytest.raises(drumlin.BadInput, match=f"^law 'toe': its function .*{said}"):
+        drumlin.solve(brake, "toe")
+    compared = drumlin.compare(brake, models=["sine", "toe"])
+    assert set(compared.responses) == {"sine"}
+    (failed,) = (row for row in compared.rows if row["model"] == "toe")
+    assert failed["status"].startswith("failed: law 'toe': its function ")
+    # The name is free for the mended law.
+    drumlin.law("toe")(lambda phi, layout: np.sin(phi))
+    both = drumlin.compare(brake, models=["sine", "toe"]).responses
+    assert both["toe"].torque == pytest.approx(both["sine"].torque, rel=1e-12)
+
+
+def test_a_law_of_your_own_can_be_removed(brake, laws):
+    drumlin.law("toe")(lambda phi, layout: np.sin(phi))
+    with pytest.raises(drumlin.BadInput, match="no law of your own has this name; allowed: toe$"):
+        drumlin.remove_law("sine")
+    drumlin.remove_law("toe")
+    with pytest.raises(drumlin.BadInput, match="'toe': unknown model"):
+        drumlin.solve(brake, "toe")
+    with pytest.raises(drumlin.BadInput, match="allowed: none, as no law is registered$"):
+        drumlin.remove_law("toe")
+
+
+def test_vary_takes_the_path_of_a_brake_file(tmp_path):
+    path = tmp_path / "my.toml"
+    path.write_text(run("init", "double_shoe").stdout)
+    changed = {"friction": 0.4}
+    of_path = drumlin.vary(str(path), changed)
+    assert of_path == drumlin.vary(drumlin.read_brake(path), changed)
+    assert of_path.friction == 0.4
+    with pytest.raises(drumlin.BadInput, match="path of a brake file, not NoneType"):
+        drumlin.vary(None, changed)
+
+
+def test_the_slip_of_the_whole_contact_lies_between_the_rotations_of_its_line(brake):
+    """Coarse steps name an interval that holds the one of fine steps."""
+
+    def interval(**options):
+        line = drumlin.hold(brake, elements=6, **options).lines()[1]
+        found = re.fullmatch("the whole contact slips from rotation between (.*) and (.*) deg on", line)
+        return tuple(map(float, found.groups()))
+
+    fine = interval()
+    assert 0 < fine[0] < fine[1] < 1.1 * fine[0]
+    coarse = interval(rotation=1.0, steps=5)
+    assert coarse[0] == 0 and coarse[1] > fine[1]
+
+
+# Angles in degrees where radians are meant.
+
+
+def test_a_clearance_over_degrees_is_refused(brake):
+    rows = np.array([[-70.0, 1e-5], [55.0, 0.0]])
+    key = "shoe.right.lining.clearance"
+    said = r"the row at -70 rad is more than a turn beyond the lining .*did you mean -70 deg\?"
+    with pytest.raises(drumlin.BadInput, match=said):
+        drumlin.vary(brake, {key: rows})
+    right = drumlin.vary(brake, {key: np.column_stack([np.radians(rows[:, 0]), rows[:, 1]])})
+    assert right.shoes[0].lining.clearance[0] == (math.radians(-70), 1e-5)
+
+
+def test_a_pressure_at_degrees_is_refused(brake):
+    shoe = drumlin.solve(brake, "sine").shoes[0]
+    assert shoe.pressure_at(np.radians(20)) > 0 == shoe.pressure_at(np.radians(90))
+    for theta in (20, np.array([0.1, 20.0])):
+        with pytest.raises(drumlin.BadInput, match="^theta = 20: is far beyond the lining, which"):
+            shoe.pressure_at(theta)
