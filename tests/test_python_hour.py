@@ -110,3 +110,53 @@ def test_a_pressure_at_degrees_is_refused(brake):
     for theta in (20, np.array([0.1, 20.0])):
         with pytest.raises(drumlin.BadInput, match="^theta = 20: is far beyond the lining, which"):
             shoe.pressure_at(theta)
+
+
+# Wear.
+
+
+def test_a_run_that_wears_a_lining_through_keeps_its_states():
+    """Under four times the force and a tenth of the stiffness the leading shoe is worn through."""
+    brake = drumlin.example("double_shoe_flexible")
+    worn = drumlin.wear(brake, elements=12, distance="3000 km")
+    said = r"^shoe 'left': its lining of 8 mm is worn through after (.*) km of the 3000 km"
+    after = float(re.search(said, worn.ended).group(1))
+    assert worn.states[-1].s == pytest.approx(after * 1e3, rel=1e-3)
+    assert worn.states[-1].depth.max() == pytest.approx(8e-3, rel=1e-3)
+    assert repr(worn).splitlines()[-1] == f"ended: {worn.ended}"
+    assert worn.as_dict()["ended"] == worn.ended
+    whole = drumlin.wear(brake, elements=12, distance=0.9e3 * after)
+    assert whole.ended == "" and "ended" not in whole.as_dict()
+
+
+def test_a_state_of_wear_has_its_linings_by_shoe(brake):
+    worn = drumlin.wear(brake, elements=12, distance="20 km")
+    state = worn.states[-1]
+    right, left = worn.linings(state)
+    assert (right.name, left.name) == ("right", "left")
+    for lining, shoe in zip((right, left), brake.shoes, strict=True):
+        ends = lining.theta[[0, -1]]
+        assert ends == pytest.approx([shoe.lining.start, shoe.lining.end], rel=1e-12)
+        assert (np.diff(lining.theta) > 0).all() and lining.depth.shape == lining.theta.shape
+    both = np.concatenate([right.pressure, left.pressure])
+    assert np.array_equal(np.sort(both), np.sort(state.pressure))
+    assert "array(" in repr(right) and len(repr(right)) < 120
+    # Width times radius times the areas below both depths is the worn volume.
+    areas = [np.trapezoid(lining.depth, lining.theta) for lining in (right, left)]
+    assert 0.04 * 0.15 * sum(areas) == pytest.approx(state.removed, rel=0.01)
+
+
+def test_a_distance_and_a_coefficient_without_unit_are_told(brake):
+    worn = drumlin.wear(brake, elements=6, distance="0.2")
+    assert worn.notes == (f"distance = '0.2' has no unit: 0.2 times 1/(k K), {0.2 * 8 / 3:.5g} km",)
+    assert repr(worn).startswith(worn.notes[0])
+    assert drumlin.wear(brake, elements=6, distance="1 km").notes == ()
+    said = r"^coefficient = 1e-05: a number is in 1/Pa.*did you mean \"1e-05 mm\^3/\(N m\)\"\?$"
+    with pytest.raises(drumlin.BadInput, match=said):
+        drumlin.wear(brake, elements=6, coefficient=1e-5)
+
+
+def test_headings_of_wear_stand_apart(brake):
+    lines = drumlin.wear(brake, elements=6, distance="1 km").lines()
+    assert len(re.split(" {2,}", lines[1].strip())) == len(lines[3].split()) == 8
+    assert "p alternates from node to node by" in lines[-2]

@@ -613,8 +613,9 @@ def wear(
     ----------
     brake : the brake, or the path of its file
     model : "fem", "solid" or "foundation", the elastic model whose linings wear
-    distance : sliding distance [m], or a text: "20 km", or "20" for 20 times 1/(k K) with K = E/t
-        of the lining; None: until pressure and torque no longer change
+    distance : sliding distance [m], or a text: "20 km". A text without a unit counts in 1/(k K)
+        with K = E/t of the lining: "20" is 20 times this distance, not 20 m, and the run says so in
+        its `notes`. None: until pressure and torque no longer change
     coefficient : wear coefficient k [1/Pa], or a text such as "1e-5 mm^3/(N m)"; with another
         exponent than 1 it is the value at 1 MPa
     exponent : exponent of the pressure in the wear rate
@@ -633,16 +634,18 @@ def wear(
     Returns
     -------
     WearRun
-        `states`, beginning with the unworn linings, each with sliding distance [m], wear depth [m],
-        pressure [Pa] and torque [N m]; `target`, the pressure that wear tends to; `lines()` and
-        `as_dict()`
+        `states`, beginning with the unworn linings, each with the sliding distance `s` [m], the
+        `torque` [N m], and `depth` [m] and `pressure` [Pa] at the nodes of all linings;
+        `linings(state)` has them for each lining, with its angles `theta` [rad] and the name of the
+        shoe. `target` is the pressure that wear tends to, `ended` says why the run ends early, as
+        where a lining is worn through; `lines()` and `as_dict()`
 
     Raises
     ------
     BadInput
         for a model that does not wear, an option out of range or of the other model
     NoAnswer
-        for no equilibrium, no convergence, self-locking, a lining that is worn through
+        for no equilibrium, no convergence, self-locking
 
     Examples
     --------
@@ -783,8 +786,9 @@ def hold(
     Returns
     -------
     HoldingRun
-        `steps` + 1 `states`, each with the rotation [rad], the moment [N m], the fraction of the
-        nodes that stick, the dissipated work [J], and pressure and traction [Pa] on each shoe
+        `steps` + 1 `states`, each with `rotation` [rad] or on a plane the slide [m], `torque`, the
+        moment [N m] that is held, `sticking`, the fraction of the nodes that stick, `dissipated`,
+        the work [J] of slip, and for each shoe `theta` [rad], `pressure` and `traction` [Pa]
 
     Raises
     ------
