@@ -2,13 +2,17 @@
 
 import math
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 import drumlin
 from command_line import drumlin as run
+from drumlin.base.texts import error_text_in_percent
 from drumlin.models import MODELS, NAMES_OF_BUILT_IN_MODELS
+from drumlin.studies import paths_of_example_brakes
+from drumlin.verification.check import pressure_curves_as_csv
 
 
 @pytest.fixture
@@ -160,3 +164,70 @@ def test_headings_of_wear_stand_apart(brake):
     lines = drumlin.wear(brake, elements=6, distance="1 km").lines()
     assert len(re.split(" {2,}", lines[1].strip())) == len(lines[3].split()) == 8
     assert "p alternates from node to node by" in lines[-2]
+
+
+# What an answer shows of itself.
+
+
+def test_a_response_shows_its_errors_and_the_load_of_its_pins(brake):
+    response = drumlin.solve(brake)
+    lines = repr(response).splitlines()
+    loads = [np.linalg.norm(shoe.hinge_reaction) for shoe in response.shoes]
+    assert "reaction [N]" in lines[1]
+    for line, load in zip(lines[2:4], loads, strict=True):
+        assert f"  {load:.6g}  " in line
+    text = " ".join(" ".join(lines).split())
+    for error in (*response.error.values(), *response.plane_stress_error.brake.values()):
+        assert error_text_in_percent(error) in text
+    assert "error of plane stress itself" in text
+    assert "is 36 % of mu_lock = 0.8231 by the rigid-shoe law" in text
+    assert repr(response.self_locking) == response.self_locking.line()
+    for line in lines[-4:]:
+        assert len(line) <= 100
+    assert "error of plane stress itself" in response._repr_html_()
+
+
+def test_a_response_shows_its_warnings(brake):
+    near = drumlin.solve(drumlin.vary(brake, {"friction": 0.7}), "sine")
+    (warning,) = (note for note in near.notes if note.startswith("warning:"))
+    assert warning[:60] in repr(near)
+
+
+@pytest.mark.slow
+def test_a_solid_response_shows_its_peak_over_the_width():
+    """The mean over the width has a lower peak than the pressure under the web."""
+    response = drumlin.solve(drumlin.example("plane_stress"), "solid", tolerance=0.1)
+    (note,) = (note for note in response.notes if note.startswith("peak p over the width:"))
+    peaks = [float(number) for number in re.findall(r"([0-9.]+) MPa", note)]
+    for shoe, peak in zip(response.shoes, peaks, strict=True):
+        assert peak > 1.1 * shoe.peak_pressure * 1e-6
+        # Between its nodes the pressure may be somewhat higher than at a node.
+        assert peak < 1.02 * shoe.surface.pressure.max() * 1e-6
+    assert note[:60] in repr(response)
+
+
+def test_a_check_shows_its_lines_and_takes_one_measured_shoe(tmp_path):
+    example = drumlin.example("double_shoe")
+    path = paths_of_example_brakes()["double_shoe"]
+    shown = repr(drumlin.check(path, pressure_table(tmp_path, example.shoes), tolerance="5 %"))
+    assert shown.splitlines()[0].startswith("reference: ")
+    assert shown.splitlines()[-1] == "within 5 % of the reference"
+    one = drumlin.check(path, pressure_table(tmp_path, example.shoes[1:]), tolerance=0.05)
+    assert [verdict.shoe for verdict in one.verdicts] == ["left"]
+    assert one.within and one.lines()[0].startswith("shoe 'right': not compared, the table has no")
+    with pytest.raises(drumlin.BadInput, match="has no points below its heading"):
+        drumlin.check(path, pressure_table(tmp_path, ()))
+    for wrong in ("5 percent", "%", "5 N"):
+        with pytest.raises(drumlin.BadInput, match="^tolerance = .*must be a fraction such as 0"):
+            drumlin.check(path, "nowhere.csv", tolerance=wrong)
+
+
+def pressure_table(folder, shoes):
+    """The path of a table with the pressures of some shoes of the double-shoe brake."""
+    response = drumlin.solve(drumlin.example("double_shoe"))
+    names = [shoe.name for shoe in shoes]
+    kept = tuple(shoe for shoe in response.shoes if shoe.name in names)
+    path = folder / "p.csv"
+    text = pressure_curves_as_csv(replace(response, shoes=kept))
+    path.write_text(text if kept else "shoe,theta [deg],p [MPa]\n")
+    return path

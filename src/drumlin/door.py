@@ -207,6 +207,22 @@ def _value_of_function_option_in_si(option: str, value: float | str, unit: str) 
     )
 
 
+def _fraction_from_number_or_percentage(option: str, value: float | str) -> float:
+    """The fraction that an option gives as a number, such as 0.05, or as a text such as "5 %".
+
+    Raises BadInput for another text; `option` is the name of the option in the message.
+    """
+    if not isinstance(value, str):
+        return value
+    number = value.strip().removesuffix("%")
+    try:
+        return float(number) * (1e-2 if number != value.strip() else 1.0)
+    except ValueError as error:
+        raise BadInput(
+            f'{option} = {value!r}: must be a fraction such as 0.05, or a text such as "5 %"'
+        ) from error
+
+
 @_make_public_function_that_solves
 def solve(
     brake: BrakeOrPath,
@@ -311,6 +327,7 @@ def _response_with_notes_and_self_locking(
         response_with_note_on_ignored_keys,
         self_locking_by_rigid_shoe_law,
     )
+    from drumlin.response.face import peak_pressures_over_width_as_line
 
     # Notes on unlikely values come with a result, and also with the reason why there is no result.
     notes = notes_on_implausible_brake_values(whole)
@@ -321,6 +338,9 @@ def _response_with_notes_and_self_locking(
             raise
         raise NoAnswer("; ".join((str(error), *notes))) from error
     response = response_with_note_on_ignored_keys(whole, response)
+    over_width = peak_pressures_over_width_as_line(whole, response)
+    if over_width:
+        response = replace(response, notes=(*response.notes, over_width))
     key = first_key_of_pressure_dependent_friction(whole)
     if key is not None and response.self_locking is None:
         linings = " for unworn linings" if options.get("worn_in") else ""
@@ -1033,29 +1053,44 @@ class CheckResult(NamedTuple):
 
     Attributes
     ----------
-    verdicts : for each shoe the relative distances of pressure and torque
+    verdicts : for each shoe of the table the relative distances of pressure and torque
     tolerance : largest allowed relative distance, of the pressure in L2 and of the torque
     reference : path of the reference values, or "made anew"
     surface : the surface of the brake, drum or plane
+    shoes_without_points : names of the shoes of which the table has no points
     """
 
     verdicts: tuple[DeviationOfCurveFromReference, ...]
     tolerance: float
     reference: str
     surface: FrictionSurface
+    shoes_without_points: tuple[str, ...] = ()
+
+    def __repr__(self) -> str:
+        """The reference, and the lines of `lines`."""
+        return "\n".join([f"reference: {self.reference}", *self.lines()])
 
     @property
     def within(self) -> bool:
-        """Whether the distances of every shoe are within the tolerance."""
+        """Whether the distances of every shoe of the table are within the tolerance."""
         from drumlin.verification.check import are_curve_deviations_within_tolerance
 
         return are_curve_deviations_within_tolerance(self.verdicts, self.tolerance)
 
     def lines(self) -> list[str]:
-        """Lines of text about the errors of each shoe; the last line is a verdict on all shoes."""
+        """Lines of text about the errors of each shoe; the last line is a verdict on all of them.
+
+        A shoe of which the table has no points has a line that says so.
+        """
         from drumlin.verification.check import text_lines_on_errors_of_pressure_table
 
-        return text_lines_on_errors_of_pressure_table(self.verdicts, self.tolerance, self.surface)
+        missing = [
+            f"shoe {name!r}: not compared, the table has no points of it"
+            for name in self.shoes_without_points
+        ]
+        return missing + text_lines_on_errors_of_pressure_table(
+            self.verdicts, self.tolerance, self.surface
+        )
 
 
 @_make_public_function_that_solves
@@ -1064,7 +1099,7 @@ def check(
     result: Path | str,
     *,
     reference: Path | str | None = None,
-    tolerance: float = 0.01,
+    tolerance: float | str = 0.01,
     say: FunctionThatShowsProgressText = _ignore_text_about_progress,
 ) -> CheckResult:
     """Compare pressures p(theta) from any source with reference values of the brake.
@@ -1073,16 +1108,18 @@ def check(
     ----------
     brake : the brake, or the path of its file
     result : path of a CSV file with the columns "shoe", "theta [deg]" (on a plane "x [mm]") and
-        "p [MPa]"; other units as well
+        "p [MPa]"; other units as well. A shoe without points in the file is not compared
     reference : path of reference values; None: the stored values for the brake's file, or else
         values that are computed anew, which takes minutes
-    tolerance : largest allowed relative distance of p (L2) and of the torque, between 0 and 1
+    tolerance : largest allowed relative distance of p (L2) and of the torque, between 0 and 1, or a
+        text such as "5 %"
     say : function that is called with a line if reference values must be computed
 
     Returns
     -------
     CheckResult
-        `verdicts` with the relative distances of p and torque for each shoe, `within` and `lines()`
+        `verdicts` with the relative distances of p and torque for each shoe, `within` and
+        `lines()`, which it shows
 
     Raises
     ------
@@ -1109,8 +1146,9 @@ def check(
         read_reference_file,
     )
 
-    if not 0 < tolerance < 1:
-        raise BadInput(f"--tolerance = {tolerance:g}: must be greater than 0 and less than 1")
+    allowed = _fraction_from_number_or_percentage("--tolerance", tolerance)
+    if not 0 < allowed < 1:
+        raise BadInput(f"--tolerance = {allowed:g}: must be greater than 0 and less than 1")
     source = _brake_with_text_of_its_file(brake)
     # A missing reference takes minutes, so that the refusal comes before it.
     require_friction_independent_of_pressure(source.brake, "check")
@@ -1128,7 +1166,8 @@ def check(
     else:
         found, name = read_reference_file(Path(known)), str(known)
     verdicts = verdicts_on(source.brake, found, curves)
-    return CheckResult(tuple(verdicts), tolerance, name, source.brake.surface)
+    missing = tuple(shoe.name for shoe in source.brake.shoes if shoe.name not in curves)
+    return CheckResult(tuple(verdicts), allowed, name, source.brake.surface, missing)
 
 
 @_make_public_function_that_solves

@@ -13,6 +13,10 @@ from drumlin.response.resultants import (
 )
 
 
+BEGIN_OF_NOTE_ON_PEAKS_OVER_WIDTH = "peak p over the width:"
+"""First words of the note of a solid model that gives the peaks over the arc and the width."""
+
+
 class PressureOnFaceOfLining(NamedTuple):
     """The pressure p(theta, z) on the face of a lining, and its peak.
 
@@ -90,3 +94,21 @@ def pressure_on_face_of_lining(
         peak_theta=float(points[inside][curve[inside].argmax()]),
         peak_z=float(z[at]),
     )
+
+
+def peak_pressures_over_width_as_line(brake: Brake, response: Response) -> str:
+    """The peak pressures over arc and width as one line of text; "" for a plane-stress model.
+
+    The line has no entry for a shoe that does not touch.
+    """
+    shown, unit, peaks = brake.surface.si_to_shown_unit_factor, brake.surface.shown_unit, []
+    for i in range(len(response.shoes)):
+        face = pressure_on_face_of_lining(brake, response, i)
+        if face is not None:
+            # Adding 0.0 turns a negative zero into a zero without sign.
+            at = f"{face.peak_theta * shown + 0.0:.1f} {unit}"
+            place = f"at {at}, {face.peak_z * 1e3:.1f} mm from the mid-plane"
+            peaks.append(f"{face.shoe} {face.peak * 1e-6:.4g} MPa {place}")
+    if not peaks:
+        return ""
+    return f"{BEGIN_OF_NOTE_ON_PEAKS_OVER_WIDTH} {'; '.join(peaks)}; its error is not known"

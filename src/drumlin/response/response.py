@@ -527,8 +527,9 @@ class Response(BaseClassWithArrayEquality):
     notes : lines of text for the reader, such as warnings
     merits : figures of merit of each shoe; empty until `response_with_figures_of_merit` adds them
     bearing_load : (2,) [N], force of all shoes on the drum, which the drum's bearings carry
-    error : estimated relative errors by their keys "pressure" (of the worst shoe, L2 norm outside
-        the edge zones) and "torque"; None if nothing was estimated
+    error : estimated relative errors of the elements by their keys "torque" (of the brake),
+        "pressure" (L2 norm outside the edge zones), "peak" (of the peak pressure) and "reaction",
+        each but the first of the worst shoe; None if nothing was estimated
     surface : friction surface; always FRICTION_SURFACE_OF_DRUM until
         `response_with_figures_of_merit` sets drum or plane
     plane_stress_error : estimated error of the assumption of plane stress; None if it was not asked

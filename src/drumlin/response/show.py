@@ -1,11 +1,14 @@
 """Show a response to the reader: a short table as text or HTML, and a plot of the pressure."""
 
+import textwrap
+from collections.abc import Mapping
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from drumlin.base.shown_tables import html_table_with_caption, text_lines_of_aligned_columns
+from drumlin.base.texts import error_text_in_percent
 from drumlin.brake.surface import FrictionSurface
 
 if TYPE_CHECKING:
@@ -16,6 +19,9 @@ DRAWN_POINTS_PER_POLYNOMIAL_PIECE = 20
 
 More points do not change a small plot.
 """
+
+WIDTH_OF_SHOWN_LINES = 100
+"""Number of characters after which a line below the table of a response is broken."""
 
 TOP_OVER_PEAK = 1.12
 """Upper end of the pressure axis, relative to the largest peak pressure, as in reports."""
@@ -37,6 +43,7 @@ def rows_of_response_table(response: "Response") -> list[tuple[str, ...]]:
         "normal force [N]",
         "peak pressure [MPa]",
         f"contact [{surface.shown_unit}]",
+        "reaction [N]",
         "self-energising",
     )
     rows: list[tuple[str, ...]] = [head]
@@ -47,23 +54,96 @@ def rows_of_response_table(response: "Response") -> list[tuple[str, ...]]:
             f"{shoe.normal_force:.6g}",
             f"{shoe.peak_pressure * 1e-6:.4g}",
             text_of_contact_arcs(shoe, surface),
+            f"{np.linalg.norm(shoe.hinge_reaction):.6g}",
             "yes" if shoe.self_energising else "no",
         )
         rows.append(row)
-    return [*rows, ("all", f"{response.effect:.6g}", "", "", "", "")]
+    return [*rows, ("all", f"{response.effect:.6g}", "", "", "", "", "")]
+
+
+def estimated_errors_as_line(effect: str, error: Mapping[str, float]) -> str:
+    """The estimated relative errors of pressure, torque, peak and reaction as one line of text.
+
+    `effect` is the printed name of the torque, or of the braking force on a plane. An estimate of 1
+    or more says that the value is not known.
+    """
+    texts = {key: error_text_in_percent(e) if e < 1 else "not known" for key, e in error.items()}
+    line = f"estimated error: p {texts['pressure']} (L2, worst shoe)"
+    names = {"torque": effect, "peak": "peak pressure", "reaction": "hinge reaction"}
+    for key, name in names.items():
+        if key in texts:
+            line += f", {name} {texts[key]}"
+    return line
+
+
+def plane_stress_errors_as_line(effect: str, response: "Response") -> str:
+    """The estimated relative errors of the plane-stress assumption as one line of text.
+
+    Where the errors of the mesh are known too, the line also gives the sums of both errors.
+    `effect` is the printed name of the torque, or of the braking force on a plane.
+    """
+    found, mesh = response.plane_stress_error, response.error
+    # The caller has made sure that the response states errors of plane stress.
+    assert found is not None
+    if found.unknown:
+        return f"error of plane stress itself: not known, {found.unknown}"
+    names = {"torque": effect, "reaction": "hinge reaction"}
+    subject = "error of plane stress itself"
+    if found.corrected:
+        subject = "error of plane stress after the correction for the widths"
+    line = f"{subject}: p {error_text_in_percent(found.brake['pressure'])} (mean over the width)"
+    for key, name in names.items():
+        line += f", {name} {error_text_in_percent(found.brake[key])}"
+    line += ", peak pressure not known"
+    if mesh is None:
+        return line
+    both = {key: found.brake[key] + mesh[key] for key in ("pressure", *names) if key in mesh}
+    line += f"; both together: p {error_text_in_percent(both.pop('pressure'))}"
+    for key, error in both.items():
+        line += f", {names[key]} {error_text_in_percent(error)}"
+    return line
+
+
+def lines_below_response_table(response: "Response") -> list[str]:
+    """The lines below the table of a response: self-locking, warnings and estimated errors.
+
+    Notes on the supports and on the steps of the solution are left out; `Response.notes` has them.
+    """
+    from drumlin.response.face import BEGIN_OF_NOTE_ON_PEAKS_OVER_WIDTH  # noqa: PLC0415
+
+    word = response.surface.word_for_torque_or_brake_force
+    lines = []
+    if response.self_locking is not None:
+        lines.append(response.self_locking.line())
+    for note in response.notes:
+        starts = note.startswith(("warning:", "note:", BEGIN_OF_NOTE_ON_PEAKS_OVER_WIDTH))
+        if starts or ": no contact" in note:
+            lines.append(note)
+    if response.error is not None:
+        lines.append(estimated_errors_as_line(word, response.error))
+    if response.plane_stress_error is not None:
+        lines.append(plane_stress_errors_as_line(word, response))
+    return lines
 
 
 def text_of_response(response: "Response") -> str:
-    """A response as text: a line with model and torque, and a table with aligned columns."""
-    table = text_lines_of_aligned_columns(rows_of_response_table(response))
-    return "\n".join([_title_line_of_response(response), *table])
+    """A response as text: model and torque, a table with aligned columns, warnings and errors."""
+    lines = text_lines_of_aligned_columns(rows_of_response_table(response))
+    for line in lines_below_response_table(response):
+        lines += textwrap.wrap(line, WIDTH_OF_SHOWN_LINES, subsequent_indent="  ")
+    return "\n".join([_title_line_of_response(response), *lines])
 
 
 def html_table_of_response(response: "Response") -> str:
-    """A response as an HTML table, which notebooks display."""
-    return html_table_with_caption(
+    """A response as an HTML table with lines below it, which notebooks display."""
+    # The standard module `html` loads a table of all entities, and only notebooks need it.
+    from html import escape  # noqa: PLC0415
+
+    table = html_table_with_caption(
         _title_line_of_response(response), rows_of_response_table(response)
     )
+    lines = [f"<div>{escape(line)}</div>" for line in lines_below_response_table(response)]
+    return "".join([table, *lines])
 
 
 def plot_pressure_of_each_shoe(response: "Response", axes: Any = None, prefix: str = "") -> Any:
