@@ -231,3 +231,57 @@ def pressure_table(folder, shoes):
     text = pressure_curves_as_csv(replace(response, shoes=kept))
     path.write_text(text if kept else "shoe,theta [deg],p [MPa]\n")
     return path
+
+
+def test_a_comparison_shows_the_differences_in_pressure(brake):
+    compared = drumlin.compare(brake, models=["fem", "sine"])
+    rows = {(row["model"], row["shoe"]): row for row in compared.rows}
+    assert len({tuple(row) for row in compared.rows}) == 1
+    assert rows["fem", "left"]["pressure_error"] is None
+    lines = repr(compared).splitlines()
+    head, fem, sine = (re.split(" {2,}", line) for line in lines[1:4])
+    shown = dict(zip(head, sine, strict=True))
+    worst = max(rows["sine", name]["pressure_error"] for name in ("right", "left"))
+    assert shown["p off fem [%]"] == f"{100 * worst:.1f}"
+    peak = max((rows["sine", name]["peak_error"] for name in ("right", "left")), key=abs)
+    assert shown["peak p off fem [%]"] == f"{100 * peak:+.1f}"
+    stated = compared.responses["fem"].error
+    by_fem = dict(zip(head, fem, strict=True))
+    assert by_fem["stated: torque [%]"] == f"{100 * stated['torque']:.1g}"
+    assert by_fem["stated: p [%]"] == f"{100 * stated['pressure']:.1g}"
+    assert lines[-1].startswith("off fem: difference from plane-stress fem")
+
+
+def test_a_plot_of_a_comparison_has_a_colour_for_each_model(brake):
+    axes = drumlin.compare(brake, models=["fem", "sine", "cosine"]).plot()
+    colors = [line.get_color() for line in axes.lines]
+    styles = [line.get_linestyle() for line in axes.lines]
+    assert colors == ["C0", "C0", "C1", "C1", "C2", "C2"]
+    assert styles == ["-", "--"] * 3
+    assert axes.get_legend().get_title().get_text() == "cut at the top: p at sharp edges"
+    uncut = drumlin.solve(brake, "sine").plot()
+    assert uncut.get_legend().get_title().get_text() == ""
+    assert len({line.get_color() for line in uncut.lines}) == 2
+
+
+# Keys, options and fields.
+
+
+@pytest.mark.parametrize(
+    ("key", "said"),
+    [
+        ("shoe.rigth.lining.width", r"'rigth' .did you mean 'right'..; allowed: .* names right, l"),
+        ("shoes.right.lining.width", r"'shoes' .did you mean 'shoe'"),
+        ("shoe.right.linning.width", r"'linning' .did you mean 'lining'"),
+    ],
+)
+def test_a_misspelt_name_in_a_key_gets_the_names_of_the_shoes(brake, key, said):
+    with pytest.raises(drumlin.BadInput, match=f"^{re.escape(key)}: unknown key {said}"):
+        drumlin.vary(brake, {key: 0.05})
+
+
+def test_an_option_of_two_models_names_both(brake):
+    with pytest.raises(drumlin.BadInput, match=r"; penalty and tolerance also to model=\"solid\"$"):
+        drumlin.solve(brake, "sine", tolerance=0.1, penalty=10.0)
+    with pytest.raises(drumlin.BadInput, match="not to 'sine'$"):
+        drumlin.solve(brake, "sine", kind="quad2")

@@ -267,7 +267,7 @@ def solve(
     Response
         the torque [N m], the load of the drum's bearings [N], and for each shoe its pressure
         p(theta) [Pa over rad], reactions [N] and figures of merit; on a plane the braking force [N]
-        and pressures over x [m]
+        and pressures over x [m]. `plot()` draws the pressures and returns matplotlib axes
 
     Raises
     ------
@@ -387,8 +387,8 @@ def compare(
     -------
     ModelComparison
         `responses` has the results by model. `rows` has the rows of a table with run times [s] and
-        errors relative to the finite elements, as fractions; a model without an answer has a row
-        with the reason
+        differences from the finite elements in plane stress, as fractions; a model without an
+        answer has a row with the reason. `plot()` draws the pressures and returns matplotlib axes
 
     Raises
     ------

@@ -146,13 +146,20 @@ def html_table_of_response(response: "Response") -> str:
     return "".join([table, *lines])
 
 
-def plot_pressure_of_each_shoe(response: "Response", axes: Any = None, prefix: str = "") -> Any:
+LINE_STYLES_OF_SHOES = ("-", "--", ":", "-.")
+"""Styles of the lines of the first, second, third and fourth shoe where models have colours."""
+
+
+def plot_pressure_of_each_shoe(
+    response: "Response", axes: Any = None, prefix: str = "", color: str | None = None
+) -> Any:
     """Draw the pressure of every shoe, in MPa over degrees, or over mm on a plane.
 
     The curves are drawn into the given matplotlib `axes`, or into new axes if it is None. In the
-    legend `prefix` stands before the name of the shoe. The vertical axis ends above the largest
-    peak pressure: the unbounded pressure at a sharp edge of a lining is cut. The function returns
-    the axes.
+    legend `prefix` stands before the name of the shoe. With a `color` all curves have it, and the
+    shoes differ by the style of their lines; without, each shoe has a colour. The vertical axis
+    ends above the largest peak pressure: the unbounded pressure at a sharp edge of a lining is cut,
+    and the legend says so. The function returns the axes.
     """
     if axes is None:
         # matplotlib is loaded only when something is drawn.
@@ -161,7 +168,7 @@ def plot_pressure_of_each_shoe(response: "Response", axes: Any = None, prefix: s
         _, axes = plt.subplots()
     surface = response.surface
     top = axes.get_ylim()[1] if axes.has_data() else 0.0
-    for shoe in response.shoes:
+    for number, shoe in enumerate(response.shoes):
         top = max(top, TOP_OVER_PEAK * shoe.peak_pressure * 1e-6)
         ends = shoe.theta[:: shoe.order]
         pieces = [np.linspace(a, b, DRAWN_POINTS_PER_POLYNOMIAL_PIECE) for a, b in pairwise(ends)]
@@ -170,6 +177,8 @@ def plot_pressure_of_each_shoe(response: "Response", axes: Any = None, prefix: s
             theta * surface.si_to_shown_unit_factor,
             shoe.pressure_at(theta) * 1e-6,
             label=f"{prefix}{shoe.name}",
+            color=color,
+            linestyle="-" if color is None else LINE_STYLES_OF_SHOES[number % 4],
         )
     axes.set(
         xlabel=surface.axis_label_in_python,
@@ -178,7 +187,8 @@ def plot_pressure_of_each_shoe(response: "Response", axes: Any = None, prefix: s
     )
     if top > 0:
         axes.set_ylim(0, top)
-    axes.legend()
+    is_cut = any(np.max(line.get_ydata()) > top > 0 for line in axes.lines)
+    axes.legend(title="cut at the top: p at sharp edges" if is_cut else None)
     return axes
 
 

@@ -276,7 +276,9 @@ class SweepTable(Sequence[CaseResultsByName]):
         try:
             pandas = importlib.import_module("pandas")
         except ImportError as error:
-            raise BadInput("to_pandas: needs the package pandas, which is not installed") from error
+            raise BadInput(
+                "to_pandas: needs the package pandas, which is not installed: pip install pandas"
+            ) from error
         given = self._headings_of_case_inputs()
         records = []
         for row in self.rows:
