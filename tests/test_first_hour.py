@@ -105,7 +105,7 @@ def test_parts_of_results_show_no_arrays(brake):
     assert "ContactNodesOfHeldLiningFace(z=array(1,), pressure=array(13, 1)" in repr(state)
     body = drumlin.fields(brake, elements=6)[0]
     assert repr(body) == (
-        f"{len(body.points)} nodes, {len(body.cells)} cells quad, displacement up to "
+        f"right: {len(body.points)} nodes, {len(body.cells)} cells quad, displacement up to "
         f"{1e3 * np.hypot(*body.displacement.T).max():.3g} mm, von Mises stress up to "
         f"{body.von_mises.max() / 1e6:.3g} MPa"
     )

@@ -61,12 +61,12 @@ def test_a_law_that_fails_is_a_failed_row_and_no_end_of_a_comparison(brake, laws
 
 def test_a_law_of_your_own_can_be_removed(brake, laws):
     drumlin.law("toe")(lambda phi, layout: np.sin(phi))
-    with pytest.raises(drumlin.BadInput, match="no law of your own has this name; allowed: toe$"):
+    with pytest.raises(drumlin.BadInput, match=r"no law of your own has this name; allowed: toe$"):
         drumlin.remove_law("sine")
     drumlin.remove_law("toe")
-    with pytest.raises(drumlin.BadInput, match="'toe': unknown model"):
+    with pytest.raises(drumlin.BadInput, match=r"'toe': unknown model"):
         drumlin.solve(brake, "toe")
-    with pytest.raises(drumlin.BadInput, match="allowed: none, as no law is registered$"):
+    with pytest.raises(drumlin.BadInput, match=r"allowed: none, as no law is registered$"):
         drumlin.remove_law("toe")
 
 
@@ -77,7 +77,7 @@ def test_vary_takes_the_path_of_a_brake_file(tmp_path):
     of_path = drumlin.vary(str(path), changed)
     assert of_path == drumlin.vary(drumlin.read_brake(path), changed)
     assert of_path.friction == 0.4
-    with pytest.raises(drumlin.BadInput, match="path of a brake file, not NoneType"):
+    with pytest.raises(drumlin.BadInput, match=r"path of a brake file, not NoneType"):
         drumlin.vary(None, changed)
 
 
@@ -86,7 +86,8 @@ def test_the_slip_of_the_whole_contact_lies_between_the_rotations_of_its_line(br
 
     def interval(**options):
         line = drumlin.hold(brake, elements=6, **options).lines()[1]
-        found = re.fullmatch("the whole contact slips from rotation between (.*) and (.*) deg on", line)
+        said = "the whole contact slips from rotation between (.*) and (.*) deg on"
+        found = re.fullmatch(said, line)
         return tuple(map(float, found.groups()))
 
     fine = interval()
@@ -112,7 +113,7 @@ def test_a_pressure_at_degrees_is_refused(brake):
     shoe = drumlin.solve(brake, "sine").shoes[0]
     assert shoe.pressure_at(np.radians(20)) > 0 == shoe.pressure_at(np.radians(90))
     for theta in (20, np.array([0.1, 20.0])):
-        with pytest.raises(drumlin.BadInput, match="^theta = 20: is far beyond the lining, which"):
+        with pytest.raises(drumlin.BadInput, match=r"^theta = 20: is far beyond the lining, which"):
             shoe.pressure_at(theta)
 
 
@@ -215,10 +216,10 @@ def test_a_check_shows_its_lines_and_takes_one_measured_shoe(tmp_path):
     one = drumlin.check(path, pressure_table(tmp_path, example.shoes[1:]), tolerance=0.05)
     assert [verdict.shoe for verdict in one.verdicts] == ["left"]
     assert one.within and one.lines()[0].startswith("shoe 'right': not compared, the table has no")
-    with pytest.raises(drumlin.BadInput, match="has no points below its heading"):
+    with pytest.raises(drumlin.BadInput, match=r"has no points below its heading"):
         drumlin.check(path, pressure_table(tmp_path, ()))
     for wrong in ("5 percent", "%", "5 N"):
-        with pytest.raises(drumlin.BadInput, match="^tolerance = .*must be a fraction such as 0"):
+        with pytest.raises(drumlin.BadInput, match=r"^tolerance = .*must be a fraction such as 0"):
             drumlin.check(path, "nowhere.csv", tolerance=wrong)
 
 
@@ -283,5 +284,21 @@ def test_a_misspelt_name_in_a_key_gets_the_names_of_the_shoes(brake, key, said):
 def test_an_option_of_two_models_names_both(brake):
     with pytest.raises(drumlin.BadInput, match=r"; penalty and tolerance also to model=\"solid\"$"):
         drumlin.solve(brake, "sine", tolerance=0.1, penalty=10.0)
-    with pytest.raises(drumlin.BadInput, match="not to 'sine'$"):
+    with pytest.raises(drumlin.BadInput, match=r"not to 'sine'$"):
         drumlin.solve(brake, "sine", kind="quad2")
+
+
+def test_fields_show_the_names_of_their_shoes(brake):
+    found = drumlin.fields(brake, elements=6)
+    assert [one.name for one in found] == ["right", "left"]
+    assert [repr(one).partition(":")[0] for one in found] == ["right", "left"]
+
+
+def test_quantiles_of_a_few_cases_are_not_shown(brake):
+    def quantiles(count):
+        frictions = np.linspace(0.2, 0.3, count)
+        table = drumlin.sweep(brake, {"friction": frictions}, model="sine")
+        return table.cells_of_statistics("torque")[1][3:5]
+
+    assert quantiles(19) == ("–", "–")
+    assert all(float(value) > 250 for value in quantiles(20))

@@ -538,7 +538,7 @@ def _refuse_word_that_is_neither_name_nor_key(
     key : the whole dotted key, for the error message
     """
     head, *rest = steps
-    names = [part.get("name") for part in parts if isinstance(part, dict)]
+    names = [str(part.get("name") or "") for part in parts if isinstance(part, dict)]
     # The last word of a key is checked together with the value.
     if not (rest and names and all(names)) or any(head in part for part in parts):
         return

@@ -112,7 +112,7 @@ class _NotesByPlaceInPrintout(NamedTuple):
         Some notes stand above the table, some below it, some at the end, and some are printed only
         with --verbose. The words of a note tell its place.
         """
-        from drumlin.response.face import BEGIN_OF_NOTE_ON_PEAKS_OVER_WIDTH
+        from drumlin.response.show import BEGIN_OF_NOTE_ON_PEAKS_OVER_WIDTH
 
         notes = cls([], [], [], [])
         for line in response.notes:
@@ -178,8 +178,8 @@ def _print_table_of_shoes(brake: "Brake", response: "Response") -> None:
     A line below the table tells if the ends of a lining were left out in the search for the peak
     pressure. For a model of solid shoes a note of the response gives the peaks over arc and width.
     """
-    from drumlin.response.face import BEGIN_OF_NOTE_ON_PEAKS_OVER_WIDTH
     from drumlin.response.response import place_of_peak_pressure
+    from drumlin.response.show import BEGIN_OF_NOTE_ON_PEAKS_OVER_WIDTH
 
     places = [place_of_peak_pressure(brake, i, shoe) for i, shoe in enumerate(response.shoes)]
     shown = brake.surface.si_to_shown_unit_factor

@@ -11,10 +11,7 @@ from drumlin.response.resultants import (
     LiningWithoutEndZones,
     length_of_edge_zone_left_out_of_pressure_errors,
 )
-
-
-BEGIN_OF_NOTE_ON_PEAKS_OVER_WIDTH = "peak p over the width:"
-"""First words of the note of a solid model that gives the peaks over the arc and the width."""
+from drumlin.response.show import BEGIN_OF_NOTE_ON_PEAKS_OVER_WIDTH
 
 
 class PressureOnFaceOfLining(NamedTuple):

@@ -23,6 +23,9 @@ More points do not change a small plot.
 WIDTH_OF_SHOWN_LINES = 100
 """Number of characters after which a line below the table of a response is broken."""
 
+BEGIN_OF_NOTE_ON_PEAKS_OVER_WIDTH = "peak p over the width:"
+"""First words of the note of a solid model that gives the peaks over the arc and the width."""
+
 TOP_OVER_PEAK = 1.12
 """Upper end of the pressure axis, relative to the largest peak pressure, as in reports."""
 
@@ -109,8 +112,6 @@ def lines_below_response_table(response: "Response") -> list[str]:
 
     Notes on the supports and on the steps of the solution are left out; `Response.notes` has them.
     """
-    from drumlin.response.face import BEGIN_OF_NOTE_ON_PEAKS_OVER_WIDTH  # noqa: PLC0415
-
     word = response.surface.word_for_torque_or_brake_force
     lines = []
     if response.self_locking is not None:

@@ -25,6 +25,14 @@ MOST_SHOWN_REASONS_OF_FAILED_CASES = 3
 """Largest number of reasons for failed cases that are shown, the most frequent first."""
 
 
+FEWEST_CASES_OF_SHOWN_QUANTILES = 20
+"""Smallest number of cases of which the quantiles of 5 % and of 95 % are shown.
+
+Of fewer cases one of them is more than 5 %, so that the quantiles lie between the two least and the
+two largest values.
+"""
+
+
 class ColumnStatistics(NamedTuple):
     """Statistics of one column of a sweep's table, over the solved cases with a number in it.
 
@@ -53,9 +61,13 @@ class ColumnStatistics(NamedTuple):
         """The cells of a row of the shown table; stresses in MPa, angles in degrees, lengths in mm.
 
         The cells have the order of STATISTICS_HEADINGS. The name of the model is not among them.
+        The quantiles of fewer than FEWEST_CASES_OF_SHOWN_QUANTILES cases are dashes.
         """
         shown = HeadingAndUnitFactorOfShownColumn.shown_column_for_heading(self.column)
-        return (shown.heading, *(shown.text(value, 4) for value in self[3:]))
+        row = self
+        if self.cases < FEWEST_CASES_OF_SHOWN_QUANTILES:
+            row = self._replace(low=math.nan, high=math.nan)
+        return (shown.heading, *(shown.text(value, 4) for value in row[3:]))
 
 
 STATISTICS_HEADINGS = ("", "mean", "spread", "5 %", "95 %", "least", "most")
