@@ -146,6 +146,12 @@ def test_a_state_of_wear_has_its_linings_by_shoe(brake):
     both = np.concatenate([right.pressure, left.pressure])
     assert np.array_equal(np.sort(both), np.sort(state.pressure))
     assert "array(" in repr(right) and len(repr(right)) < 120
+    # Over a short distance s the depth at an angle is k p s.
+    short = drumlin.wear(brake, elements=12, distance=10.0)
+    unworn = drumlin.solve(brake, elements=12).shoes
+    for lining, shoe in zip(short.linings(short.states[-1]), unworn, strict=True):
+        expected = 1e-14 * 10.0 * shoe.pressure_at(lining.theta)
+        assert lining.depth == pytest.approx(expected, abs=0.02 * expected.max())
     # Width times radius times the areas below both depths is the worn volume.
     areas = [np.trapezoid(lining.depth, lining.theta) for lining in (right, left)]
     assert 0.04 * 0.15 * sum(areas) == pytest.approx(state.removed, rel=0.01)
@@ -302,3 +308,13 @@ def test_quantiles_of_a_few_cases_are_not_shown(brake):
 
     assert quantiles(19) == ("–", "–")
     assert all(float(value) > 250 for value in quantiles(20))
+
+
+def test_a_sweep_shows_its_largest_errors(brake):
+    table = drumlin.sweep(brake, {"friction": [0.2, 0.3]})
+    lines = repr(table).splitlines()
+    largest = [error_text_in_percent(max(table[f"error_{key}"])) for key in ("torque", "pressure")]
+    assert lines[2] == (
+        f"estimated errors: torque at most {largest[0]}, p (L2, worst shoe) at most {largest[1]}"
+    )
+    assert "estimated" not in repr(drumlin.sweep(brake, {"friction": [0.2]}, model="sine"))

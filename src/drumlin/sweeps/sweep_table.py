@@ -13,6 +13,7 @@ import numpy as np
 from drumlin.base.arrays import Floats
 from drumlin.base.errors import BadInput
 from drumlin.base.shown_tables import html_table_with_caption, text_lines_of_aligned_columns
+from drumlin.base.texts import error_text_in_percent
 from drumlin.base.texts import did_you_mean_hint
 from drumlin.brake.units import PRINTED_UNIT_AND_FACTOR_BY_SI_UNIT
 from drumlin.sweeps.cases import CaseResultsByName
@@ -265,6 +266,17 @@ class SweepTable(Sequence[CaseResultsByName]):
             lines.append(f"  failed, {number}: {reason}")
         return [*lines, *self.notes]
 
+    def _lines_on_stated_errors(self) -> list[str]:
+        """A line on the largest errors that the solved cases state; none if no case states any."""
+        parts = []
+        for key, words in (("error_torque", "torque"), ("error_pressure", "p (L2, worst shoe)")):
+            solved = [row for row in self.rows if row["status"] == "solved"]
+            stated = [row[key] for row in solved if isinstance(row.get(key), float)]
+            known = [error for error in stated if not math.isnan(error)]
+            if known:
+                parts.append(f"{words} at most {error_text_in_percent(max(known))}")
+        return [f"estimated errors: {', '.join(parts)}"] if parts else []
+
     def write(self, path: Path | str) -> None:
         """Write the table into a file, CSV or Parquet by the ending of its name.
 
@@ -378,7 +390,11 @@ class SweepTable(Sequence[CaseResultsByName]):
 
     def __repr__(self) -> str:
         """The title, the outcome, the first rows and the statistics as text."""
-        lines = [self.title, *self.text_lines_on_outcome_of_cases()]
+        lines = [
+            self.title,
+            *self.text_lines_on_outcome_of_cases(),
+            *self._lines_on_stated_errors(),
+        ]
         lines += text_lines_of_aligned_columns(self._cells_of_displayed_table())
         if len(self.rows) > MOST_SHOWN_ROWS_OF_SWEEP_TABLE:
             lines.append(f"... {len(self.rows) - MOST_SHOWN_ROWS_OF_SWEEP_TABLE} further cases")
