@@ -13,8 +13,7 @@ import numpy as np
 from drumlin.base.arrays import Floats
 from drumlin.base.errors import BadInput
 from drumlin.base.shown_tables import html_table_with_caption, text_lines_of_aligned_columns
-from drumlin.base.texts import error_text_in_percent
-from drumlin.base.texts import did_you_mean_hint
+from drumlin.base.texts import did_you_mean_hint, error_text_in_percent
 from drumlin.brake.units import PRINTED_UNIT_AND_FACTOR_BY_SI_UNIT
 from drumlin.sweeps.cases import CaseResultsByName
 from drumlin.sweeps.table import check_table_file_is_writable, write_table_file
