@@ -318,3 +318,9 @@ def test_a_sweep_shows_its_largest_errors(brake):
         f"estimated errors: torque at most {largest[0]}, p (L2, worst shoe) at most {largest[1]}"
     )
     assert "estimated" not in repr(drumlin.sweep(brake, {"friction": [0.2]}, model="sine"))
+
+
+def test_a_large_array_in_place_of_a_path_is_told_by_its_shape(brake):
+    said = r"^result = array of shape \(300, 2\): must be a path or a text$"
+    with pytest.raises(drumlin.BadInput, match=said):
+        drumlin.check(brake, np.zeros((300, 2)))
