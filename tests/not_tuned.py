@@ -410,5 +410,6 @@ NOT_TUNED: dict[str, dict[str, str]] = {
     "response/show.py": {
         "DRAWN_POINTS_PER_POLYNOMIAL_PIECE": "points of a small picture",
         "TOP_OVER_PEAK": "room above the curves of a picture",
+        "WIDTH_OF_SHOWN_LINES": "width of shown lines, which changes no number",
     },
 }

@@ -97,10 +97,6 @@ def test_changes_of_a_brake_are_a_dict(brake, changes):
     said = f"^changes = {re.escape(repr(changes))}: must be a dict of new values by key, such as "
     with pytest.raises(drumlin.BadInput, match=said):
         drumlin.vary(brake, changes)
-    with pytest.raises(
-        drumlin.BadInput, match=r"^brake = 'my\.toml': must be a brake; drumlin\.re"
-    ):
-        drumlin.vary("my.toml", {"friction": 0.3})  # type: ignore[type-var]
 
 
 @pytest.mark.parametrize("key", ["[0].force", "shoe[].hinge.angle", "", ".", "friction.", 5])
@@ -141,7 +137,7 @@ RETURNED_BY_WRONG_LAWS = {
     "ragged": (lambda phi, layout: [[1.0], [1.0, 2.0]], r"returned \[\[1\.0\], \[1\.0, 2\.0\]\]$"),
     "raised": (
         lambda phi, layout: phi / layout.radius_of_hinge,
-        r"raised AttributeError: .*radius_of_hinge.* \(test_plain_meaning\.py:\d+\)$",
+        r"failed with AttributeError: .*radius_of_hinge.* \(test_plain_meaning\.py, line \d+\); ",
     ),
 }
 

@@ -12,9 +12,9 @@ cases. `size` finds the value of a key that gives a wanted torque or peak pressu
 linings, `hold` turns the drum from rest against the shoes, `sensitivity` gives derivatives of the
 torque, `self_locking` finds the friction at which the brake locks, and `fields` gives displacements
 and stresses. `reference` computes reference values with uncertainties,
-and `check` compares a table of p(theta) with them. `law` registers a pressure law of your own.
-`vary` makes a brake with changed values, and
-`write_brake` writes its file. Wrong input raises BadInput, and a brake without an answer raises
+and `check` compares a table of p(theta) with them. `law` registers a pressure law of your own, and
+`remove_law` removes it. `vary` makes a brake with changed values, and `write_brake` writes its
+file. Wrong input raises BadInput, and a brake without an answer raises
 NoAnswer, each with a message of one line. All numbers are in SI units.
 
 `import drumlin` loads no other module: each name below is loaded when it is first used.
@@ -25,8 +25,6 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from drumlin.base.errors import BadInput, NoAnswer
-    from drumlin.brake import read_drum_or_plane_brake as read_brake
-    from drumlin.brake import vary
     from drumlin.brake.brake import Brake
     from drumlin.door import (
         check,
@@ -35,12 +33,15 @@ if TYPE_CHECKING:
         fields,
         hold,
         law,
+        read_brake,
         reference,
+        remove_law,
         self_locking,
         sensitivity,
         size,
         solve,
         sweep,
+        vary,
         wear,
         write_brake,
     )
@@ -62,6 +63,7 @@ __all__ = [
     "law",
     "read_brake",
     "reference",
+    "remove_law",
     "self_locking",
     "sensitivity",
     "size",
@@ -78,8 +80,6 @@ _MODULE_AND_NAME_BY_PUBLIC_NAME = {
     "Brake": ("drumlin.brake", "Brake"),
     "NoAnswer": ("drumlin.base.errors", "NoAnswer"),
     "Response": ("drumlin.response", "Response"),
-    "read_brake": ("drumlin.brake", "read_drum_or_plane_brake"),
-    "vary": ("drumlin.brake", "vary"),
 }
 
 

@@ -16,7 +16,7 @@ from typing import Any, Generic, NamedTuple, TypeVar
 
 import numpy as np
 
-from drumlin.base.errors import BadInput, NoAnswer
+from drumlin.base.errors import BadInput, FailedLawOfUser, NoAnswer
 from drumlin.base.files import spreadsheet_cell_safe_from_being_run_as_formula
 from drumlin.base.shown_tables import html_table_with_caption, text_lines_of_aligned_columns
 from drumlin.base.texts import number_as_text
@@ -72,8 +72,8 @@ def solve_and_time_model(
 ) -> ModelResultOrReasonOfFailure:
     """Solve a brake by one model and measure the time.
 
-    If the model raises NoAnswer, the ModelResultOrReasonOfFailure has the reason, and no exception
-    is raised.
+    If the model raises NoAnswer, or if a law of the user fails, the ModelResultOrReasonOfFailure
+    has the reason, and no exception is raised.
 
     Parameters
     ----------
@@ -86,7 +86,7 @@ def solve_and_time_model(
         start = time.perf_counter()
         try:
             response = solve()
-        except NoAnswer as error:
+        except (FailedLawOfUser, NoAnswer) as error:
             failure = str(error)
         seconds.append(time.perf_counter() - start)
     return ModelResultOrReasonOfFailure(name, response, failure, median(seconds), repeats)
@@ -201,6 +201,20 @@ COLUMNS_OF_COMPARISON_TABLE = (
     ResultTableColumn("status", "status"),
 )
 """The columns of the table of a comparison, in their order."""
+
+
+HEADINGS_OF_DISPLAYED_COMPARISON = {
+    "torque_error": "torque off fem",
+    "peak_error": "peak p off fem",
+    "pressure_error": "p off fem",
+    "stated_torque_error": "stated: torque",
+    "stated_pressure_error": "stated: p",
+}
+"""Headings of columns of a comparison as Python shows it, by their keys.
+
+They are shorter than in reports, and call a difference from the finite elements by this name: for a
+solid model it is no error.
+"""
 
 
 def comparison_table_rows(
@@ -370,42 +384,87 @@ class ModelComparison(Generic[BrakeTypeVariable]):
 
     @property
     def rows(self) -> list[dict[str, Any]]:
-        """The rows of the table of the comparison, with errors relative to the finite elements."""
-        return comparison_table_rows(self.brake, self.outcomes, case=self.case)
+        """The rows of the table: for each model one for each shoe, and one for the shoe "all".
+
+        The values are in SI, and differences are fractions of the value by the finite elements in
+        plane stress ("fem"). A value that only other rows have is None.
+
+        - "torque" [N m], "peak_pressure" [Pa], "reaction" [N] and "contact" are the results.
+        - "torque_error" is the difference of the torque from fem, with its sign, and "peak_error"
+          that of the peak pressure.
+        - "pressure_error" is the L2 norm of the difference of p(theta) from fem, divided by the L2
+          norm of p by fem, without 0.2 degrees at each end of the lining.
+        - "reaction_error" is the length of the difference of the two reactions, relative to fem.
+        - "stated_torque_error" and "stated_pressure_error" are the errors that a model states.
+        - "seconds" is the run time of the model, and "status" has the reason of a failure.
+        """
+        found = comparison_table_rows(self.brake, self.outcomes, case=self.case)
+        keys = dict.fromkeys(chain.from_iterable(found))
+        return [{key: row.get(key) for key in keys} for row in found]
 
     def __repr__(self) -> str:
         """The comparison as a table of text."""
-        return "\n".join(
-            [self.case, *text_lines_of_aligned_columns(self._cells_of_displayed_table())]
-        )
+        lines = text_lines_of_aligned_columns(self._cells_of_displayed_table())
+        return "\n".join([self.case, *lines, *self._lines_below_displayed_table()])
 
     def _repr_html_(self) -> str:
         """The comparison as an HTML table, which notebooks display."""
-        return html_table_with_caption(self.case, self._cells_of_displayed_table())
+        table = html_table_with_caption(self.case, self._cells_of_displayed_table())
+        lines = [f"<div>{line}</div>" for line in self._lines_below_displayed_table()]
+        return "".join([table, *lines])
+
+    def _lines_below_displayed_table(self) -> list[str]:
+        """A line that explains the differences from fem; none without differences."""
+        if len(self.responses) < 2 or "fem" not in self.responses:
+            return []
+        return ["off fem: difference from plane-stress fem; p (L2) and peak p: the worst shoe's"]
 
     def _cells_of_displayed_table(self) -> list[tuple[str, ...]]:
         """The cells of the table as it is shown: headings, and a row for each model.
 
-        The rows are those of the whole brake. Columns without a value are left out.
+        The rows are those of the whole brake, with the differences in pressure of the worst shoe.
+        Columns without a value are left out.
         """
-        rows = [row for row in self.rows if row["shoe"] == "all"]
+        rows = [self._displayed_row_of_model(row) for row in self.rows if row["shoe"] == "all"]
         shown = []
         for column in comparison_columns_for_brake(self.brake):
             has_values = any(row.get(column.key) is not None for row in rows)
             if column.key not in {"case", "rotation", "shoe"} and has_values:
-                shown.append(column)
+                heading = HEADINGS_OF_DISPLAYED_COMPARISON.get(column.key, column.heading)
+                if self.brake.surface.is_plane_and_not_drum:
+                    heading = heading.replace("torque", "force")
+                shown.append(column._replace(heading=heading))
         head = tuple(column.title for column in shown)
         return [head, *(tuple(column.text(row) for column in shown) for row in rows)]
+
+    def _displayed_row_of_model(self, whole: dict[str, Any]) -> dict[str, Any]:
+        """The row of a model as it is shown, from the row of the whole brake `whole`.
+
+        Errors that only the rows of the shoes have are those of the shoe with the largest.
+        """
+        row = dict(whole)
+        shoes = [one for one in self.rows if one["model"] == whole["model"] != "fem"]
+        for key in ("peak_error", "pressure_error"):
+            known = [one[key] for one in shoes if one.get(key) is not None]
+            row[key] = max(known, key=abs, default=None)
+        response = self.responses.get(whole["model"])
+        stated = {} if response is None else response.error or {}
+        row["stated_torque_error"] = stated.get("torque")
+        row["stated_pressure_error"] = stated.get("pressure")
+        return row
 
     def plot(self, axes: Any = None) -> Any:
         """Draw the pressure of every shoe by every model, in MPa over degrees, on a plane over mm.
 
-        The curves are drawn into the given matplotlib `axes`, or into new axes if it is None. The
-        method returns the axes. Raises BadInput for a value that is no axes of matplotlib.
+        A model has a colour, and a shoe a style of line. The curves are drawn into the given
+        matplotlib `axes`, or into new axes if it is None. The method returns the axes. Raises
+        BadInput for a value that is no axes of matplotlib.
         """
         axes = None if axes is None else matplotlib_axes_itself_or_new(axes)
-        for model, response in self.responses.items():
-            axes = plot_pressure_of_each_shoe(response, axes, prefix=f"{model}, ")
+        for number, (model, response) in enumerate(self.responses.items()):
+            axes = plot_pressure_of_each_shoe(
+                response, axes, prefix=f"{model}, ", color=f"C{number}"
+            )
         if axes is not None:
             axes.set_title(self.case)
         return axes

@@ -242,6 +242,22 @@ def _value_of_function_option_in_si(option: str, value: float | str, unit: str) 
     )
 
 
+def _fraction_from_number_or_percentage(option: str, value: float | str) -> float:
+    """The fraction that an option gives as a number, such as 0.05, or as a text such as "5 %".
+
+    Raises BadInput for another text; `option` is the name of the option in the message.
+    """
+    if not isinstance(value, str):
+        return value
+    number = value.strip().removesuffix("%")
+    try:
+        return float(number) * (1e-2 if number != value.strip() else 1.0)
+    except ValueError as error:
+        raise BadInput(
+            f'{option} = {value!r}: must be a fraction such as 0.05, or a text such as "5 %"'
+        ) from error
+
+
 @_make_public_function_that_solves
 def solve(
     brake: BrakeOrPath,
@@ -286,7 +302,7 @@ def solve(
     Response
         the torque [N m], the load of the drum's bearings [N], and for each shoe its pressure
         p(theta) [Pa over rad], reactions [N] and figures of merit; on a plane the braking force [N]
-        and pressures over x [m]
+        and pressures over x [m]. `plot()` draws the pressures and returns matplotlib axes
 
     Raises
     ------
@@ -346,6 +362,7 @@ def _response_with_notes_and_self_locking(
         response_with_note_on_ignored_keys,
         self_locking_by_rigid_shoe_law,
     )
+    from drumlin.response.face import peak_pressures_over_width_as_line
     from drumlin.response.response import notes_on_struts_of_trailing_shoes
 
     # Notes on unlikely values come with a result, and also with the reason why there is no result.
@@ -358,6 +375,9 @@ def _response_with_notes_and_self_locking(
         raise NoAnswer("; ".join((str(error), *notes))) from error
     response = response_with_note_on_ignored_keys(whole, response)
     notes = (*notes_on_struts_of_trailing_shoes(whole, response.shoes), *notes)
+    over_width = peak_pressures_over_width_as_line(whole, response)
+    if over_width:
+        response = replace(response, notes=(*response.notes, over_width))
     key = first_key_of_pressure_dependent_friction(whole)
     if key is not None and response.self_locking is None:
         linings = " for unworn linings" if options.get("worn_in") else ""
@@ -404,8 +424,8 @@ def compare(
     -------
     ModelComparison
         `responses` has the results by model. `rows` has the rows of a table with run times [s] and
-        errors relative to the finite elements, as fractions; a model without an answer has a row
-        with the reason
+        differences from the finite elements in plane stress, as fractions; a model without an
+        answer has a row with the reason. `plot()` draws the pressures and returns matplotlib axes
 
     Raises
     ------
@@ -650,8 +670,9 @@ def wear(
     ----------
     brake : the brake, or the path of its file
     model : "fem", "solid" or "foundation", the elastic model whose linings wear
-    distance : sliding distance [m], or a text: "20 km", or "20" for 20 times 1/(k K) with K = E/t
-        of the lining; None: until pressure and torque no longer change
+    distance : sliding distance [m], or a text: "20 km". A text without a unit counts in 1/(k K)
+        with K = E/t of the lining: "20" is 20 times this distance, not 20 m, and the run says so in
+        its `notes`. None: until pressure and torque no longer change
     coefficient : wear coefficient k [1/Pa], or a text such as "1e-5 mm^3/(N m)"; with another
         exponent than 1 it is the value at 1 MPa
     exponent : exponent of the pressure in the wear rate
@@ -670,16 +691,18 @@ def wear(
     Returns
     -------
     WearRun
-        `states`, beginning with the unworn linings, each with sliding distance [m], wear depth [m],
-        pressure [Pa] and torque [N m]; `target`, the pressure that wear tends to; `lines()` and
-        `as_dict()`
+        `states`, beginning with the unworn linings, each with the sliding distance `s` [m], the
+        `torque` [N m], and `depth` [m] and `pressure` [Pa] at the nodes of all linings;
+        `linings(state)` has them for each lining, with its angles `theta` [rad] and the name of the
+        shoe. `target` is the pressure that wear tends to, `ended` says why the run ends early, as
+        where a lining is worn through; `lines()` and `as_dict()`
 
     Raises
     ------
     BadInput
         for a model that does not wear, an option out of range or of the other model
     NoAnswer
-        for no equilibrium, no convergence, self-locking, a lining that is worn through
+        for no equilibrium, no convergence, self-locking
 
     Examples
     --------
@@ -745,28 +768,34 @@ class HoldingRun(NamedTuple):
         return holding_states_as_plain_data(list(self.states))
 
     def lines(self) -> list[str]:
-        """Two lines of text: the largest moment that is held, and when the brake slips."""
+        """Two lines of text: the largest moment of all states, and when the brake slips.
+
+        The whole contact begins to slip between two states, and the line names both rotations.
+        """
         surface = self.brake.surface
 
-        def rotation_or_sliding_distance_as_text(state: HoldingState) -> str:
-            """The rotation of a state as text with its unit; on a plane the sliding distance."""
-            shown = state.rotation * surface.si_to_shown_unit_factor
-            return f"{surface.word_for_motion} {shown:.4g} {surface.shown_unit}"
+        def shown_rotation(state: HoldingState) -> str:
+            """The rotation of a state in its unit; on a plane the sliding distance."""
+            return f"{state.rotation * surface.si_to_shown_unit_factor:.4g}"
 
+        word, unit = surface.word_for_motion, surface.shown_unit
         held = max(self.states, key=lambda state: abs(state.torque))
         last = self.states[-1]
         slips = (
-            f"no full slip: at {rotation_or_sliding_distance_as_text(last)}, "
+            f"no full slip: at {word} {shown_rotation(last)} {unit}, "
             f"{100 * last.sticking:.0f} % still stick"
         )
         if last.sticking == 0:
             # On rough abutments the linings may slip back as the forces come on, and stick as the
             # drum begins to turn.
             count = sum(1 for _ in takewhile(lambda state: state.sticking == 0, self.states[::-1]))
-            first = self.states[-count]
-            slips = f"the whole contact slips from {rotation_or_sliding_distance_as_text(first)} on"
+            first = shown_rotation(self.states[-count])
+            # The slip of the whole contact begins between two states.
+            if count < len(self.states):
+                first = f"between {shown_rotation(self.states[-count - 1])} and {first}"
+            slips = f"the whole contact slips from {word} {first} {unit} on"
         moment = f"{abs(held.torque):.6g} {surface.unit_of_torque_or_brake_force}"
-        return [f"holds up to {moment}, at {rotation_or_sliding_distance_as_text(held)}", slips]
+        return [f"holds up to {moment}, at {word} {shown_rotation(held)} {unit}", slips]
 
 
 def _rotation_or_slide_of_hold_in_si(rotation: float | str, surface: FrictionSurface) -> float:
@@ -814,8 +843,9 @@ def hold(
     Returns
     -------
     HoldingRun
-        `steps` + 1 `states`, each with the rotation [rad], the moment [N m], the fraction of the
-        nodes that stick, the dissipated work [J], and pressure and traction [Pa] on each shoe
+        `steps` + 1 `states`, each with `rotation` [rad] or on a plane the slide [m], `torque`, the
+        moment [N m] that is held, `sticking`, the fraction of the nodes that stick, `dissipated`,
+        the work [J] of slip, and for each shoe `theta` [rad], `pressure` and `traction` [Pa]
 
     Raises
     ------
@@ -1098,29 +1128,44 @@ class CheckResult(NamedTuple):
 
     Attributes
     ----------
-    verdicts : for each shoe the relative distances of pressure and torque
+    verdicts : for each shoe of the table the relative distances of pressure and torque
     tolerance : largest allowed relative distance, of the pressure in L2 and of the torque
     reference : path of the reference values, or "made anew"
     surface : the surface of the brake, drum or plane
+    shoes_without_points : names of the shoes of which the table has no points
     """
 
     verdicts: tuple[DeviationOfCurveFromReference, ...]
     tolerance: float
     reference: str
     surface: FrictionSurface
+    shoes_without_points: tuple[str, ...] = ()
+
+    def __repr__(self) -> str:
+        """The reference, and the lines of `lines`."""
+        return "\n".join([f"reference: {self.reference}", *self.lines()])
 
     @property
     def within(self) -> bool:
-        """Whether the distances of every shoe are within the tolerance."""
+        """Whether the distances of every shoe of the table are within the tolerance."""
         from drumlin.verification.check import are_curve_deviations_within_tolerance
 
         return are_curve_deviations_within_tolerance(self.verdicts, self.tolerance)
 
     def lines(self) -> list[str]:
-        """Lines of text about the errors of each shoe; the last line is a verdict on all shoes."""
+        """Lines of text about the errors of each shoe; the last line is a verdict on all of them.
+
+        A shoe of which the table has no points has a line that says so.
+        """
         from drumlin.verification.check import text_lines_on_errors_of_pressure_table
 
-        return text_lines_on_errors_of_pressure_table(self.verdicts, self.tolerance, self.surface)
+        missing = [
+            f"shoe {name!r}: not compared, the table has no points of it"
+            for name in self.shoes_without_points
+        ]
+        return missing + text_lines_on_errors_of_pressure_table(
+            self.verdicts, self.tolerance, self.surface
+        )
 
 
 @_make_public_function_that_solves
@@ -1129,7 +1174,7 @@ def check(
     result: Path | str,
     *,
     reference: Path | str | None = None,
-    tolerance: float = 0.01,
+    tolerance: float | str = 0.01,
     say: FunctionThatShowsProgressText = _ignore_text_about_progress,
 ) -> CheckResult:
     """Compare pressures p(theta) from any source with reference values of the brake.
@@ -1138,16 +1183,18 @@ def check(
     ----------
     brake : the brake, or the path of its file
     result : path of a CSV file with the columns "shoe", "theta [deg]" (on a plane "x [mm]") and
-        "p [MPa]"; other units as well
+        "p [MPa]"; other units as well. A shoe without points in the file is not compared
     reference : path of reference values; None: the stored values for the brake's file, or else
         values that are computed anew, which takes minutes
-    tolerance : largest allowed relative distance of p (L2) and of the torque, between 0 and 1
+    tolerance : largest allowed relative distance of p (L2) and of the torque, between 0 and 1, or a
+        text such as "5 %"
     say : function that is called with a line if reference values must be computed
 
     Returns
     -------
     CheckResult
-        `verdicts` with the relative distances of p and torque for each shoe, `within` and `lines()`
+        `verdicts` with the relative distances of p and torque for each shoe, `within` and
+        `lines()`, which it shows
 
     Raises
     ------
@@ -1174,8 +1221,9 @@ def check(
         read_reference_file,
     )
 
-    if not 0 < tolerance < 1:
-        raise BadInput(f"--tolerance = {tolerance:g}: must be greater than 0 and less than 1")
+    allowed = _fraction_from_number_or_percentage("--tolerance", tolerance)
+    if not 0 < allowed < 1:
+        raise BadInput(f"--tolerance = {allowed:g}: must be greater than 0 and less than 1")
     source = _brake_with_text_of_its_file(brake)
     # A missing reference takes minutes, so that the refusal comes before it.
     require_friction_independent_of_pressure(source.brake, "check")
@@ -1193,7 +1241,8 @@ def check(
     else:
         found, name = read_reference_file(Path(known)), str(known)
     verdicts = verdicts_on(source.brake, found, curves)
-    return CheckResult(tuple(verdicts), tolerance, name, source.brake.surface)
+    missing = tuple(shoe.name for shoe in source.brake.shoes if shoe.name not in curves)
+    return CheckResult(tuple(verdicts), allowed, name, source.brake.surface, missing)
 
 
 @_make_public_function_that_solves
@@ -1314,6 +1363,102 @@ def law(name: str, assumes: str = "") -> Callable[[PressureShapeFunction], Press
         return shape
 
     return register_law_and_return_function_unchanged
+
+
+@_make_public_function_that_rewords_errors
+def remove_law(name: str) -> None:
+    """Remove a pressure law of your own, which the decorator `law` has registered.
+
+    To change a law, register the new function under the same name.
+
+    Parameters
+    ----------
+    name : name of the law
+
+    Returns
+    -------
+    None
+        `solve`, `compare` and `sweep` no longer know the law
+
+    Raises
+    ------
+    BadInput
+        for a name under which you have registered no law
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> @drumlin.law("toe")
+    ... def toe(phi, layout):
+    ...     return np.sin(phi / 2) ** 2
+    >>> drumlin.remove_law("toe")
+    """
+    from drumlin.models import remove_law_of_user
+
+    remove_law_of_user(name)
+
+
+@_make_public_function_that_rewords_errors
+def read_brake(path: Path | str, text: str | None = None) -> Brake:
+    """Read a brake from its file.
+
+    Parameters
+    ----------
+    path : path of the brake file
+    text : content of the file if it has been read already; mesh files are sought beside `path`
+
+    Returns
+    -------
+    Brake
+        frozen, validated data in SI units
+
+    Raises
+    ------
+    BadInput
+        for a file that cannot be read, or that describes no valid brake; the message has one line
+
+    Examples
+    --------
+    >>> drumlin.write_brake(drumlin.example("duplex"), "duplex.toml")
+    >>> drumlin.read_brake("duplex.toml").title
+    'duplex, shoes on abutments'
+    """
+    from drumlin.brake import read_drum_or_plane_brake
+
+    return read_drum_or_plane_brake(path, text)
+
+
+@_make_public_function_that_rewords_errors
+def vary(brake: BrakeOrPath, changes: Mapping[str, Any]) -> Brake:
+    """Make a brake in which some keys have other values; the new brake is checked like a file.
+
+    Parameters
+    ----------
+    brake : the brake, or the path of its file
+    changes : new values by key, in SI or as texts with a unit; a key is written as in the file's
+        error lines, "shoe[0].lining.thickness", or with a shoe's name, "shoe.left.hinge.angle";
+        "shoe.lining.thickness" changes every shoe
+
+    Returns
+    -------
+    Brake
+        another brake; the given one stays as it is
+
+    Raises
+    ------
+    BadInput
+        for a key that does not exist, for the force of a shoe that a cylinder, a cam or a strut
+        sets, or for a brake that does not fit together, in one line
+
+    Examples
+    --------
+    >>> brake = drumlin.example("double_shoe")
+    >>> drumlin.vary(brake, {"friction": 0.4, "drum.radius": "150 mm"}).friction
+    0.4
+    """
+    from drumlin.brake import vary as vary_brake
+
+    return vary_brake(_brake_itself_or_read_from_file(brake), changes)
 
 
 @_make_public_function_that_rewords_errors

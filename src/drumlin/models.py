@@ -271,6 +271,18 @@ def register_law_with_pressure_shape(name: str, assumes: str, shape: PressureSha
     )
 
 
+def remove_law_of_user(name: str) -> None:
+    """Remove a law of the user from MODELS.
+
+    Raises BadInput if the user has registered no law with this name.
+    """
+    laws_of_user = [known for known in MODELS if known not in NAMES_OF_BUILT_IN_MODELS]
+    if name not in laws_of_user:
+        allowed = ", ".join(laws_of_user) or "none, as no law is registered"
+        raise BadInput(f"name = {name!r}: no law of your own has this name; allowed: {allowed}")
+    del MODELS[name]
+
+
 def require_known_model(name: str, option: str) -> None:
     """Raise BadInput if no model has the name that the user gave by the option `option`."""
     if name not in MODELS:
@@ -328,6 +340,19 @@ A model without an entry has no options.
 """
 
 
+def _other_models_with_given_options(model: str, owner: str, given: Collection[str]) -> str:
+    """The end of a refusal that names further models with given options; "" if there is none.
+
+    `model` is the chosen model and `owner` the model that the refusal names already.
+    """
+    ends = []
+    for other, names in OPTIONS_OF_EACH_MODEL.items():
+        shared = [f"--{name}" for name in names if name.replace("-", "_") in given]
+        if other not in {model, owner} and shared:
+            ends.append(f"; {' and '.join(shared)} also to --model {other}")
+    return "".join(ends)
+
+
 def check_options_belong_to_model(model: str, given: Collection[str]) -> None:
     """Raise BadInput if a given option belongs to other models than the chosen one.
 
@@ -342,7 +367,8 @@ def check_options_belong_to_model(model: str, given: Collection[str]) -> None:
         if model != owner and asked:
             *some, last = others
             said = f"{', '.join(some)} and {last} belong" if some else f"{last} belongs"
-            raise BadInput(f"{said} to --model {owner}, not to {model!r}")
+            also = _other_models_with_given_options(model, owner, given)
+            raise BadInput(f"{said} to --model {owner}, not to {model!r}{also}")
     if "worn_in" in given and model != "fem":
         raise BadInput(f"worn_in belongs to --model fem, not to {model!r}")
 

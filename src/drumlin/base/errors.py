@@ -92,6 +92,13 @@ class BadInput(DrumlinError):
     exit_status = 2
 
 
+class FailedLawOfUser(BadInput):
+    """The function of a law of the user fails, or returns something else than finite numbers.
+
+    A comparison of models shows the law with this reason, and solves the other models.
+    """
+
+
 class NoAnswer(DrumlinError):
     """The input is right but the problem has no answer.
 

@@ -56,7 +56,19 @@ def argument_with_annotated_type(name: str, value: object, annotation: str) -> o
             return _CONVERSIONS_OF_TYPES.get(word, _same_value)(value)
     *others, last = [WORDS_FOR_ANNOTATED_TYPES[word] for word in types]
     allowed = f"{', '.join(others)} or {last}" if others else last
-    raise BadInput(f"{name} = {value_as_text(value)}: must be {allowed}")
+    raise BadInput(f"{name} = {_value_or_shape_as_text(value)}: must be {allowed}")
+
+
+MOST_SHOWN_ENTRIES_OF_ARRAY = 10
+"""Largest number of entries of an array that an error line shows; of others it tells the shape."""
+
+
+def _value_or_shape_as_text(value: object) -> str:
+    """A value as text for an error line; a large array of numpy by its shape alone."""
+    size, shape = getattr(value, "size", 0), getattr(value, "shape", ())
+    if isinstance(size, int) and size > MOST_SHOWN_ENTRIES_OF_ARRAY:
+        return f"array of shape {shape}"
+    return value_as_text(value)
 
 
 def _kind_of_numpy_scalar(value: object) -> str:

@@ -469,6 +469,23 @@ class DrumLining(Lining):
             )
         return self
 
+    @model_validator(mode="after")
+    def _check_clearance_table_lies_within_turn_of_lining(self) -> Self:
+        """Raise ValueError for a row of the clearance table more than a turn beyond the lining.
+
+        In Python numbers are in rad, and such an angle is one in degrees.
+        """
+        rows = self.clearance if isinstance(self.clearance, tuple) else ()
+        for angle, _ in rows:
+            if self.start - 2 * math.pi <= angle <= self.end + 2 * math.pi:
+                continue
+            raise ValueError(
+                f"clearance: the row at {angle:.6g} rad is more than a turn beyond the lining from "
+                f"{angle_as_text_in_degrees(self.start)} to {angle_as_text_in_degrees(self.end)} "
+                f"(did you mean {angle:.6g} deg?)"
+            )
+        return self
+
 
 SMALLEST_ANGLE_OF_SLOT_BETWEEN_LININGS = 1e-3
 """Smallest allowed length [rad] of a slot between two linings: 0.15 mm on a drum of radius 150 mm.

@@ -15,7 +15,7 @@ from pydantic import ValidationError
 
 from drumlin.base.errors import BadInput
 from drumlin.base.files import read_text
-from drumlin.base.texts import check_toml_parses_quickly, value_as_text
+from drumlin.base.texts import check_toml_parses_quickly, did_you_mean_hint, value_as_text
 from drumlin.brake.brake import Brake
 from drumlin.brake.components import Lining
 from drumlin.brake.drive import key_that_sets_actuation_force_of_shoe
@@ -311,10 +311,6 @@ def vary(brake: BrakePartTypeVariable, changes: Mapping[str, Any]) -> BrakePartT
     >>> drumlin.vary(brake, {"friction": 0.4, "drum.radius": "150 mm"}).friction
     0.4
     """
-    if not isinstance(brake, PartOfInputFile):
-        raise BadInput(
-            f"brake = {value_as_text(brake)}: must be a brake; drumlin.read_brake reads a file"
-        )
     if not isinstance(changes, Mapping):
         raise BadInput(
             f"changes = {value_as_text(changes)}: must be a dict of new values by key, "
@@ -627,6 +623,7 @@ def _set_value_of_key_in_nested_data(data: Any, steps: list[str], value: Any, ke
         elif named and rest:
             targets, rest_of = named, rest
         else:
+            _refuse_word_that_is_neither_name_nor_key(data, steps, key)
             targets, rest_of = list(data), steps
         were_set = [
             _set_value_of_key_in_nested_data(target, rest_of, value, key) for target in targets
@@ -637,12 +634,37 @@ def _set_value_of_key_in_nested_data(data: Any, steps: list[str], value: Any, ke
     # If more names follow, the value belongs into the table with the key `head`.
     if rest:
         if head not in data:
-            raise BadInput(f"{key}: unknown key {head!r}; allowed: {', '.join(data)}")
+            hint = did_you_mean_hint(head, data)
+            raise BadInput(f"{key}: unknown key {head!r}{hint}; allowed: {', '.join(data)}")
         return _set_value_of_key_in_nested_data(data[head], rest, value, key)
     _convert_point_data_to_coordinate_system_of_key(data, head)
     # The value is copied, because a later change may set a key within it.
     data[head] = deepcopy(value)
     return True
+
+
+def _refuse_word_that_is_neither_name_nor_key(
+    parts: Sequence[Any], steps: list[str], key: str
+) -> None:
+    """Raise BadInput if a word of a key is no key of the named parts in a list, nor their name.
+
+    Parameters
+    ----------
+    parts : data of the parts, such as the shoes
+    steps : the word, and the words that follow it
+    key : the whole dotted key, for the error message
+    """
+    head, *rest = steps
+    names = [str(part.get("name") or "") for part in parts if isinstance(part, dict)]
+    # The last word of a key is checked together with the value.
+    if not (rest and names and all(names)) or any(head in part for part in parts):
+        return
+    keys = [name for name in parts[0] if name != "name"]
+    hint = did_you_mean_hint(head, [*names, *keys])
+    raise BadInput(
+        f"{key}: unknown key {head!r}{hint}; allowed: {', '.join(keys)}, or one of the names "
+        f"{', '.join(names)}"
+    )
 
 
 def _convert_point_data_to_coordinate_system_of_key(data: dict[str, Any], key: str) -> None:

@@ -14,7 +14,7 @@ from drumlin.cli.terminal import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
+    from collections.abc import Iterator
 
     from drumlin.brake.brake import Brake
     from drumlin.response.response import (
@@ -45,6 +45,7 @@ def print_brake_response(brake: "Brake", response: "Response", *, verbose: bool 
     reactions, figures of merit, solution steps, times and neglected effects are printed, too.
     """
     from drumlin.laws.rigid import UNUSED_KEYS_LINE_START
+    from drumlin.response.show import estimated_errors_as_line, plane_stress_errors_as_line
 
     notes = _NotesByPlaceInPrintout.notes_of_response_by_place_in_printout(response)
     print_line_folded_to_terminal_width(
@@ -67,11 +68,11 @@ def print_brake_response(brake: "Brake", response: "Response", *, verbose: bool 
             print_line_folded_to_terminal_width(line)
     if response.error is not None:
         print_line_folded_to_terminal_width(
-            _estimated_errors_as_line(brake.surface.word_for_torque_or_brake_force, response.error)
+            estimated_errors_as_line(brake.surface.word_for_torque_or_brake_force, response.error)
         )
     if response.plane_stress_error is not None:
         print_line_folded_to_terminal_width(
-            _plane_stress_errors_as_line(brake.surface.word_for_torque_or_brake_force, response)
+            plane_stress_errors_as_line(brake.surface.word_for_torque_or_brake_force, response)
         )
         for line in _ways_to_smaller_plane_stress_error_as_lines(
             brake, response.plane_stress_error
@@ -141,12 +142,17 @@ class _NotesByPlaceInPrintout(NamedTuple):
         Some notes stand above the table, some below it, some at the end, and some are printed only
         with --verbose. The words of a note tell its place.
         """
+        from drumlin.response.show import BEGIN_OF_NOTE_ON_PEAKS_OVER_WIDTH
+
         notes = cls([], [], [], [])
         for line in response.notes:
             if ": no contact" in line:
                 notes.lines_above_table.append(line)
             elif line.startswith(("warning:", "note:")):
                 notes.warnings.append(line)
+            elif line.startswith(BEGIN_OF_NOTE_ON_PEAKS_OVER_WIDTH):
+                # The line stands directly below the table of shoes.
+                continue
             elif line.startswith("held:") or ": its mesh: " in line:
                 notes.lines_on_supports.append(line)
             else:
@@ -178,52 +184,6 @@ def _print_torque_and_brake_factor(brake: "Brake", response: "Response") -> None
         print_line_folded_to_terminal_width("not converged")
 
 
-def _estimated_errors_as_line(effect: str, error: "Mapping[str, float]") -> str:
-    """The estimated relative errors of pressure, torque, peak and reaction as one line of text.
-
-    `effect` is the printed name of the torque, or of the braking force on a plane. An estimate of 1
-    or more says that the value is not known.
-    """
-    texts = {key: error_text_in_percent(e) if e < 1 else "not known" for key, e in error.items()}
-    line = f"estimated error: p {texts['pressure']} (L2, worst shoe)"
-    names = {"torque": effect, "peak": "peak pressure", "reaction": "hinge reaction"}
-    for key, name in names.items():
-        if key in texts:
-            line += f", {name} {texts[key]}"
-    return line
-
-
-def _plane_stress_errors_as_line(effect: str, response: "Response") -> str:
-    """The estimated relative errors of the plane-stress assumption as one line of text.
-
-    Where the errors of the mesh are known too, the line also gives the sums of both errors.
-    `effect` is the printed name of the torque, or of the braking force on a plane.
-    """
-    found, mesh = response.plane_stress_error, response.error
-    # The caller has made sure that the response states errors of plane stress.
-    assert found is not None
-    if found.unknown:
-        return f"error of plane stress itself: not known, {found.unknown}"
-    names = {"torque": effect, "reaction": "hinge reaction"}
-    subject = "error of plane stress itself"
-    if found.corrected:
-        subject = "error of plane stress after the correction for the widths"
-    line = f"{subject}: p {error_text_in_percent(found.brake['pressure'])} (mean over the width)"
-    for key, name in names.items():
-        line += f", {name} {error_text_in_percent(found.brake[key])}"
-    line += ", peak pressure not known"
-    if mesh is None:
-        return line
-    both = {key: found.brake[key] + mesh[key] for key in ("pressure", *names) if key in mesh}
-    line += (
-        "; both together, of the elements and of plane stress, with all inputs taken as exact: "
-        f"p {error_text_in_percent(both.pop('pressure'))}"
-    )
-    for key, error in both.items():
-        line += f", {names[key]} {error_text_in_percent(error)}"
-    return line
-
-
 def _ways_to_smaller_plane_stress_error_as_lines(
     brake: "Brake", found: "EstimatedErrorOfPlaneStress"
 ) -> "Iterator[str]":
@@ -246,9 +206,10 @@ def _print_table_of_shoes(brake: "Brake", response: "Response") -> None:
     """Print a table with a row for each shoe.
 
     A line below the table tells if the ends of a lining were left out in the search for the peak
-    pressure. For a model of solid shoes another line gives the peaks over arc and width.
+    pressure. For a model of solid shoes a note of the response gives the peaks over arc and width.
     """
     from drumlin.response.response import place_of_peak_pressure
+    from drumlin.response.show import BEGIN_OF_NOTE_ON_PEAKS_OVER_WIDTH
 
     places = [place_of_peak_pressure(brake, i, shoe) for i, shoe in enumerate(response.shoes)]
     shown = brake.surface.si_to_shown_unit_factor
@@ -262,29 +223,9 @@ def _print_table_of_shoes(brake: "Brake", response: "Response") -> None:
         print_line_folded_to_terminal_width(
             "peak p: the largest, half a lining's thickness at each end left out"
         )
-    over_width = _peak_pressures_over_width_as_line(brake, response)
-    if over_width:
-        print_line_folded_to_terminal_width(over_width)
-
-
-def _peak_pressures_over_width_as_line(brake: "Brake", response: "Response") -> str:
-    """The peak pressures over arc and width as one line of text; "" for a plane-stress model.
-
-    The line has no entry for a shoe that does not touch.
-    """
-    from drumlin.response.face import pressure_on_face_of_lining
-
-    shown, unit, peaks = brake.surface.si_to_shown_unit_factor, brake.surface.shown_unit, []
-    for i in range(len(response.shoes)):
-        face = pressure_on_face_of_lining(brake, response, i)
-        if face is not None:
-            # Adding 0.0 turns a negative zero into a zero without sign.
-            at = f"{face.peak_theta * shown + 0.0:.1f} {unit}"
-            place = f"at {at}, {face.peak_z * 1e3:.1f} mm from the mid-plane"
-            peaks.append(f"{face.shoe} {face.peak * 1e-6:.4g} MPa {place}")
-    if not peaks:
-        return ""
-    return f"peak p over the width: {'; '.join(peaks)}; its error is not known"
+    for line in response.notes:
+        if line.startswith(BEGIN_OF_NOTE_ON_PEAKS_OVER_WIDTH):
+            print_line_folded_to_terminal_width(line)
 
 
 def _columns_of_shoe_table(

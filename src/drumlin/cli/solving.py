@@ -475,3 +475,6 @@ def wear(
             )
     for line in run.lines():
         print_line_folded_to_terminal_width(line)
+    # The states up to the early end are printed and written before the reason ends the command.
+    if run.ended:
+        raise NoAnswer(run.ended)

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from drumlin.base.arrays import Floats
-from drumlin.base.errors import BadInput, DrumlinError, NoAnswer
+from drumlin.base.errors import BadInput, DrumlinError, FailedLawOfUser, NoAnswer
 from drumlin.base.texts import value_as_text
 from drumlin.laws.shapes import PressureIntegrals, PressureLawOfHingedShoe, ShoeAnglesAndRadii
 
@@ -62,8 +62,10 @@ def make_law_from_pressure_shape(
     Raises
     ------
     BadInput
-        for a shape that is no function of two arguments; when the law is used, for a shape that
-        returns other than n finite numbers
+        for a shape that is no function of two arguments
+    FailedLawOfUser
+        when the law is used: for a shape that raises an exception, or returns other than n finite
+        numbers
     NoAnswer
         when the law is used: for a shape that is negative somewhere, or zero everywhere
     """
@@ -78,12 +80,14 @@ def make_law_from_pressure_shape(
         values = _real_numbers_returned_by_shape(shape, np.ravel(phi), arc, asked)
         values = np.broadcast_to(values, (np.size(phi),)) if values.ndim == 0 else values
         if values.shape != (np.size(phi),):
-            raise BadInput(
+            raise FailedLawOfUser(
                 f"{asked}got {np.size(phi)} angles and returned an array of shape {values.shape}"
             )
         if not np.isfinite(values).all():
             wrong = np.ravel(phi)[~np.isfinite(values)][0]
-            raise BadInput(f"{asked}returned {values[~np.isfinite(values)][0]} at {wrong:g} rad")
+            raise FailedLawOfUser(
+                f"{asked}returned {values[~np.isfinite(values)][0]} at {wrong:g} rad"
+            )
         least = values.min()
         if least < -LARGEST_NEGLIGIBLE_NEGATIVE_PRESSURE * np.abs(values).max():
             at = np.ravel(phi)[values.argmin()]
@@ -124,22 +128,28 @@ def make_law_from_pressure_shape(
 
 
 def _real_numbers_returned_by_shape(
-    shape: PressureShapeFunction, phi: Floats, arc: ShoeAnglesAndRadii, asked: str
+    shape: PressureShapeFunction, phi: Floats, layout: ShoeAnglesAndRadii, asked: str
 ) -> Floats:
     """The numbers that the user's function returns at the angles phi (n,) [rad], of any shape.
 
-    Raises BadInput if the function raises an exception, or returns other values than real numbers.
-    `asked` is the begin of the message, and ends with "it ".
+    Raises FailedLawOfUser if the function raises an exception, or returns other values than real
+    numbers; the message tells the exception and its line in the user's file. `asked` is the begin
+    of the message, names the law and ends with "it ".
     """
     try:
-        returned = shape(phi, arc)
+        returned = shape(phi, layout)
     except DrumlinError:
         raise
     except Exception as error:
         # The last line of the user's own code helps to find the fault.
-        frame = traceback.extract_tb(error.__traceback__)[-1]
-        at = f" ({Path(frame.filename).name}:{frame.lineno})"
-        raise BadInput(f"{asked}raised {type(error).__name__}: {error}{at}") from error
+        place = traceback.extract_tb(error.__traceback__)[-1]
+        at = f"{Path(place.filename).name}, line {place.lineno}"
+        hint = ""
+        if isinstance(error, AttributeError) and isinstance(error.obj, ShoeAnglesAndRadii):
+            hint = "; the layout has phi_1 and phi_2 [rad], R and a [m]"
+        raise FailedLawOfUser(
+            f"{asked}failed with {type(error).__name__}: {error} ({at}){hint}"
+        ) from error
     try:
         values = np.asarray(returned)
         is_real = values.dtype.kind in "biuf"
@@ -147,7 +157,7 @@ def _real_numbers_returned_by_shape(
         # numpy makes no array of lists with different lengths.
         is_real = False
     if not is_real:
-        raise BadInput(f"{asked}returned {value_as_text(returned)}")
+        raise FailedLawOfUser(f"{asked}returned {value_as_text(returned)}")
     return values.astype(float)
 
 

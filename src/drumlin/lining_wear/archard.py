@@ -276,7 +276,8 @@ class WearLaw(NamedTuple):
 class WearState:
     """The state of all linings after a sliding distance.
 
-    The arrays hold the n contact unknowns of all groups of linings, one group after the other. The
+    The arrays hold the n contact unknowns of all groups of linings, one group after the other;
+    `WearRun.linings(state)` has them for each lining, with angles and the name of the shoe. The
     integrals over the sliding distance use the weights of the Runge-Kutta method.
 
     Attributes
@@ -285,7 +286,8 @@ class WearState:
     depth : (n,) [m], worn depth
     pressure : (n,) [Pa]
     torque : torque of all linings [N m]
-    force : factor on the actuation of the brake; 1 unless the run keeps a given torque
+    force : factor on the actuation forces of the brake, without unit; 1 unless the run keeps a
+        given torque. The printed table has the force of the first shoe [N]
     forward : whether the drum turns in the direction that the brake file states
     removed : worn volume [m^3], the integral of the wear rate over area and sliding distance
     pressed : integral [N m] of the normal force over the sliding distance

@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from drumlin.base.arrays import Floats
-from drumlin.base.errors import BadInput, NoAnswer
+from drumlin.base.errors import BadInput
 from drumlin.base.texts import error_text_in_percent, number_as_text
 from drumlin.brake.brake import Brake
 from drumlin.brake.friction import first_key_of_pressure_dependent_friction
@@ -399,10 +399,25 @@ def _largest_worn_depth_in_each_state(
     return [float(state.depth[surface.part].max()) for state in states]
 
 
-def require_linings_not_worn_through(setup: WearSetup, states: Sequence[WearState]) -> None:
-    """Raise NoAnswer if a lining is worn by more than its thickness.
+class LiningWornThrough(NamedTuple):
+    """The first lining of a wear run that is worn through.
 
-    The message names the lining that is worn through first, and the sliding distance.
+    Attributes
+    ----------
+    distance : sliding distance [m] at which the lining has lost its whole thickness
+    reason : why the wear run ends there, in words
+    """
+
+    distance: float
+    reason: str
+
+
+def first_lining_worn_through(
+    setup: WearSetup, states: Sequence[WearState]
+) -> LiningWornThrough | None:
+    """The lining of a wear run that is first worn by more than its thickness; None if none is.
+
+    The reason names the lining and the sliding distance.
     """
     s = list(map(attrgetter("s"), states))
     worn_through = []
@@ -415,13 +430,14 @@ def require_linings_not_worn_through(setup: WearSetup, states: Sequence[WearStat
             worn_through.append(
                 (after, f"shoe {surface.name!r}: its lining of {length_as_text_in_mm(thickness)}")
             )
-    if worn_through:
-        after, lining = min(worn_through)
-        raise NoAnswer(
-            f"{lining} is worn through after {after * 1e-3:.4g} km "
-            f"of the {s[-1] * 1e-3:.4g} km asked for or needed to settle; "
-            "a shorter --distance has an answer"
-        )
+    if not worn_through:
+        return None
+    after, lining = min(worn_through)
+    return LiningWornThrough(
+        after,
+        f"{lining} is worn through after {after * 1e-3:.4g} km "
+        f"of the {s[-1] * 1e-3:.4g} km asked for or needed to settle, where this run ends",
+    )
 
 
 class LiningLife(NamedTuple):
@@ -708,7 +724,7 @@ def report_lines_of_wear_run(
     ripple = (
         ""
         if balance.ripple is None
-        else f"checkerboard at most {error_text_in_percent(balance.ripple)}; "
+        else f"p alternates from node to node by {error_text_in_percent(balance.ripple)} at most; "
     )
     text.append(
         f"worn volume {states[-1].removed * 1e9:.5g} mm^3; "
@@ -761,9 +777,9 @@ def _heading_lines_of_wear_report(setup: WearSetup, law: WearLaw) -> list[str]:
         f"{brake.friction_coefficients_as_text}, k = {law.coefficient:g} 1/Pa, "
         f"exponent {law.exponent:.9g}{wears}",
         f"{'s':>9}{'s k K':>10}{surface.short_word_for_torque_or_brake_force:>11}{'force':>10}"
-        f"{'peak p':>10}{'p off law':>10}{'T off law':>10}{'deepest':>10}",
-        f"{'[km]':>9}{'':10}{unit_of_torque_or_brake_force:>11}{'[N]':>10}{'[MPa]':>10}{'[%]':>10}"
-        f"{'[%]':>10}{'wear [mm]':>10}",
+        f"{'peak p':>10}{'p off':>10}{'T off':>10}{'deepest':>10}",
+        f"{'[km]':>9}{'':10}{unit_of_torque_or_brake_force:>11}{'[N]':>10}{'[MPa]':>10}"
+        f"{'law [%]':>10}{'law [%]':>10}{'wear [mm]':>10}",
     ]
 
 

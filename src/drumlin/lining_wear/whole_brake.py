@@ -10,6 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
+from drumlin.base.arrays import Floats
 from drumlin.base.errors import BadInput
 from drumlin.base.texts import error_text_in_percent
 from drumlin.base.written_numbers import number_without_unit_from_text
@@ -30,8 +31,8 @@ from drumlin.lining_wear.run_in import (
     DEFAULT_WEAR_COEFFICIENT,
     FinalWearPressureAndTorque,
     final_wear_pressure_and_torque_by_rigid_shoe_law,
+    first_lining_worn_through,
     report_lines_of_wear_run,
-    require_linings_not_worn_through,
     sliding_distance_of_e_fold_pressure_change,
     wear_brake_linings_until_worn_in,
     wear_run_as_json_data,
@@ -39,6 +40,40 @@ from drumlin.lining_wear.run_in import (
 
 NAMES_OF_MODELS_WITH_WEAR = ("fem", "solid", "foundation")
 """The names of the models that can compute wear."""
+
+LARGEST_WEAR_COEFFICIENT_WITHOUT_UNIT = 1e-9
+"""Largest wear coefficient [1/Pa] that Python takes as a number without a unit.
+
+At 1 MPa it wears 1 mm of a lining on each metre of sliding, 1e5 times as much as the default. A
+larger number is one in another unit, such as 1e-5 for 1e-5 mm^3/(N m), which is 1e-14 1/Pa.
+"""
+
+
+class StateOfWornLining(NamedTuple):
+    """A lining in one state of a wear run.
+
+    Attributes
+    ----------
+    name : name of the shoe
+    lining : position of the lining on the shoe, 0 for the only lining
+    theta : (n,) [rad], growing angles of the nodes; on a plane places x [m]
+    depth : (n,) [m], worn depth at these angles; for solid shoes the mean over the width
+    pressure : (n,) [Pa], pressure at these angles; for solid shoes the mean over the width
+    """
+
+    name: str
+    lining: int
+    theta: Floats
+    depth: Floats
+    pressure: Floats
+
+    def __repr__(self) -> str:
+        """The fields, where an array is shown by its shape alone."""
+        shown = [
+            f"{key}={value!r}" if isinstance(value, str | int) else f"{key}=array{value.shape}"
+            for key, value in self._asdict().items()
+        ]
+        return f"StateOfWornLining({', '.join(shown)})"
 
 
 @dataclass(frozen=True)
@@ -55,6 +90,9 @@ class WearRun:
     start_error : estimated relative errors of the unworn state, with the keys of `Response.error`;
         None where no error is estimated: for the models "solid" and "foundation", on elements of
         the user's choice, and at a held torque
+    ended : why the run ends before the distance asked for, or before the linings are worn in; ""
+        if it does not
+    notes : how a distance without a unit is understood
     """
 
     setup: WearSetup
@@ -63,16 +101,38 @@ class WearRun:
     target: FinalWearPressureAndTorque
     step_tolerance: float = DEFAULT_PRESSURE_ERROR_OF_WEAR_STEP
     start_error: Mapping[str, float] | None = None
+    ended: str = ""
+    notes: tuple[str, ...] = ()
 
     def __repr__(self) -> str:
-        """The lines of `lines`, below the title of the brake."""
-        return "\n".join(self.lines())
+        """The lines of `lines`, with the notes above and the reason of an early end below."""
+        ended = [f"ended: {self.ended}"] if self.ended else []
+        return "\n".join([*self.notes, *self.lines(), *ended])
+
+    def linings(self, state: WearState) -> tuple[StateOfWornLining, ...]:
+        """Each lining in a state of this run: shoe, angles, worn depth and pressure.
+
+        The linings are in the order of the shoes. The arrays of the state itself have the nodes of
+        all linings.
+        """
+        linings = []
+        for surface in self.setup.surfaces:
+            lining = StateOfWornLining(
+                surface.name,
+                surface.lining,
+                surface.contact_angles_in_growing_order,
+                surface.lining_values_by_growing_angle(state.depth),
+                surface.lining_values_by_growing_angle(state.pressure),
+            )
+            linings.append(lining)
+        return tuple(linings)
 
     def as_dict(self) -> dict[str, Any]:
         """The run as plain data for JSON, in SI; the keys are those of `drumlin wear --json`."""
         data = wear_run_as_json_data(self.setup, self.states, self.target, self.law)
         error = None if self.start_error is None else dict(self.start_error)
-        return {**data, "start_error": error, "step_tolerance": self.step_tolerance}
+        ended = {"ended": self.ended} if self.ended else {}
+        return {**data, "start_error": error, "step_tolerance": self.step_tolerance, **ended}
 
     def lines(self) -> list[str]:
         """The run as lines of text: a table of some states, and the life of the linings."""
@@ -132,14 +192,21 @@ def make_wear_law(coefficient: float | str | None, exponent: float) -> WearLaw:
     """Make the wear law from a wear coefficient and the exponent of the pressure.
 
     The coefficient is a number [1/Pa], a text with a unit, or None for DEFAULT_WEAR_COEFFICIENT.
-    Raises BadInput for a coefficient or an exponent out of range.
+    Raises BadInput for a coefficient or an exponent out of range, and for a number above
+    LARGEST_WEAR_COEFFICIENT_WITHOUT_UNIT.
     """
-    if coefficient is None:
-        coefficient = DEFAULT_WEAR_COEFFICIENT
-    elif isinstance(coefficient, str):
-        coefficient = number_in_si_from_command_option_text("--coefficient", coefficient, "1/Pa")
-    law = WearLaw(coefficient, exponent)
+    number = coefficient
+    if number is None:
+        number = DEFAULT_WEAR_COEFFICIENT
+    elif isinstance(number, str):
+        number = number_in_si_from_command_option_text("--coefficient", number, "1/Pa")
+    law = WearLaw(number, exponent)
     require_wear_law_in_range(law)
+    if isinstance(coefficient, int | float) and number > LARGEST_WEAR_COEFFICIENT_WITHOUT_UNIT:
+        raise BadInput(
+            f"--coefficient = {coefficient:g}: a number is in 1/Pa, and must be at most "
+            f'{LARGEST_WEAR_COEFFICIENT_WITHOUT_UNIT:g}; did you mean "{coefficient:g} mm^3/(N m)"?'
+        )
     return law
 
 
@@ -212,6 +279,20 @@ def sliding_distance_from_option(option: str, given: float | str, unit: float) -
     return number * unit if isinstance(given, str) else number
 
 
+def _note_on_distance_without_unit(option: str, given: float | str, unit: float) -> list[str]:
+    """A note, as a list of one line, on a distance that is a text without a unit; else no note.
+
+    The parameters are those of `sliding_distance_from_option`.
+    """
+    if not isinstance(given, str):
+        return []
+    try:
+        kilometres = float(given) * unit * 1e-3
+    except ValueError:
+        return []
+    return [f"{option} = {given!r} has no unit: {given} times 1/(k K), {kilometres:.5g} km"]
+
+
 def wear_linings_of_whole_brake(
     setups: WearSetupsOfBothRotations,
     law: WearLaw,
@@ -222,6 +303,8 @@ def wear_linings_of_whole_brake(
     tolerance: float | None = None,
 ) -> WearRun:
     """Wear the linings of a brake over a distance, or until they are worn in.
+
+    The run ends where a lining is worn through, and `WearRun.ended` says so.
 
     Parameters
     ----------
@@ -239,7 +322,7 @@ def wear_linings_of_whole_brake(
     BadInput
         for an option out of range
     NoAnswer
-        for no equilibrium, no convergence, self-locking, or a lining that is worn through
+        for no equilibrium, no convergence, and self-locking
     """
     setup, backward, start_error = setups
     unit = sliding_distance_of_e_fold_pressure_change(setup, law)
@@ -247,12 +330,19 @@ def wear_linings_of_whole_brake(
     # defaults.
     given = {"tolerance": tolerance, "torque": torque}
     options: dict[str, Any] = {key: value for key, value in given.items() if value is not None}
+    notes: list[str] = []
+    for name, value in (("distance", distance), ("reverse", reverse)):
+        notes += [] if value is None else _note_on_distance_without_unit(name, value, unit)
     if reverse is not None:
         options["reverse"] = sliding_distance_from_option("--reverse", reverse, unit)
     if distance is not None:
         options["distance"] = sliding_distance_from_option("--distance", distance, unit)
     states = wear_brake_linings_until_worn_in(setup, law, backward=backward, **options)
-    require_linings_not_worn_through(setup, states)
+    worn_through = first_lining_worn_through(setup, states)
+    if worn_through is not None:
+        # The run is repeated so that its last state is the one in which the lining is gone.
+        options["distance"] = worn_through.distance
+        states = wear_brake_linings_until_worn_in(setup, law, backward=backward, **options)
     # The final pressure depends on the pulls of the springs. The pulls still change in the last
     # state, and the final pressure is computed for the pulls of this state.
     if setup.at_constant_pulls is not None:
@@ -261,4 +351,5 @@ def wear_linings_of_whole_brake(
     # A held torque changes the actuation of the unworn state, and with it the contact.
     error = start_error if torque is None else None
     step_error = tolerance or DEFAULT_PRESSURE_ERROR_OF_WEAR_STEP
-    return WearRun(setup, law, tuple(states), goal, step_error, error)
+    ended = "" if worn_through is None else worn_through.reason
+    return WearRun(setup, law, tuple(states), goal, step_error, error, ended, tuple(notes))

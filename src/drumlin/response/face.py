@@ -11,6 +11,7 @@ from drumlin.response.resultants import (
     LiningWithoutEndZones,
     length_of_edge_zone_left_out_of_pressure_errors,
 )
+from drumlin.response.show import BEGIN_OF_NOTE_ON_PEAKS_OVER_WIDTH
 
 
 class PressureOnFaceOfLining(NamedTuple):
@@ -90,3 +91,21 @@ def pressure_on_face_of_lining(
         peak_theta=float(points[inside][curve[inside].argmax()]),
         peak_z=float(z[at]),
     )
+
+
+def peak_pressures_over_width_as_line(brake: Brake, response: Response) -> str:
+    """The peak pressures over arc and width as one line of text; "" for a plane-stress model.
+
+    The line has no entry for a shoe that does not touch.
+    """
+    shown, unit, peaks = brake.surface.si_to_shown_unit_factor, brake.surface.shown_unit, []
+    for i in range(len(response.shoes)):
+        face = pressure_on_face_of_lining(brake, response, i)
+        if face is not None:
+            # Adding 0.0 turns a negative zero into a zero without sign.
+            at = f"{face.peak_theta * shown + 0.0:.1f} {unit}"
+            place = f"at {at}, {face.peak_z * 1e3:.1f} mm from the mid-plane"
+            peaks.append(f"{face.shoe} {face.peak * 1e-6:.4g} MPa {place}")
+    if not peaks:
+        return ""
+    return f"{BEGIN_OF_NOTE_ON_PEAKS_OVER_WIDTH} {'; '.join(peaks)}; its error is not known"

@@ -282,8 +282,10 @@ class ShoeResponse(BaseClassWithArrayEquality):
         """The pressure [Pa] at angles `theta` [rad] of any shape; 0 beyond the lining.
 
         In each polynomial piece the pressure is Lagrange's interpolation of the nodal values.
+        Raises BadInput for an angle more than a turn beyond the lining, which is one in degrees.
         """
         theta = np.asarray(theta, dtype=float)
+        self._refuse_coordinates_more_than_turn_beyond_lining(theta)
         ends = self.theta[:: self.order]
         piece = np.clip(np.searchsorted(ends, theta, side="right") - 1, 0, len(ends) - 2)
         x, y = (
@@ -305,6 +307,20 @@ class ShoeResponse(BaseClassWithArrayEquality):
         value = (factors * before * behind).sum(axis=-1)
         on_lining = (theta >= self.theta[0]) & (theta <= self.theta[-1])
         return np.where(on_lining, value, 0.0)
+
+    def _refuse_coordinates_more_than_turn_beyond_lining(self, theta: Floats) -> None:
+        """Raise BadInput if one of the angles `theta` [rad] is more than a turn beyond the lining.
+
+        On a plane the same bound holds for places in metres, as a shoe does not tell its surface.
+        """
+        start, end = float(self.theta[0]), float(self.theta[-1])
+        beyond = theta[(theta < start - 2 * math.pi) | (theta > end + 2 * math.pi)]
+        if beyond.size:
+            raise BadInput(
+                f"theta = {beyond[0]:g}: is far beyond the lining, which lies from {start:.4g} to "
+                f"{end:.4g}; angles are in rad, as numpy.radians makes them from degrees, and "
+                "places on a plane in m"
+            )
 
     def curve(self) -> tuple[Floats, Floats]:
         """Points of the pressure curve for plots and tables.
@@ -554,8 +570,9 @@ class Response(BaseClassWithArrayEquality):
     notes : lines of text for the reader, such as warnings
     merits : figures of merit of each shoe; empty until `response_with_figures_of_merit` adds them
     bearing_load : (2,) [N], force of all shoes on the drum, which the drum's bearings carry
-    error : estimated relative errors by their keys "pressure" (of the worst shoe, L2 norm outside
-        the edge zones) and "torque"; None if nothing was estimated
+    error : estimated relative errors of the elements by their keys "torque" (of the brake),
+        "pressure" (L2 norm outside the edge zones), "peak" (of the peak pressure) and "reaction",
+        each but the first of the worst shoe; None if nothing was estimated
     surface : friction surface; always FRICTION_SURFACE_OF_DRUM until
         `response_with_figures_of_merit` sets drum or plane
     plane_stress_error : estimated error of the assumption of plane stress; None if it was not asked

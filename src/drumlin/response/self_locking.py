@@ -65,6 +65,10 @@ class SelfLocking(NamedTuple):
     sought: float = 0.0
     key_of_lining_with_own_friction: str = ""
 
+    def __repr__(self) -> str:
+        """The line of `line`."""
+        return self.line()
+
     def as_dict(self) -> dict[str, Any]:
         """The limits as plain data for JSON; a limit that was not found is None."""
         elastic = None if self.elastic is None else self.elastic.friction
@@ -162,6 +166,10 @@ class SelfLockingFactor(NamedTuple):
     key: str
     elastic: LockedShoesAndLockingFriction | None = None
     sought: float = 0.0
+
+    def __repr__(self) -> str:
+        """The line of `line`."""
+        return self.line()
 
     def as_dict(self) -> dict[str, Any]:
         """The factor as plain data for JSON; a factor that was not found is None."""

@@ -1,5 +1,7 @@
 """Show a response to the reader: a short table as text or HTML, and a plot of the pressure."""
 
+import textwrap
+from collections.abc import Mapping
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
@@ -7,7 +9,7 @@ import numpy as np
 
 from drumlin.base.errors import BadInput
 from drumlin.base.shown_tables import html_table_with_caption, text_lines_of_aligned_columns
-from drumlin.base.texts import value_as_text
+from drumlin.base.texts import error_text_in_percent, value_as_text
 from drumlin.brake.surface import FrictionSurface
 
 if TYPE_CHECKING:
@@ -18,6 +20,12 @@ DRAWN_POINTS_PER_POLYNOMIAL_PIECE = 20
 
 More points do not change a small plot.
 """
+
+WIDTH_OF_SHOWN_LINES = 100
+"""Number of characters after which a line below the table of a response is broken."""
+
+BEGIN_OF_NOTE_ON_PEAKS_OVER_WIDTH = "peak p over the width:"
+"""First words of the note of a solid model that gives the peaks over the arc and the width."""
 
 TOP_OVER_PEAK = 1.12
 """Upper end of the pressure axis, relative to the largest peak pressure, as in reports."""
@@ -39,6 +47,7 @@ def rows_of_response_table(response: "Response") -> list[tuple[str, ...]]:
         "normal force [N]",
         "peak pressure [MPa]",
         f"contact [{surface.shown_unit}]",
+        "reaction [N]",
         "self-energising",
     )
     rows: list[tuple[str, ...]] = [head]
@@ -49,23 +58,97 @@ def rows_of_response_table(response: "Response") -> list[tuple[str, ...]]:
             f"{shoe.normal_force:.6g}",
             f"{shoe.peak_pressure * 1e-6:.4g}",
             text_of_contact_arcs(shoe, surface),
+            f"{np.linalg.norm(shoe.hinge_reaction):.6g}",
             "yes" if shoe.self_energising else "no",
         )
         rows.append(row)
-    return [*rows, ("all", f"{response.effect:.6g}", "", "", "", "")]
+    return [*rows, ("all", f"{response.effect:.6g}", "", "", "", "", "")]
+
+
+def estimated_errors_as_line(effect: str, error: Mapping[str, float]) -> str:
+    """The estimated relative errors of pressure, torque, peak and reaction as one line of text.
+
+    `effect` is the printed name of the torque, or of the braking force on a plane. An estimate of 1
+    or more says that the value is not known.
+    """
+    texts = {key: error_text_in_percent(e) if e < 1 else "not known" for key, e in error.items()}
+    line = f"estimated error: p {texts['pressure']} (L2, worst shoe)"
+    names = {"torque": effect, "peak": "peak pressure", "reaction": "hinge reaction"}
+    for key, name in names.items():
+        if key in texts:
+            line += f", {name} {texts[key]}"
+    return line
+
+
+def plane_stress_errors_as_line(effect: str, response: "Response") -> str:
+    """The estimated relative errors of the plane-stress assumption as one line of text.
+
+    Where the errors of the mesh are known too, the line also gives the sums of both errors.
+    `effect` is the printed name of the torque, or of the braking force on a plane.
+    """
+    found, mesh = response.plane_stress_error, response.error
+    # The caller has made sure that the response states errors of plane stress.
+    assert found is not None
+    if found.unknown:
+        return f"error of plane stress itself: not known, {found.unknown}"
+    names = {"torque": effect, "reaction": "hinge reaction"}
+    subject = "error of plane stress itself"
+    if found.corrected:
+        subject = "error of plane stress after the correction for the widths"
+    line = f"{subject}: p {error_text_in_percent(found.brake['pressure'])} (mean over the width)"
+    for key, name in names.items():
+        line += f", {name} {error_text_in_percent(found.brake[key])}"
+    line += ", peak pressure not known"
+    if mesh is None:
+        return line
+    both = {key: found.brake[key] + mesh[key] for key in ("pressure", *names) if key in mesh}
+    line += (
+        "; both together, of the elements and of plane stress, with all inputs taken as exact: "
+        f"p {error_text_in_percent(both.pop('pressure'))}"
+    )
+    for key, error in both.items():
+        line += f", {names[key]} {error_text_in_percent(error)}"
+    return line
+
+
+def lines_below_response_table(response: "Response") -> list[str]:
+    """The lines below the table of a response: self-locking, warnings and estimated errors.
+
+    Notes on the supports and on the steps of the solution are left out; `Response.notes` has them.
+    """
+    word = response.surface.word_for_torque_or_brake_force
+    lines = []
+    if response.self_locking is not None:
+        lines.append(response.self_locking.line())
+    for note in response.notes:
+        starts = note.startswith(("warning:", "note:", BEGIN_OF_NOTE_ON_PEAKS_OVER_WIDTH))
+        if starts or ": no contact" in note:
+            lines.append(note)
+    if response.error is not None:
+        lines.append(estimated_errors_as_line(word, response.error))
+    if response.plane_stress_error is not None:
+        lines.append(plane_stress_errors_as_line(word, response))
+    return lines
 
 
 def text_of_response(response: "Response") -> str:
-    """A response as text: a line with model and torque, and a table with aligned columns."""
-    table = text_lines_of_aligned_columns(rows_of_response_table(response))
-    return "\n".join([_title_line_of_response(response), *table])
+    """A response as text: model and torque, a table with aligned columns, warnings and errors."""
+    lines = text_lines_of_aligned_columns(rows_of_response_table(response))
+    for line in lines_below_response_table(response):
+        lines += textwrap.wrap(line, WIDTH_OF_SHOWN_LINES, subsequent_indent="  ")
+    return "\n".join([_title_line_of_response(response), *lines])
 
 
 def html_table_of_response(response: "Response") -> str:
-    """A response as an HTML table, which notebooks display."""
-    return html_table_with_caption(
+    """A response as an HTML table with lines below it, which notebooks display."""
+    # The standard module `html` loads a table of all entities, and only notebooks need it.
+    from html import escape  # noqa: PLC0415
+
+    table = html_table_with_caption(
         _title_line_of_response(response), rows_of_response_table(response)
     )
+    lines = [f"<div>{escape(line)}</div>" for line in lines_below_response_table(response)]
+    return "".join([table, *lines])
 
 
 def matplotlib_axes_itself_or_new(axes: Any) -> Any:
@@ -84,18 +167,26 @@ def matplotlib_axes_itself_or_new(axes: Any) -> Any:
     return axes
 
 
-def plot_pressure_of_each_shoe(response: "Response", axes: Any = None, prefix: str = "") -> Any:
+LINE_STYLES_OF_SHOES = ("-", "--", ":", "-.")
+"""Styles of the lines of the first, second, third and fourth shoe where models have colours."""
+
+
+def plot_pressure_of_each_shoe(
+    response: "Response", axes: Any = None, prefix: str = "", color: str | None = None
+) -> Any:
     """Draw the pressure of every shoe, in MPa over degrees, or over mm on a plane.
 
     The curves are drawn into the given matplotlib `axes`, or into new axes if it is None. In the
-    legend `prefix` stands before the name of the shoe. The vertical axis ends above the largest
-    peak pressure: the unbounded pressure at a sharp edge of a lining is cut. The function returns
-    the axes. Raises BadInput for a value that is no axes of matplotlib.
+    legend `prefix` stands before the name of the shoe. With a `color` all curves have it, and the
+    shoes differ by the style of their lines; without, each shoe has a colour. The vertical axis
+    ends above the largest peak pressure: the unbounded pressure at a sharp edge of a lining is cut,
+    and the legend says so. The function returns the axes. Raises BadInput for a value that is no
+    axes of matplotlib.
     """
     axes = matplotlib_axes_itself_or_new(axes)
     surface = response.surface
     top = axes.get_ylim()[1] if axes.has_data() else 0.0
-    for shoe in response.shoes:
+    for number, shoe in enumerate(response.shoes):
         top = max(top, TOP_OVER_PEAK * shoe.peak_pressure * 1e-6)
         ends = shoe.theta[:: shoe.order]
         pieces = [np.linspace(a, b, DRAWN_POINTS_PER_POLYNOMIAL_PIECE) for a, b in pairwise(ends)]
@@ -104,6 +195,8 @@ def plot_pressure_of_each_shoe(response: "Response", axes: Any = None, prefix: s
             theta * surface.si_to_shown_unit_factor,
             shoe.pressure_at(theta) * 1e-6,
             label=f"{prefix}{shoe.name}",
+            color=color,
+            linestyle="-" if color is None else LINE_STYLES_OF_SHOES[number % 4],
         )
     axes.set(
         xlabel=surface.axis_label_in_python,
@@ -112,7 +205,8 @@ def plot_pressure_of_each_shoe(response: "Response", axes: Any = None, prefix: s
     )
     if top > 0:
         axes.set_ylim(0, top)
-    axes.legend()
+    is_cut = any(np.max(line.get_ydata()) > top > 0 for line in axes.lines)
+    axes.legend(title="cut at the top: p at sharp edges" if is_cut else None)
     return axes
 
 

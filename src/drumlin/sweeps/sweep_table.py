@@ -13,7 +13,7 @@ import numpy as np
 from drumlin.base.arrays import Floats
 from drumlin.base.errors import BadInput
 from drumlin.base.shown_tables import html_table_with_caption, text_lines_of_aligned_columns
-from drumlin.base.texts import did_you_mean_hint
+from drumlin.base.texts import did_you_mean_hint, error_text_in_percent
 from drumlin.brake.units import PRINTED_UNIT_AND_FACTOR_BY_SI_UNIT
 from drumlin.response.show import matplotlib_axes_itself_or_new
 from drumlin.sweeps.cases import CaseResultsByName
@@ -24,6 +24,14 @@ MOST_SHOWN_ROWS_OF_SWEEP_TABLE = 10
 
 MOST_SHOWN_REASONS_OF_FAILED_CASES = 3
 """Largest number of reasons for failed cases that are shown, the most frequent first."""
+
+
+FEWEST_CASES_OF_SHOWN_QUANTILES = 20
+"""Smallest number of cases of which the quantiles of 5 % and of 95 % are shown.
+
+Of fewer cases one of them is more than 5 %, so that the quantiles lie between the two least and the
+two largest values.
+"""
 
 
 class ColumnStatistics(NamedTuple):
@@ -54,9 +62,13 @@ class ColumnStatistics(NamedTuple):
         """The cells of a row of the shown table; stresses in MPa, angles in degrees, lengths in mm.
 
         The cells have the order of STATISTICS_HEADINGS. The name of the model is not among them.
+        The quantiles of fewer than FEWEST_CASES_OF_SHOWN_QUANTILES cases are dashes.
         """
         shown = HeadingAndUnitFactorOfShownColumn.shown_column_for_heading(self.column)
-        return (shown.heading, *(shown.text(value, 4) for value in self[3:]))
+        row = self
+        if self.cases < FEWEST_CASES_OF_SHOWN_QUANTILES:
+            row = self._replace(low=math.nan, high=math.nan)
+        return (shown.heading, *(shown.text(value, 4) for value in row[3:]))
 
 
 STATISTICS_HEADINGS = ("", "mean", "spread", "5 %", "95 %", "least", "most")
@@ -263,6 +275,17 @@ class SweepTable(Sequence[CaseResultsByName]):
             lines.append(f"  failed, {number}: {reason}")
         return [*lines, *self.notes]
 
+    def _lines_on_stated_errors(self) -> list[str]:
+        """A line on the largest errors that the solved cases state; none if no case states any."""
+        parts = []
+        for key, words in (("error_torque", "torque"), ("error_pressure", "p (L2, worst shoe)")):
+            solved = [row for row in self.rows if row["status"] == "solved"]
+            stated = [row[key] for row in solved if isinstance(row.get(key), float)]
+            known = [error for error in stated if not math.isnan(error)]
+            if known:
+                parts.append(f"{words} at most {error_text_in_percent(max(known))}")
+        return [f"estimated errors: {', '.join(parts)}"] if parts else []
+
     def write(self, path: Path | str) -> None:
         """Write the table into a file, CSV or Parquet by the ending of its name.
 
@@ -286,7 +309,9 @@ class SweepTable(Sequence[CaseResultsByName]):
         try:
             pandas = importlib.import_module("pandas")
         except ImportError as error:
-            raise BadInput("to_pandas: needs the package pandas, which is not installed") from error
+            raise BadInput(
+                "to_pandas: needs the package pandas, which is not installed: pip install pandas"
+            ) from error
         given = self._headings_of_case_inputs()
         records = []
         for row in self.rows:
@@ -371,7 +396,11 @@ class SweepTable(Sequence[CaseResultsByName]):
 
     def __repr__(self) -> str:
         """The title, the outcome, the first rows and the statistics as text."""
-        lines = [self.title, *self.text_lines_on_outcome_of_cases()]
+        lines = [
+            self.title,
+            *self.text_lines_on_outcome_of_cases(),
+            *self._lines_on_stated_errors(),
+        ]
         lines += text_lines_of_aligned_columns(self._cells_of_displayed_table())
         if len(self.rows) > MOST_SHOWN_ROWS_OF_SWEEP_TABLE:
             lines.append(f"... {len(self.rows) - MOST_SHOWN_ROWS_OF_SWEEP_TABLE} further cases")

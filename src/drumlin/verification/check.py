@@ -100,6 +100,8 @@ def pressure_curves_as_csv(
 def read_pressure_curves(path: Path, brake: Brake) -> dict[str, PressureCurveOfShoe]:
     """Read the pressure curve of each shoe, by its name, from a CSV file.
 
+    A shoe that has no point in the table, such as one that was not measured, has no curve.
+
     Raises BadInput for a table that cannot be used. The message is one line, which names the file,
     the line and the allowed content.
     """
@@ -139,8 +141,12 @@ def read_pressure_curves(path: Path, brake: Brake) -> dict[str, PressureCurveOfS
             for key in wanted
         ]
         points[name].append(point)
+    if not any(points.values()):
+        raise BadInput(f"{path}: has no points below its heading")
     return {
-        shoe.name: _sorted_pressure_curve(path, shoe, points[shoe.name]) for shoe in brake.shoes
+        shoe.name: _sorted_pressure_curve(path, shoe, points[shoe.name])
+        for shoe in brake.shoes
+        if points[shoe.name]
     }
 
 
@@ -296,7 +302,7 @@ def _angle_or_place_in_words_with_unit(shoe: Shoe, at: float) -> str:
 def compare_curves_with_reference(
     brake: Brake, known: ReferenceValuesOfBrake, curves: dict[str, PressureCurveOfShoe]
 ) -> list[DeviationOfCurveFromReference]:
-    """Compare the pressure curve of each shoe with the reference values of a brake.
+    """Compare pressure curves, by the names of their shoes, with the reference values of a brake.
 
     Raises BadInput if the reference values belong to another brake, or if a curve ends before it
     reaches the edge zone at an end of its lining.
@@ -312,9 +318,10 @@ def compare_curves_with_reference(
         raise BadInput(f"the reference is of another brake: {key} is not the same")
     verdicts = []
     for spec, shoe in zip(brake.shoes, known.shoes, strict=True):
-        verdicts.append(
-            _deviation_of_pressure_curve_from_reference(brake, spec, shoe, curves[shoe.name])
-        )
+        if shoe.name in curves:
+            verdicts.append(
+                _deviation_of_pressure_curve_from_reference(brake, spec, shoe, curves[shoe.name])
+            )
     return verdicts
 
 

@@ -137,7 +137,8 @@ def solve_brake_for_reference_values(
     for shoe in brake.shoes:
         if shoe.mesh is not None:
             raise BadInput(
-                f"shoe {shoe.name!r} has a mesh file, which is not refined: no reference values"
+                f"shoe {shoe.name!r} has a mesh file: no reference values, since both solvers "
+                "divide shoes whose sides the brake file gives; drumlin solve states its errors"
             )
     solve_exactly = partial(solve_prepared_model, penalty=math.inf)
     # Coarse meshes find the ends of the contact. The two fine meshes have small elements there.

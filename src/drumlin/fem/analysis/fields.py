@@ -2,7 +2,7 @@
 
 import importlib
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -64,6 +64,7 @@ class StressAndDisplacementFields(BaseClassWithArrayEquality):
     von_mises : equivalent stress (n,) [Pa]
     pressure : contact pressure (n,) [Pa] on the friction surface, 0 elsewhere
     push : pressure as a vector (n, 2) [Pa]: the normal traction of the drum or plane on the lining
+    name : name of the shoe, or "drum ring"
     """
 
     points: Floats
@@ -75,13 +76,16 @@ class StressAndDisplacementFields(BaseClassWithArrayEquality):
     von_mises: Floats
     pressure: Floats
     push: Floats
+    name: str = ""
 
     def __repr__(self) -> str:
-        """A line with the number of nodes and cells and the largest displacement and stress."""
+        """A line with name, number of nodes and cells, and largest displacement and stress."""
         moved = 1e3 * float(np.linalg.norm(self.displacement, axis=1).max())
+        name = f"{self.name}: " if self.name else ""
         return (
-            f"{len(self.points)} nodes, {len(self.cells)} cells {self.cell_type}, displacement up "
-            f"to {moved:.3g} mm, von Mises stress up to {1e-6 * self.von_mises.max():.3g} MPa"
+            f"{name}{len(self.points)} nodes, {len(self.cells)} cells {self.cell_type}, "
+            f"displacement up to {moved:.3g} mm, "
+            f"von Mises stress up to {1e-6 * self.von_mises.max():.3g} MPa"
         )
 
     def to_meshio(self) -> "meshio.Mesh":
@@ -276,13 +280,13 @@ def stress_and_displacement_fields_of_shoes_and_ring(
     displacements = nodal_displacements_of_each_shoe(scene.bodies, loaded, response)
     every = []
     for i, shoe in enumerate(loaded.shoes):
-        every.append(
-            _fields_of_shoe_with_nodal_displacements(
-                scene.bodies[i], brake, shoe, pressures[i], displacements[i]
-            )
+        fields = _fields_of_shoe_with_nodal_displacements(
+            scene.bodies[i], brake, shoe, pressures[i], displacements[i]
         )
+        every.append(replace(fields, name=shoe.name))
     if scene.ring is not None:
-        every.append(stress_and_displacement_fields_of_ring(scene, brake, response))
+        ring = stress_and_displacement_fields_of_ring(scene, brake, response)
+        every.append(replace(ring, name="drum ring"))
     return every
 
 
