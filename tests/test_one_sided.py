@@ -6,7 +6,17 @@ import numpy as np
 import pytest
 
 import drumlin
-from anchored_shoes import CYLINDER, FOOT, FORCE, PIN, WIDTH, R, duo_servo, shoe_between_anchors
+from anchored_shoes import (
+    CYLINDER,
+    FOOT,
+    FORCE,
+    PIN,
+    STEEL,
+    WIDTH,
+    R,
+    duo_servo,
+    shoe_between_anchors,
+)
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.file import make_drum_brake_from_data, vary
 from drumlin.fem.analysis import holding
@@ -329,3 +339,15 @@ def test_the_limit_of_a_duo_servo_is_where_solves_end_and_takes_few_searches(rot
     assert shoe_torques_at_friction_coefficients(scene, brake, [below]).sum() > 0
     with pytest.raises(NoAnswer):
         shoe_torques_at_friction_coefficients(scene, brake, [above])
+
+
+def test_a_shoe_wedged_between_two_anchors_is_told_from_one_that_nothing_holds() -> None:
+    """The force bends the shoe, so that it presses on both anchors at once."""
+    body = {"thickness": 0.025, "width": 0.012, "start": -0.8, "end": 0.8, "material": STEEL}
+    brake = vary(shoe_between_anchors(-1), {"shoe.body": body})
+    wedged = r"wedged between anchor 1 of 'block' and anchor 2 of 'block': give one of them a clear"
+    with pytest.raises(NoAnswer, match=wedged):
+        solve(brake, elements=8)
+    freed = vary(brake, {"shoe.anchor[1].clearance": 1e-4})
+    held = forces(solve(freed, elements=8))
+    assert held["anchor 1 of 'block'"] > 0 == held["anchor 2 of 'block'"]
