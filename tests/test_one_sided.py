@@ -351,3 +351,18 @@ def test_a_shoe_wedged_between_two_anchors_is_told_from_one_that_nothing_holds()
     freed = vary(brake, {"shoe.anchor[1].clearance": 1e-4})
     held = forces(solve(freed, elements=8))
     assert held["anchor 1 of 'block'"] > 0 == held["anchor 2 of 'block'"]
+
+
+def test_the_law_names_the_clearance_of_anchors_among_the_keys_that_it_does_not_use() -> None:
+    for clearance in (0.0, 1e-4):
+        left_out = drumlin.solve(shoe_between_anchors(clearance=clearance), "rigid").left_out
+        assert any("shoe.anchor.clearance" in line for line in left_out) == bool(clearance)
+
+
+@pytest.mark.filterwarnings("error")
+def test_holding_on_anchors_with_clearances_warns_of_no_division() -> None:
+    changes = {f"shoe[{i}].anchor[0].clearance": 1.5e-4 for i in range(2)}
+    brake = vary(duo_servo(-1, 0.2, FULL), changes | {"shoe.lining.clearance": 1.8e-4})
+    assert drumlin.hold(brake, elements=6, steps=2).states[-1].torque == pytest.approx(
+        drumlin.solve(brake, elements=6, model_error=False).torque, rel=1e-8
+    )

@@ -580,7 +580,9 @@ def _added_gaps_and_loads_that_make_stick_slip_states_valid(
     # The distances of a sticking node are mu p - t and mu p + t. Their sum gives the pressure p,
     # their difference the traction t.
     mu = np.maximum(system.mu, np.finfo(float).tiny)
-    stick_p = (margin.distances[0] + margin.distances[1]) / (2 * mu)
+    # At a sticking node without friction, such as a support, this pressure may overflow.
+    with np.errstate(over="ignore"):
+        stick_p = (margin.distances[0] + margin.distances[1]) / (2 * mu)
     stick_t = 0.5 * (margin.distances[1] - margin.distances[0])
     too_small = sticks & margin.enlarged.any(axis=0)
     p = np.where(slips, margin.distances[0], np.where(too_small, stick_p, p))
