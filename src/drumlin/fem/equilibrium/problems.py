@@ -280,9 +280,11 @@ class ContactProblemsOfShoeGroup(ShoeGroupData):
         The columns stand for the travel of each shoe's point of actuation by its strain and its
         rigid-body modes. The approach is 0 for a shoe that no strut pushes.
         """
+        struts = self.indices_of_pushing_and_pushed_shoe_of_struts
+        if not struts:
+            return np.zeros(springs.resultants.shape[:2])
         motions = surface_motions_by_load_point_travels(
-            self.contact_effects_of_each_actuation_force(0.0),
-            self.indices_of_pushing_and_pushed_shoe_of_struts,
+            self.contact_effects_of_each_actuation_force(0.0), struts
         )
         return np.asarray(self.approach_of_springs_by_surface_motion(springs) @ motions)
 
