@@ -6,7 +6,17 @@ import numpy as np
 import pytest
 
 import drumlin
-from anchored_shoes import CYLINDER, FOOT, FORCE, PIN, WIDTH, R, duo_servo, shoe_between_anchors
+from anchored_shoes import (
+    CYLINDER,
+    FOOT,
+    FORCE,
+    PIN,
+    STEEL,
+    WIDTH,
+    R,
+    duo_servo,
+    shoe_between_anchors,
+)
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.file import make_drum_brake_from_data, vary
 from drumlin.fem.analysis import holding
@@ -378,3 +388,30 @@ def test_the_limit_of_a_duo_servo_is_where_solves_end_and_takes_few_searches(rot
     assert shoe_torques_at_friction_coefficients(scene, brake, [below]).sum() > 0
     with pytest.raises(NoAnswer):
         shoe_torques_at_friction_coefficients(scene, brake, [above])
+
+
+def test_a_shoe_wedged_between_two_anchors_is_told_from_one_that_nothing_holds() -> None:
+    """The force bends the shoe, so that it presses on both anchors at once."""
+    body = {"thickness": 0.025, "width": 0.012, "start": -0.8, "end": 0.8, "material": STEEL}
+    brake = vary(shoe_between_anchors(-1), {"shoe.body": body})
+    wedged = r"wedged between anchor 1 of 'block' and anchor 2 of 'block': give one of them a clear"
+    with pytest.raises(NoAnswer, match=wedged):
+        solve(brake, elements=8)
+    freed = vary(brake, {"shoe.anchor[1].clearance": 1e-4})
+    held = forces(solve(freed, elements=8))
+    assert held["anchor 1 of 'block'"] > 0 == held["anchor 2 of 'block'"]
+
+
+def test_the_law_names_the_clearance_of_anchors_among_the_keys_that_it_does_not_use() -> None:
+    for clearance in (0.0, 1e-4):
+        left_out = drumlin.solve(shoe_between_anchors(clearance=clearance), "rigid").left_out
+        assert any("shoe.anchor.clearance" in line for line in left_out) == bool(clearance)
+
+
+@pytest.mark.filterwarnings("error")
+def test_holding_on_anchors_with_clearances_warns_of_no_division() -> None:
+    changes = {f"shoe[{i}].anchor[0].clearance": 1.5e-4 for i in range(2)}
+    brake = vary(duo_servo(-1, 0.2, FULL), changes | {"shoe.lining.clearance": 1.8e-4})
+    assert drumlin.hold(brake, elements=6, steps=2).states[-1].torque == pytest.approx(
+        drumlin.solve(brake, elements=6, model_error=False).torque, rel=1e-8
+    )

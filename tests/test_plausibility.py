@@ -18,6 +18,7 @@ from drumlin_studies.random_kinds import draw_random_brake_of_support_kind
 FAR_HINGE = {"x": "12.5 m", "y": "0 m"}
 PUSH = {"force": "1 kN", "direction": "0 deg"}
 SPRING = {"shoe": "right", "preload": "100 N", "point": {"x": "40 mm", "y": "100 mm"}}
+MASS = {"mass": "1.3 kg", "point": {"x": "85 mm", "y": "0 mm"}}
 HARDLY_MEANT = [
     ({"friction": 30}, "friction = 30 is more than any lining has; did you mean 0.3"),
     ({"shoe[0].hinge": FAR_HINGE}, "shoe[0].hinge is 12.5 m away, 83.3 times drum.radius"),
@@ -67,6 +68,14 @@ HARDLY_MEANT = [
         {"shoe[0].body.material.expansion": "12 1/K"},
         "shoe[0].body.material.expansion = 12 1/K is large for a solid; did you mean 1.2e-05 1/K?",
     ),
+    (
+        {"shoe_speed": "1450 rad/s", "shoe[0].mass": MASS},
+        "shoe_speed = 1450 rad/s gives the drum's surface 217.5 m/s; did you mean 1450 rpm?",
+    ),
+    (
+        {"gravity": {"direction": "-90 deg"}, "shoe[0].mass": MASS | {"mass": "1300 kg"}},
+        "shoe[0].mass.mass = 1300 kg is more than a steel cube as large as the drum; did you mean",
+    ),
 ]
 
 
@@ -75,6 +84,12 @@ def test_a_value_that_can_hardly_be_meant_has_one_note_with_the_likely_value(bra
     (line,) = notes(vary(brake, changes))
     assert line.startswith("note: ")
     assert words in line
+
+
+def test_a_slack_adjuster_of_metres_has_a_note():
+    brake = vary(drumlin.example("air_chamber"), {"actuation.chamber.lever": "6 m"})
+    (line,) = notes(brake)
+    assert "actuation.chamber.lever = 6 m is 28.6 times drum.radius = 210 mm" in line
 
 
 def test_a_mistaken_drum_radius_has_one_note_and_shoes_alike_have_one_note_together(brake):

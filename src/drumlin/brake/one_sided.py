@@ -247,6 +247,21 @@ def divide_motions_into_held_and_free(
     return HeldAndFreeRigidBodyMotions(sizes[:, None] * right[count:].T, held)
 
 
+def first_redundant_supports(opening: Floats, sizes: Floats) -> tuple[int, ...]:
+    """The indices of the fewest supports that prevent one motion twice; () without such supports.
+
+    Parameters
+    ----------
+    opening : (m, k), opening of each support per unit of each rigid-body mode
+    sizes : (k,), amount of each rigid-body mode that displaces points of the brake by about 1 m
+    """
+    for count in range(2, len(sizes) + 1):
+        for chosen in itertools.combinations(range(len(opening)), count):
+            if divide_motions_into_held_and_free(opening[list(chosen)], sizes) is None:
+                return chosen
+    return ()
+
+
 def do_linings_resist_free_motions(closing: Floats, scale: float) -> bool:
     """Whether the linings resist every motion that the bearing supports leave free.
 

@@ -119,6 +119,17 @@ USUAL_RANGE_OF_CYLINDER_PRESSURE = (1e4, 1e9)
 
 Wheel cylinders have some 1 to 20 MPa, and vacuum brakes 5e4 Pa.
 """
+LARGEST_USUAL_SURFACE_SPEED = 100.0
+"""Speed [m/s] of the friction surface above which a note questions the unit of a speed.
+
+The drum of a car at 200 km/h has some 25 m/s, a clutch of a chain saw at 13 000 rpm some 50 m/s. A
+speed in rpm that was written in rad/s is ten times too large. The value is a judgement.
+"""
+LARGEST_USUAL_MASS_OVER_CUBED_RADIUS = 6e4
+"""Mass of a shoe over the cube of the drum's radius [kg/m^3] above which a note questions its unit.
+
+A cube of steel that is as large as the drum has 8 x 7850 kg/m^3.
+"""
 
 
 def notes_on_implausible_brake_values(brake: Brake) -> tuple[str, ...]:
@@ -145,6 +156,7 @@ def notes_on_implausible_brake_values(brake: Brake) -> tuple[str, ...]:
             *_notes_on_unit_of_modulus_or_pressure(value),
         ]
         lines += _notes_on_temperature_or_expansion(value)
+        lines += [] if on_drum else _notes_on_speed_or_mass(value, brake)
     # A value with a wrong unit may move a pin or a force. Only without such a value, directions and
     # angles are judged.
     lines = lines or [
@@ -308,7 +320,7 @@ def _text_of_length_with_unit_that_may_be_meant(length: float, *, small: bool) -
 def _notes_on_unusual_length(
     value: _BrakeQuantityWithKey, brake: Brake, size: float
 ) -> Iterator[str]:
-    """Yield a note on a width, thickness, grip or diameter too small or large for the brake.
+    """Yield a note on a width, thickness, grip, diameter or lever unlike the brake's size.
 
     `size` is the drum's radius [m], or on a plane the length of the longest lining.
     """
@@ -317,6 +329,7 @@ def _notes_on_unusual_length(
         "width": SMALLEST_USUAL_WIDTH_OVER_BRAKE_SIZE,
         "grip": SMALLEST_USUAL_THICKNESS_OVER_BRAKE_SIZE,
         "diameter": SMALLEST_USUAL_WIDTH_OVER_BRAKE_SIZE,
+        "lever": SMALLEST_USUAL_WIDTH_OVER_BRAKE_SIZE,
     }.get(value.name)
     if least is None or value.unit != "m":
         return
@@ -388,6 +401,23 @@ def _notes_on_temperature_or_expansion(value: _BrakeQuantityWithKey) -> Iterator
         yield (
             f"{value.key} = {value.value:.4g} 1/K is large for a solid; "
             f"did you mean {value.value * 1e-6:.4g} 1/K?"
+        )
+
+
+def _notes_on_speed_or_mass(value: _BrakeQuantityWithKey, brake: Brake) -> Iterator[str]:
+    """Yield a note on a speed or on the mass of a shoe that is too large for a drum."""
+    if brake.surface.is_plane_and_not_drum:
+        return
+    rim = abs(value.value) * brake.size
+    if value.unit == "rad/s" and rim > LARGEST_USUAL_SURFACE_SPEED:
+        yield (
+            f"{value.key} = {value.value:.4g} rad/s gives the drum's surface {rim:.4g} m/s; "
+            f"did you mean {value.value:.4g} rpm?"
+        )
+    if value.unit == "kg" and value.value > LARGEST_USUAL_MASS_OVER_CUBED_RADIUS * brake.size**3:
+        yield (
+            f"{value.key} = {value.value:.4g} kg is more than a steel cube as large as the drum; "
+            f"did you mean {value.value:.4g} g?"
         )
 
 

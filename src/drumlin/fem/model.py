@@ -22,6 +22,7 @@ from drumlin.brake.one_sided import OneSidedSupportForce, note_on_shoe_held_off_
 from drumlin.brake.units import length_as_text_in_mm
 from drumlin.contact.active_set import ContactSolution
 from drumlin.fem.equilibrium.group import ShoeGroup, divide_pressed_shoes_into_groups
+from drumlin.fem.equilibrium.modes import pin_motions_in_rigid_body_motions
 from drumlin.fem.equilibrium.pressure_friction import solve_shoe_group_with_lining_friction
 from drumlin.fem.equilibrium.sharing import (
     ERROR_TEXT_ON_CAM_OR_STRUT_THAT_WOULD_PULL,
@@ -394,13 +395,15 @@ class _GroupSolutionUnderBrakeForces(NamedTuple):
 class _ShoePartOfGroupSolution(NamedTuple):
     """The values of one shoe in the solution of its group; see `_GroupSolutionUnderBrakeForces`.
 
-    `shoe_number` is the position of the shoe in the group.
+    `shoe_number` is the position of the shoe in the group. `motion_along_surface` is the turn about
+    the drum's centre [rad], or the slide along the plane [m], by which the shoe follows its strut.
     """
 
     group: ShoeGroup
     shoe_number: int
     pressures: Floats
     coordinates: Floats
+    motion_along_surface: float
     force: float
     support_forces: tuple[OneSidedSupportForce, ...]
     pressure_errors: Floats
@@ -682,6 +685,9 @@ def _results_of_shoes_in_solved_group(
     """The result of each shoe of a solved group, by its position in the brake."""
     group = solution.group
     answers = {}
+    motions = group.motions_along_surface_with_struts(
+        solution.pressures, solution.coordinates, solution.forces
+    )
     for k, (i, part) in enumerate(
         zip(group.members, group.contact_node_slices_of_shoes, strict=True)
     ):
@@ -690,6 +696,7 @@ def _results_of_shoes_in_solved_group(
             shoe_number=k,
             pressures=solution.pressures[k],
             coordinates=solution.coordinates[k],
+            motion_along_surface=float(motions[k]),
             force=solution.forces[k],
             support_forces=solution.support_forces[k],
             pressure_errors=solution.pressure_errors[:, part],
@@ -741,6 +748,8 @@ def _spring_point_displacements_of_shoe_along_pulls(solution: _ShoePartOfGroupSo
     friction = drag * group.friction_stress_over_friction_coefficient_of_shoe(k, p)
     elastic = body.flexibility.motion_of_load_points(p, friction, load)
     pin_motion = group.rigid_body_modes_of_shoes[k].pin_motion @ solution.coordinates
+    along = pin_motions_in_rigid_body_motions(shoe, group.rigid_motion_along_friction_surface[None])
+    pin_motion = pin_motion + along[:, 0] * solution.motion_along_surface
     return displacements_of_spring_points_along_pulls(brake, shoe, body, elastic, pin_motion)
 
 

@@ -653,6 +653,7 @@ def _given_keys_that_laws_do_not_use(brake: Brake) -> list[str]:
     for shoe in brake.shoes:
         of_shoe: dict[str, object] = {name: getattr(shoe, name) for name in ("body", "backing")}
         of_shoe["mesh"] = shoe.mesh
+        of_shoe["anchor.clearance"] = any(anchor.clearance for anchor in shoe.anchors)
         for part in shoe.lining.linings:
             misfit = sorted(key for key, _, _ in part_values_other_than_defaults(part.misfit))
             unlike = {f"lining.misfit.{key}": True for key in misfit}

@@ -182,7 +182,23 @@ def _approaches_of_springs(
         load = load + own.load_of_supports
         for j, factors in enumerate(springs.load_column_factors):
             found[j] += float(factors[k] @ body.flexibility.load_point_motion_by_load @ load)
-    return np.asarray(found)
+    along = motions_along_surface_with_struts_in_solution(group, shoes)
+    return np.asarray(found + group.approach_of_springs_by_surface_motion(springs) @ along)
+
+
+def motions_along_surface_with_struts_in_solution(
+    group: ShoeGroup, shoes: list[ShoeAdjoint]
+) -> Floats:
+    """The motion (s,) of each shoe along the drum or the plane, as its strut carries its foot.
+
+    `shoes` have the solution of each shoe. The motions are turns [rad] about the drum's centre, or
+    slides [m] along the plane.
+    """
+    return group.motions_along_surface_with_struts(
+        [own.pressures for own in shoes],
+        [own.coordinates for own in shoes],
+        np.array([own.force for own in shoes]),
+    )
 
 
 class _LoadsOfOneSidedSupports(NamedTuple):
@@ -270,7 +286,7 @@ def _equation_matrix_of_shoe_group(group: ShoeGroup, friction: float) -> Floats:
     if not group.brake.springs:
         return matrix
     return _equation_matrix_with_spring_pulls(
-        matrix, group, group.spring_matrices_at_friction(friction)
+        matrix, group, group.spring_matrices_at_friction(friction), friction
     )
 
 
@@ -306,7 +322,7 @@ def _equation_matrix_with_support_forces(
 
 
 def _equation_matrix_with_spring_pulls(
-    matrix: Floats, group: ShoeGroup, springs: SpringMatrices
+    matrix: Floats, group: ShoeGroup, springs: SpringMatrices, friction: float
 ) -> Floats:
     """The matrix of the equations of a group with the pulls of its springs as last unknowns.
 
@@ -315,6 +331,7 @@ def _equation_matrix_with_spring_pulls(
     matrix : the matrix without the pulls
     group : the group of shoes
     springs : the effects of the springs, at the friction coefficient of `matrix`
+    friction : the friction coefficient of `matrix`
     """
     rates = np.array([spring.rate for spring in group.brake.springs])
     n, k = len(springs.gap_by_pull), len(springs.work)
@@ -333,7 +350,16 @@ def _equation_matrix_with_spring_pulls(
     approach[:, force : force + len(group.shoes)] = springs.approach_by_force
     if group.one_sided_supports:
         approach[:, on_supports] = by_pull[on_supports].T
-    of_pulls = np.eye(len(rates)) + rates[:, None] * springs.approach_by_pull
+    # The shoes that push struts follow the points of actuation of the next shoes.
+    by_travel = group.approach_of_springs_by_load_point_travel(springs)
+    for i, shoe in enumerate(group.contact_effects_of_each_actuation_force(friction)):
+        travel = np.zeros(first)
+        travel[:n][shoe.nodes] = shoe.load_point_travel_by_pressure
+        travel[n:force][shoe.modes] = shoe.load_point_travel_by_modes
+        travel[force + i] = shoe.load_point_travel_by_force
+        approach += np.outer(by_travel[:, i], travel)
+    approach_by_pull = springs.approach_by_pull + by_travel @ springs.tip_travel_by_pull
+    of_pulls = np.eye(len(rates)) + rates[:, None] * approach_by_pull
     return np.block([[matrix, by_pull], [rates[:, None] * approach, of_pulls]])
 
 

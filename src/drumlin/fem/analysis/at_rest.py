@@ -18,6 +18,7 @@ from drumlin.brake.support import SENSE_VALUE_OF_ABUTMENT_THAT_DOES_NOT_ACT
 from drumlin.contact import equations
 from drumlin.contact.stick_slip import StickSlipProblem
 from drumlin.fem.equilibrium.group import ShoeGroup
+from drumlin.fem.equilibrium.modes import contact_node_displacements_in_rigid_body_motions
 from drumlin.fem.equilibrium.sharing import (
     EffectsOfActuationForceOnShoe,
     make_contact_problem_with_strut_and_cam_forces,
@@ -124,6 +125,9 @@ def _matrices_of_tractions_on_lining(group: ShoeGroup, k: int) -> _TractionMatri
     acting = unit_load_factors_under_all_loads(body, shoe, shoe.actuation.force)
     acting = acting / group.largest_actuation_force
     tip = dragged.T @ (loaded @ load)
+    along = contact_node_displacements_in_rigid_body_motions(
+        body, shoe, group.rigid_motion_along_friction_surface[None]
+    )
     bearing = np.zeros(n)
     if shoe.abutment is not None:
         nodal = T.reshape(n, -1, 2).sum(axis=1)
@@ -141,7 +145,10 @@ def _matrices_of_tractions_on_lining(group: ShoeGroup, k: int) -> _TractionMatri
         compliance=coupling.M / group.contact_stiffness_per_area_of_shoes[k],
         q_s=-(dragged.T @ (loaded @ acting)),
         effects=effects._replace(
-            gap_by_force=-tip, load_point_travel_by_pressure=tip, foot_force_by_pressure=bearing
+            gap_by_force=-tip,
+            load_point_travel_by_pressure=tip,
+            foot_force_by_pressure=bearing,
+            gap_by_surface_motion=-(T @ along)[:, 0],
         ),
         load_travel=dragged.T @ loaded,
     )
@@ -475,6 +482,9 @@ def _actuation_effects_on_pressures_and_tractions(
             ),
             foot_force_by_pressure=np.concatenate(
                 [normal.foot_force_by_pressure, tangential.foot_force_by_pressure]
+            ),
+            gap_by_surface_motion=np.concatenate(
+                [normal.gap_by_surface_motion, tangential.gap_by_surface_motion]
             ),
         )
         effects.append(both)

@@ -45,6 +45,7 @@ from drumlin.brake.support import RigidBodyModeDerivativesByDatum, resultant_for
 from drumlin.fem.analysis.adjoint import (
     ShoeAdjoint,
     TorqueDerivativesAndAdjointOfGroup,
+    motions_along_surface_with_struts_in_solution,
     solve_adjoint_for_torque_of_shoe_group,
 )
 from drumlin.fem.analysis.moving import (
@@ -417,9 +418,15 @@ class _TorqueSlopesOfShoe:
             k, self.own.pressures
         )
         # Under a cam the equation of the shoe's force contains the travel of the shoe's tip, the
-        # point where the force acts.
-        self.under_cam = k in self.group.indices_of_shoes_under_cam
-        self.tip_multiplier = self.own.force_multiplier if self.under_cam else 0.0
+        # point where the force acts. The tip of a shoe that a strut pushes moves springs on the
+        # shoe that pushes the strut.
+        under_cam = k in self.group.indices_of_shoes_under_cam
+        self.tip_multiplier = self.own.force_multiplier if under_cam else 0.0
+        self.spring_tip_multiplier = float(
+            self._spring_multipliers
+            @ self.group.approach_of_springs_by_load_point_travel(self.adjoint.springs)[:, k]
+        )
+        self.tip_multiplier += self.spring_tip_multiplier
         names = np.array(
             self.shoe.rigid_body_modes_of_support(
                 self.group.abutment_friction_directions_of_shoes[k]
@@ -489,17 +496,12 @@ class _TorqueSlopesOfShoe:
         self,
     ) -> _DisplacementsUnderLoadsAndAdjointLoads:
         """The displacements of the shoe's nodes under its loads, and under the adjoint loads."""
-        own, load = (
-            self.own,
-            self.group.actuation_of_each_shoe_by_one_newton[self.k].load_column_factors,
-        )
+        own = self.own
         N, T = self.body.coupling.N, self.body.coupling.T
         nodal = np.column_stack(
             [self.drag * (T.T @ self.dragging) - N.T @ own.pressures, N.T @ own.gap_multipliers]
         )
-        adjoint_force = -own.force_multiplier if self.under_cam else 0.0
-        adjoint_load_factors = adjoint_force * load + self._adjoint_load_of_springs()
-        loads = np.column_stack([self._load_column_factors_of_shoe(), adjoint_load_factors])
+        loads = np.column_stack([self._load_column_factors_of_shoe(), self._adjoint_load()])
         u, v = self.body.condensed.nodal_displacements_in_load_cases(
             nodal, np.zeros((DEGREES_OF_FREEDOM_OF_BODY_FRAME, 2)), loads
         ).T
@@ -537,17 +539,13 @@ class _TorqueSlopesOfShoe:
         `by_penalty` is the derivative [N m] of the torque by the logarithm of the contact
         stiffness, which is proportional to the lining's modulus.
         """
-        own, load = (
-            self.own,
-            self.group.actuation_of_each_shoe_by_one_newton[self.k].load_column_factors,
-        )
-        adjoint_force = -own.force_multiplier if self.under_cam else 0.0
+        own = self.own
         loads = LoadsAndAdjointLoads(
             own.pressures,
             self.drag,
             self._load_column_factors_of_shoe(),
             own.gap_multipliers,
-            adjoint_force * load + self._adjoint_load_of_springs(),
+            self._adjoint_load(),
         )
         found = torque_slopes_by_moduli_of_solid_shoe(
             self.body, self.changed(self.group.members[self.k]), loads
@@ -575,6 +573,11 @@ class _TorqueSlopesOfShoe:
         ):
             load -= multiplier * factors[self.k]
         return load
+
+    def _adjoint_load(self) -> Floats:
+        """The factors (l,) of the shoe's load columns under all adjoint loads."""
+        load = self.group.actuation_of_each_shoe_by_one_newton[self.k].load_column_factors
+        return np.asarray(self._adjoint_load_of_springs() - self.tip_multiplier * load)
 
     def _load_column_factors_of_shoe(self) -> Floats:
         """The factors (l,) by which the load columns make up all loads on the shoe."""
@@ -606,7 +609,7 @@ class _TorqueSlopesOfShoe:
         for to in self._indices_of_shoes_pushed_by_struts():
             pushed = _TorqueSlopesOfShoe(self.adjoint, to, self.changed)
             if pushed._can_torque_slope_by_point_be_computed("actuation.point"):
-                _add_torque_slopes_by_strut_line_of_action(effects, pushed)
+                _add_torque_slopes_by_strut_line_of_action(effects, self, pushed)
             else:
                 effects.pop("abutment.point", None)
                 effects.pop("abutment.direction", None)
@@ -818,13 +821,47 @@ class _TorqueSlopesOfShoe:
         load = body.load_matrix_columns_by_load_name.column_factors_of_all_loads(
             {ACTUATION_LOAD_NAME: pushing}
         )
-        work = free.test_modes @ np.array([*force, moment])
-        tested = self.mode_signs * self.works * work
-        return own.force * float(
+        change = np.array([*force, moment])
+        tested = self.mode_signs * self.works * (free.test_modes @ change)
+        by_force = own.force * float(
             own.gap_multipliers @ (body.flexibility.gap_closure_by_load @ load)
             - own.equilibrium_multipliers @ tested
-            + self._adjoint_load_of_springs() @ (body.flexibility.load_point_motion_by_load @ load)
+            + self._adjoint_load() @ (body.flexibility.load_point_motion_by_load @ load)
         )
+        # The travel of the tip is measured along the changed line.
+        elastic = body.flexibility.motion_of_load_points(
+            own.pressures, self.drag * self.dragging, self._load_column_factors_of_shoe()
+        )
+        moved = self.mode_signs * self.works * (free.motions @ change)
+        by_travel = float(load @ elastic + own.coordinates @ moved)
+        along = change @ self.group.rigid_motion_along_friction_surface
+        by_motion = self._motion_along_surface_with_strut * float(along)
+        return by_force - self.tip_multiplier * by_travel - self.spring_tip_multiplier * by_motion
+
+    @cached_property
+    def _motion_along_surface_with_strut(self) -> float:
+        """The motion of the shoe along the drum [rad] or the plane [m] as it follows its strut."""
+        motions = motions_along_surface_with_struts_in_solution(self.group, self.adjoint.shoes)
+        return float(motions[self.k])
+
+    def torque_slope_by_foot_lever(self, force: Floats, moment: float) -> float:
+        """The slope of the torque by a change of the lever with which a strut moves the shoe.
+
+        The motion of the shoe along the drum or the plane is the travel of its foot divided by this
+        lever. `force` (2,) and `moment` are the changes of the abutment's unit force, and of the
+        moment of this unit force about the origin [m].
+        """
+        group = self.group
+        effects = group.contact_effects_of_each_actuation_force(0.0)[self.k]
+        along = group.rigid_motion_along_friction_surface @ np.array([*force, moment])
+        multiplier = effects.load_point_travel_by_surface_motion * self.spring_tip_multiplier
+        multiplier += float(
+            self._spring_multipliers
+            @ group.approach_of_springs_by_surface_motion(self.adjoint.springs)[:, self.k]
+        )
+        # The motion per travel of the foot is -1 over the lever.
+        relative = -effects.surface_motion_by_foot_travel * float(along)
+        return multiplier * self._motion_along_surface_with_strut * relative
 
     def torque_slopes_by_strut_force_point(self) -> list[Floats]:
         """The slopes (2,) [N] of the torque by the point at which a strut pushes the shoe.
@@ -867,7 +904,7 @@ class _TorqueSlopesOfShoe:
 
 
 def _add_torque_slopes_by_strut_line_of_action(
-    effects: dict[str, Floats], pushed: _TorqueSlopesOfShoe
+    effects: dict[str, Floats], pushing: _TorqueSlopesOfShoe, pushed: _TorqueSlopesOfShoe
 ) -> None:
     """Add the slopes by a strut's line of action to the slopes by the abutment that it forms.
 
@@ -879,8 +916,22 @@ def _add_torque_slopes_by_strut_line_of_action(
     ----------
     effects : slopes by the supports of the shoe whose foot stands on the strut; they are changed in
         place
+    pushing : slopes of the shoe whose foot stands on the strut
     pushed : slopes of the shoe that the strut pushes
     """
+    unit_force = pushing.shoe.unit_vector_of_smooth_abutment_force
+    by_point = [
+        pushing.torque_slope_by_foot_lever(
+            np.zeros(2), float(planar_cross_product(step, unit_force))
+        )
+        for step in np.eye(2)
+    ]
+    effects["abutment.point"] = effects["abutment.point"] + np.array(by_point)
+    turned = np.array([-unit_force[1], unit_force[0]])
+    if pushing.shoe.abutment is not None:
+        moment = float(planar_cross_product(pushing.shoe.abutment.point.xy, turned))
+        by_turn = pushing.torque_slope_by_foot_lever(turned, moment)
+        effects["abutment.direction"] = effects["abutment.direction"] + by_turn
     for part in pushed.torque_slopes_by_strut_force_point():
         effects["abutment.point"] = effects["abutment.point"] + part
     by_direction = pushed.torque_slope_by_strut_force_direction()

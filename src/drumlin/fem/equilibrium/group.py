@@ -21,6 +21,7 @@ from drumlin.brake.one_sided import (
     LARGEST_ROUND_OFF_CONTACT_FORCE,
     all_choices_of_bearing_supports,
     error_text_on_shoes_without_contact_force,
+    first_redundant_supports,
 )
 from drumlin.contact import active_set, self_locking
 from drumlin.fem.equilibrium import reach
@@ -297,11 +298,16 @@ class ShoeGroup(ContactProblemsOfShoeGroup):
     @property
     def _error_text_that_shoes_are_not_held(self) -> str:
         """The error text for a group that no choice of supports and friction directions holds."""
-        return (
-            ERROR_TEXT_ON_SHOE_THAT_IS_NOT_HELD
-            if self.one_sided_supports
-            else ERROR_TEXT_ON_FOOT_LEAVING_ABUTMENT
-        )
+        if not self.one_sided_supports:
+            return ERROR_TEXT_ON_FOOT_LEAVING_ABUTMENT
+        matrices = self.one_sided_support_matrices_at_friction(self.brake.friction)
+        names = [
+            self.one_sided_supports[i].name
+            for i in first_redundant_supports(matrices.opening_by_motion, matrices.sizes)
+        ]
+        # An elastic shoe may press on both supports, and is then statically indeterminate.
+        wedged = f"; it may be wedged between {' and '.join(names)}: give one of them a clearance"
+        return ERROR_TEXT_ON_SHOE_THAT_IS_NOT_HELD + (wedged if names else "")
 
     def groups_with_each_abutment_friction_direction(self) -> Iterator["ShoeGroup"]:
         """Yield the group with each possible choice of friction directions at its abutments.

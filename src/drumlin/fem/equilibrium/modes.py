@@ -75,8 +75,8 @@ def make_rigid_body_modes(
     free = loaded.rigid_body_modes_of_support(sense)
     size = abs(shoe.actuation.force) or 1.0
     modes = RigidBodyModes(
-        contact_modes=_contact_node_displacements_in_rigid_body_motions(body, shoe, free.motions),
-        test_modes=_contact_node_displacements_in_rigid_body_motions(body, shoe, free.test_modes),
+        contact_modes=contact_node_displacements_in_rigid_body_motions(body, shoe, free.motions),
+        test_modes=contact_node_displacements_in_rigid_body_motions(body, shoe, free.test_modes),
         actuation_work=free.actuation_work / size,
         work_of_further_loads=free.work_of_further_loads,
         load_point_travel=free.actuation_point_travel * math.copysign(1.0, shoe.actuation.force),
@@ -92,7 +92,7 @@ def make_rigid_body_modes(
     return modes
 
 
-def _contact_node_displacements_in_rigid_body_motions(
+def contact_node_displacements_in_rigid_body_motions(
     body: ShoeSubstructure, shoe: Shoe, motions: Floats
 ) -> Floats:
     """The displacements (2n, k) of a shoe's n contact nodes in k rigid-body motions.

@@ -1,5 +1,6 @@
 """The contact problem of a group of shoes in full slip, at any friction coefficient."""
 
+from collections.abc import Sequence
 from functools import cached_property
 from itertools import product
 
@@ -25,6 +26,7 @@ from drumlin.fem.equilibrium.sharing import (
     ContactProblemWithStrutAndCamForces,
     EffectsOfActuationForceOnShoe,
     make_contact_problem_with_strut_and_cam_forces,
+    surface_motions_by_load_point_travels,
 )
 from drumlin.fem.equilibrium.springs import (
     SpringMatrices,
@@ -204,7 +206,7 @@ class ContactProblemsOfShoeGroup(ShoeGroupData):
             drag * body.resultants_of_unit_nodal_pressures_and_tractions[1]
             - body.resultants_of_unit_nodal_pressures_and_tractions[0]
         )[:2].T  # (n, 2)
-        bearing, direct, borne = np.zeros(len(tip)), 0.0, 0.0
+        bearing, direct, borne, follows = np.zeros(len(tip)), 0.0, 0.0, 0.0
         further = np.zeros(len(load))
         if shoe.has_loads_besides_actuation:
             further = (
@@ -224,6 +226,11 @@ class ContactProblemsOfShoeGroup(ShoeGroupData):
                 @ shoe.resultant_of_loads_besides_actuation[:2]
             )
             borne = -float(of_loads) / self.largest_actuation_force
+            # The strut carries the foot against the force of a smooth abutment on it.
+            lever = self._work_on_motion_along_surface(
+                shoe.unit_vector_of_smooth_abutment_force, shoe.abutment.point.xy
+            )
+            follows = -1 / lever if lever else 0.0
         motion_by_load = body.flexibility.load_point_motion_by_load
         return EffectsOfActuationForceOnShoe(
             nodes=self.contact_node_slices_of_shoes[k],
@@ -237,7 +244,75 @@ class ContactProblemsOfShoeGroup(ShoeGroupData):
             foot_force_by_pressure=bearing,
             foot_force_by_force=direct,
             foot_force_by_further_loads=borne,
+            surface_motion_by_foot_travel=follows,
+            load_point_travel_by_surface_motion=self._work_on_motion_along_surface(
+                shoe.actuation.unit_vector_of_force, shoe.actuation.point.xy
+            ),
+            gap_by_surface_motion=np.zeros(len(tip)),
         )
+
+    @property
+    def rigid_motion_along_friction_surface(self) -> Floats:
+        """The rigid-body motion (3,) that moves a shoe along the drum or the plane.
+
+        The entries are the displacements x, y [m] of the origin and the turn [rad]. On a drum the
+        motion is a turn by 1 rad about the drum's centre, on a plane a slide by 1 m.
+        """
+        if self.brake.surface.is_plane_and_not_drum:
+            return np.array([1.0, 0.0, 0.0])
+        return np.array([0.0, 0.0, 1.0])
+
+    def _work_on_motion_along_surface(self, force: Floats, point: Floats) -> float:
+        """The work of a force (2,) at a point (2,) on the motion along the friction surface."""
+        moment = point[0] * force[1] - point[1] * force[0]
+        return float(self.rigid_motion_along_friction_surface @ np.append(force, moment))
+
+    def approach_of_springs_by_surface_motion(self, springs: SpringMatrices) -> Floats:
+        """The approach (m, s) of each spring's points as a shoe moves along the friction surface.
+
+        The columns stand for the shoes.
+        """
+        return np.asarray(springs.resultants @ self.rigid_motion_along_friction_surface)
+
+    def approach_of_springs_by_load_point_travel(self, springs: SpringMatrices) -> Floats:
+        """The approach (m, s) of each spring's points as struts carry the feet of the shoes.
+
+        The columns stand for the travel of each shoe's point of actuation by its strain and its
+        rigid-body modes. The approach is 0 for a shoe that no strut pushes.
+        """
+        struts = self.indices_of_pushing_and_pushed_shoe_of_struts
+        if not struts:
+            return np.zeros(springs.resultants.shape[:2])
+        motions = surface_motions_by_load_point_travels(
+            self.contact_effects_of_each_actuation_force(0.0), struts
+        )
+        return np.asarray(self.approach_of_springs_by_surface_motion(springs) @ motions)
+
+    def motions_along_surface_with_struts(
+        self, pressures: Sequence[Floats], coordinates: Sequence[Floats], forces: Floats
+    ) -> Floats:
+        """The motion (s,) of each shoe along the drum or the plane, as its strut carries its foot.
+
+        The motions are turns [rad] about the drum's centre or slides [m] along the plane.
+
+        Parameters
+        ----------
+        pressures : pressures (n_i,) [Pa] on each shoe
+        coordinates : generalised coordinates (k_i,) of each shoe
+        forces : actuation forces (s,) [N]
+        """
+        struts = self.indices_of_pushing_and_pushed_shoe_of_struts
+        if not struts:
+            return np.zeros(len(self.shoes))
+        effects = self.contact_effects_of_each_actuation_force(self.brake.friction)
+        travels = self.largest_actuation_force * np.array(
+            [shoe.load_point_travel_by_further_loads for shoe in effects]
+        )
+        for i, shoe in enumerate(effects):
+            travels[i] += shoe.load_point_travel_by_pressure @ pressures[i]
+            travels[i] += shoe.load_point_travel_by_modes @ coordinates[i]
+            travels[i] += shoe.load_point_travel_by_force * forces[i]
+        return np.asarray(surface_motions_by_load_point_travels(effects, struts) @ travels)
 
     def _elastic_load_point_travel_per_nodal_pressure(
         self, k: int, load: Floats, friction: float

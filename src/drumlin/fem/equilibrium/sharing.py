@@ -12,11 +12,18 @@ main mode, on which F_i does most work. The equilibrium in the main mode gives F
 p, and the travel of the tip gives the coordinate of the main mode. The travel d then replaces the
 coordinates of the two main modes, and the sum of the forces replaces their equilibria.
 
+The foot of the shoe i that pushes a strut travels with the tip of the shoe j that the strut pushes.
+The shoe i follows by the motion x_i along the friction surface, a turn about the centre of the drum
+or a slide along the plane, which changes no gap: x_i = f_i d_j with the travel d_j of the tip. This
+motion changes slips and stretches springs, which stand among the gaps: they open by V_i x_i.
+
 In `EffectsOfActuationForceOnShoe` the symbols have these names: G_i is `gap_by_force` and W_i
 `work`; t_i, s_i and r_i are `load_point_travel_by_pressure`, `load_point_travel_by_force` and
-`load_point_travel_by_modes`; b_i and e_i are `foot_force_by_pressure` and `foot_force_by_force`.
+`load_point_travel_by_modes`; b_i and e_i are `foot_force_by_pressure` and `foot_force_by_force`;
+f_i is `surface_motion_by_foot_travel` and V_i `gap_by_surface_motion`.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -59,6 +66,12 @@ class EffectsOfActuationForceOnShoe(NamedTuple):
     foot_force_by_force : force along the strut that the foot transmits, by the actuation force
     foot_force_by_further_loads : force along the strut that the foot transmits, by springs, weight
         and additional forces
+    surface_motion_by_foot_travel : motion of the shoe along the friction surface, per travel of its
+        foot along the force of the strut on the next shoe; 0 for a shoe without an abutment
+    load_point_travel_by_surface_motion : travel of the tip along the force, per motion of the shoe
+        along the friction surface
+    gap_by_surface_motion : opening (n,) of the weighted gaps per motion of the shoe along the
+        friction surface; only slips and springs among the gaps have one
     """
 
     nodes: slice | Ints
@@ -72,6 +85,9 @@ class EffectsOfActuationForceOnShoe(NamedTuple):
     foot_force_by_pressure: Floats
     foot_force_by_force: float
     foot_force_by_further_loads: float
+    surface_motion_by_foot_travel: float
+    load_point_travel_by_surface_motion: float
+    gap_by_surface_motion: Floats
 
 
 @dataclass(frozen=True)
@@ -144,6 +160,9 @@ def make_contact_problem_with_strut_and_cam_forces(
     """
     forces = _actuation_forces_linear_in_pressures(problem, effects, own_forces, struts, cam_shoes)
     with_forces = _replace_actuation_forces_in_contact_problem(problem, effects, own_forces, forces)
+    with_forces = _add_motion_of_pushing_shoes_with_their_struts(
+        with_forces, effects, forces, struts
+    )
     n, k = problem.B.shape
     if not cam_shoes:
         return ContactProblemWithStrutAndCamForces(
@@ -205,6 +224,60 @@ def _replace_actuation_forces_in_contact_problem(
         q[shoe.nodes] += extra * shoe.gap_by_force
         C[shoe.modes] += np.outer(shoe.work, forces.by_pressure[i])
         h[shoe.modes] -= extra * shoe.work
+    return ContactProblem(A, q, B, C, h)
+
+
+def surface_motions_by_load_point_travels(
+    effects: Sequence[EffectsOfActuationForceOnShoe], struts: Sequence[tuple[int, int]]
+) -> Floats:
+    """The motion of each of m shoes along the friction surface with its strut (m, m).
+
+    The motion is a turn about the centre of the drum, or a slide along the plane. The columns stand
+    for the travel of each shoe's point of actuation by its strain and its rigid-body modes.
+    `struts` are pairs of the pushing and the pushed shoe, each shoe pushes after it is pushed.
+    """
+    motions = np.zeros((len(effects), len(effects)))
+    # The last strut comes first, because the pushed shoe itself may follow a further strut.
+    for source, to in reversed(struts):
+        travel = effects[to].load_point_travel_by_surface_motion * motions[to]
+        travel[to] += 1.0
+        motions[source] = effects[source].surface_motion_by_foot_travel * travel
+    return motions
+
+
+def _add_motion_of_pushing_shoes_with_their_struts(
+    problem: ContactProblem,
+    effects: list[EffectsOfActuationForceOnShoe],
+    forces: _ActuationForcesLinearInPressures,
+    struts: list[tuple[int, int]],
+) -> ContactProblem:
+    """A contact problem in which slips and springs follow the motion of struts.
+
+    A shoe that pushes a strut moves along the friction surface as the strut's other end travels.
+
+    Parameters
+    ----------
+    problem : the contact problem in which the foot of each pushing shoe does not travel
+    effects : the effects of the m actuation forces
+    forces : the actuation forces as functions of the pressures
+    struts : for each strut the indices of the pushing and of the pushed shoe
+    """
+    if not any(effects[source].gap_by_surface_motion.any() for source, _ in struts):
+        return problem
+    A, q, B, C, h = (np.array(part) for part in problem)
+    n, k = B.shape
+    by_pressure, by_mode = np.zeros((len(effects), n)), np.zeros((len(effects), k))
+    constant = np.zeros(len(effects))
+    for i, shoe in enumerate(effects):
+        by_pressure[i] = _elastic_actuation_point_travel_per_pressure(shoe, forces.by_pressure[i])
+        by_mode[i, shoe.modes] = shoe.load_point_travel_by_modes
+        constant[i] = shoe.load_point_travel_by_force * forces.without_pressure[i]
+        constant[i] += shoe.load_point_travel_by_further_loads
+    motions = surface_motions_by_load_point_travels(effects, struts)
+    for i, shoe in enumerate(effects):
+        A[shoe.nodes] += np.outer(shoe.gap_by_surface_motion, motions[i] @ by_pressure)
+        B[shoe.nodes] += np.outer(shoe.gap_by_surface_motion, motions[i] @ by_mode)
+        q[shoe.nodes] += shoe.gap_by_surface_motion * (motions[i] @ constant)
     return ContactProblem(A, q, B, C, h)
 
 

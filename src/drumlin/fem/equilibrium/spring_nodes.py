@@ -224,6 +224,7 @@ def actuation_effects_with_spring_nodes(
     springs, numbers = group.spring_matrices_at_friction(friction), nodes.numbers
     n = len(group.contact_node_areas)
     first = n if first is None else first
+    approach = group.approach_of_springs_by_surface_motion(springs)[numbers]
     effects = []
     for k, own in enumerate(group.contact_effects_of_each_actuation_force(friction)):
         places = np.append(np.arange(n)[own.nodes], first + np.arange(len(numbers)))
@@ -240,6 +241,9 @@ def actuation_effects_with_spring_nodes(
                 foot_force_by_pressure=np.append(
                     own.foot_force_by_pressure,
                     nodes.signs * springs.foot_force_by_pull[k, numbers],
+                ),
+                gap_by_surface_motion=np.append(
+                    own.gap_by_surface_motion, nodes.signs * approach[:, k]
                 ),
             )
         )
