@@ -230,6 +230,9 @@ def test_digits_and_turns():
         < 1e-11
     )
     assert count_changes_between_rise_and_fall(np.array([0.0, 1, 0, 1, 0.9, 1, 0]), 0.5) == 3
+    # The last digit of a subnormal number has no place value in double precision.
+    tiny = np.array([[0.12, 1e-320], [0.5, -5e-324]])
+    assert largest_rounding_errors_of_coordinates(tiny)[:, 0] == pytest.approx(0.005)
 
 
 @pytest.mark.parametrize("kind", ["tri1", "quad2"])
