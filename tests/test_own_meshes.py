@@ -255,11 +255,14 @@ def test_groups_by_number_text_4_1_and_unnamed_entities(tmp_path, brake, shoe, k
             gmsh.model.removePhysicalName(name)
         gmsh.option.setNumber("Mesh.MshFileVersion", 4.1)
         gmsh.write(str(tmp_path / "numbers.msh"))
+        gmsh.option.setNumber("Mesh.MshFileVersion", 2.2)
+        gmsh.write(str(tmp_path / "numbers_2.msh"))
     finally:
         gmsh.finalize()
     # The refusal proposes the table of groups that the brake file needs.
-    with pytest.raises(BadInput, match=r"found: .*groups = \{ "):
-        read_shoe_mesh_from_file(tmp_path / "numbers.msh", shoe, radius)
+    for file in ("numbers.msh", "numbers_2.msh"):
+        with pytest.raises(BadInput, match=r"found: [\d, ]+ \(names .*groups = \{ "):
+            read_shoe_mesh_from_file(tmp_path / file, shoe, radius)
     numbered = vary(
         brake, {"shoe[0].mesh": str(tmp_path / "numbers.msh"), "shoe[0].groups": numbers}
     )
