@@ -59,6 +59,7 @@ NOT_TUNED: dict[str, dict[str, str]] = {
     "fem/preparation/meshes.py": {
         "MOST_ELEMENTS_ALONG_LINING": MEMORY,
         "MOST_NODES_AT_RAISED_DEGREE": MEMORY,
+        "MOST_NODES_WITHOUT_KEPT_FACTORS": MEMORY,
         "DEGREE_OF_SPLIT_ELEMENT_GEOMETRY": "degree above which no shape changes",
     },
     "fem/substructure/body.py": {

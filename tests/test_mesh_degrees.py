@@ -287,13 +287,27 @@ def test_a_tolerance_raises_the_degree_until_it_is_met_or_says_what_is_reached(o
     assert not saying(solve(fine).notes, "warning:")
 
 
-def test_a_mesh_too_fine_for_a_higher_degree_is_solved_as_it_is(own, monkeypatch):
-    filed = own("tri2")
-    monkeypatch.setattr(meshes, "MOST_NODES_AT_RAISED_DEGREE", 10)
+@pytest.mark.parametrize(
+    ("kind", "limit", "other"),
+    [
+        ("tri1", "MOST_NODES_AT_RAISED_DEGREE", "MOST_NODES_WITHOUT_KEPT_FACTORS"),
+        ("tri2", "MOST_NODES_WITHOUT_KEPT_FACTORS", "MOST_NODES_AT_RAISED_DEGREE"),
+    ],
+)
+def test_a_mesh_too_fine_for_a_higher_degree_is_solved_as_it_is(
+    own, monkeypatch, kind, limit, other
+):
+    """The error by sides off their arcs takes more memory: such meshes have a lower limit."""
+    filed = own(kind)
+    # The degree of a fine mesh begins with 1.
+    monkeypatch.setattr(degrees, "FEWEST_VERTICES_OF_FINE_MESH_FILE", 1)
+    monkeypatch.setattr(degrees, other, 10)
+    assert solve(filed).error is not None
+    monkeypatch.setattr(degrees, limit, 10)
     found = solve(filed)
     assert found.torque == solve_on_elements_of_files(filed).torque
     assert found.error is None
-    assert saying(found.notes, "warning: no error stated: at degree 2: its mesh has")
+    assert saying(found.notes, "warning: no error stated: at degree 1: its mesh has")
 
 
 @pytest.mark.parametrize("kind", ["tri2", "quad1"])

@@ -32,7 +32,10 @@ from drumlin.fem.model import (
     LARGEST_ACCEPTED_PRESSURE_ROUND_OFF,
     LARGEST_PRESSURE_ROUND_OFF_LEFT_UNREFINED,
 )
-from drumlin.fem.preparation.meshes import MOST_NODES_AT_RAISED_DEGREE
+from drumlin.fem.preparation.meshes import (
+    MOST_NODES_AT_RAISED_DEGREE,
+    MOST_NODES_WITHOUT_KEPT_FACTORS,
+)
 from drumlin.fem.solid import DEFAULT_ERROR_TOLERANCE_OF_SOLID_MODEL
 from drumlin.fem.width.correction import REMAINING_ERROR_OVER_WIDTH_CORRECTION
 from drumlin.fem.width.ladder import (
@@ -92,6 +95,7 @@ def quoted_values() -> dict[str, str]:
         "fine_mesh": str(FEWEST_VERTICES_OF_FINE_MESH_FILE),
         "most_contact_nodes": f"{MAX_NODES_OF_CONTACT_PROBLEM:,}".replace(",", " "),
         "most_raised_nodes": f"{MOST_NODES_AT_RAISED_DEGREE:,}".replace(",", " "),
+        "most_nodes_with_arcs": f"{MOST_NODES_WITHOUT_KEPT_FACTORS:,}".replace(",", " "),
         "solid_poisson": f"{LARGEST_POISSON_RATIO_OF_WIDTH_MODEL:g}",
         "solid_tolerance": f"{100 * DEFAULT_ERROR_TOLERANCE_OF_SOLID_MODEL:g} %",
         "solid_degree": str(LARGEST_WIDTH_DEGREE_WITH_STATED_ERROR),

@@ -46,9 +46,11 @@ def digest_of_mesh_file(path: Path, depth: int = 0) -> str:
         data = read_bytes_of_mesh_file(path)
     except DrumlinError:
         return "none"
-    # The digests of included files are digested too, in the order of their lines.
+    # The digests of included files are digested too, in the order of their lines. The search for
+    # the pattern takes long, and few files have its word.
     found = hashlib.sha256(data)
-    for name in INCLUDE_LINE_PATTERN.findall(data) if depth < LARGEST_INCLUDE_DEPTH else ():
+    may_include = depth < LARGEST_INCLUDE_DEPTH and b"*include" in data.lower()
+    for name in INCLUDE_LINE_PATTERN.findall(data) if may_include else ():
         included = path.parent / name.decode(errors="replace").strip().strip("\"'")
         found.update(digest_of_mesh_file(included, depth + 1).encode())
     return found.hexdigest()[:16]

@@ -71,6 +71,9 @@ def largest_rounding_errors_of_coordinates(points: Floats) -> Floats:
     number of significant digits. The smallest number of digits that all coordinates agree with is
     found. The rounding error is half of the last digit.
     """
+    # The place of the last digit of a subnormal number (below 2.2e-308) is too small for a double.
+    # Such a coordinate counts as zero.
+    points = np.where(np.abs(points) < np.finfo(float).tiny, 0.0, points)
     # The coordinates may agree with both assumptions: with a number of decimals, and with a number
     # of significant digits. The larger of the two rounding errors then counts.
     size = np.abs(points)

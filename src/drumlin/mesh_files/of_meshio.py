@@ -6,7 +6,6 @@ from names, from numbers, and from arrays of whole numbers in the file.
 
 from typing import Any
 
-import meshio
 import numpy as np
 
 from drumlin.base.arrays import Ints
@@ -42,11 +41,12 @@ def _cell_groups_by_name(raw: Any) -> dict[str, dict[str, Ints]]:
             groups[name.lower()] = dict(members)
     # Next come Gmsh's physical groups with a name.
     tags = raw.cell_data_dict.get("gmsh:physical", {})
+    dimension = {block.type: block.dim for block in raw.cells}
     for name, (tag, dim) in raw.field_data.items():
         # Gmsh may give a curve and a surface the same number, so that the dimension is compared.
         for cell, values in tags.items():
             members = np.flatnonzero(np.asarray(values) == tag)
-            if len(members) and meshio._mesh.topological_dimension[cell] == dim:
+            if len(members) and dimension[cell] == dim:
                 groups.setdefault(name.lower(), {}).setdefault(cell, members)
     # Last come arrays of 0 and 1, which mark the members of a group, and groups by number.
     for name, by_cell in raw.cell_data_dict.items():
@@ -62,9 +62,9 @@ def _cell_groups_by_name(raw: Any) -> dict[str, dict[str, Ints]]:
 def _cell_groups_by_number(raw: Any) -> dict[str, dict[str, Ints]]:
     """The groups of cells with a number in the file: group name -> cell type -> cell numbers.
 
-    They are Gmsh's physical groups, and the values of arrays of whole numbers. For example, the
-    value 3 of an array "material" makes a group "material=3". It also makes a group "3" if there is
-    no other array of whole numbers.
+    They are Gmsh's physical groups, and the values of arrays of whole numbers. The physical group 3
+    is the group "3". The value 3 of an array "material" makes a group "material=3". It also makes a
+    group "3" if there is no other array of whole numbers.
     """
     arrays = {}
     for name, by_cell in raw.cell_data_dict.items():
@@ -76,7 +76,8 @@ def _cell_groups_by_number(raw: Any) -> dict[str, dict[str, Ints]]:
         for cell, values in by_cell.items():
             for value in np.unique(np.asarray(values)):
                 members = np.flatnonzero(np.asarray(values) == value)
-                groups.setdefault(f"{name.lower()}={value:.0f}", {})[cell] = members
+                if name != "gmsh:physical":
+                    groups.setdefault(f"{name.lower()}={value:.0f}", {})[cell] = members
                 if len(arrays) == 1 or name == "gmsh:physical":
                     groups.setdefault(f"{value:.0f}", {})[cell] = members
     return groups

@@ -47,7 +47,12 @@ from drumlin.fem.hp.division import RefinementLevel
 from drumlin.fem.mesh.degree import nodal_basis_of_shoe_mesh
 from drumlin.fem.mesh.smooth_outline import node_displacements_onto_smooth_outline
 from drumlin.fem.preparation.cache import CacheOfCondensedBodies
-from drumlin.fem.preparation.meshes import DegreeAndSplittingOfMesh, read_mesh_file_of_shoe
+from drumlin.fem.preparation.meshes import (
+    MOST_NODES_AT_RAISED_DEGREE,
+    MOST_NODES_WITHOUT_KEPT_FACTORS,
+    DegreeAndSplittingOfMesh,
+    read_mesh_file_of_shoe,
+)
 from drumlin.fem.preparation.prepare import make_prepared_model
 from drumlin.fem.preparation.scene import PreparedModel, SingularPointsByShoeShape
 from drumlin.response.response import Response
@@ -231,6 +236,7 @@ def solve_brake_on_mesh_files(
         brake,
         degrees_below_level=mesh_levels.degrees_below_level,
         keep_factors_at=second_degree if has_chords else None,
+        most_nodes=MOST_NODES_AT_RAISED_DEGREE if has_chords else MOST_NODES_WITHOUT_KEPT_FACTORS,
         cache=cache,
     )
     levels = solve_brake_on_finer_and_finer_mesh_levels(
@@ -322,6 +328,7 @@ def prepared_model_of_mesh_files(
     degrees_below_level: int = REFINEMENT_LEVELS_ON_MESH_FILES.degrees_below_level,
     fitting: bool = False,
     keep_factors_at: int | None = None,
+    most_nodes: int = MOST_NODES_AT_RAISED_DEGREE,
     cache: CacheOfCondensedBodies | None = None,
 ) -> PreparedModel:
     """The prepared model of a brake on a level, with the meshes of its files split.
@@ -338,6 +345,8 @@ def prepared_model_of_mesh_files(
         the rounding of coordinates
     keep_factors_at : degree of the elements on the mesh of a file at which the factors of their
         eliminated unknowns are kept; None for no degree
+    most_nodes : largest number of nodes of a shoe at degree 1 or 2. At higher degrees, whose
+        matrices take more memory, it is MOST_NODES_AT_RAISED_DEGREE
     cache : keeps condensed bodies of earlier solves
 
     Raises
@@ -356,6 +365,7 @@ def prepared_model_of_mesh_files(
         level=own,
         points=of_shoes,
         keep_factors=degree == keep_factors_at,
+        most_nodes=most_nodes if degree <= 2 else MOST_NODES_AT_RAISED_DEGREE,
     )
     try:
         return make_prepared_model(brake, level, points, raised=raised, cache=cache)

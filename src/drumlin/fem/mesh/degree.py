@@ -29,12 +29,15 @@ CORNER_PAIRS_OF_TRIANGLE_SIDES = ((0, 1), (1, 2), (0, 2))
 """The corners at the ends of each side of the reference triangle, in scikit-fem's order."""
 CORNER_PAIRS_OF_SQUARE_SIDES = ((0, 1), (1, 2), (2, 3), (0, 3))
 """The corners at the ends of each side of the reference square, in scikit-fem's order."""
-STRAIGHT_TRIANGLE = 1e-12
+STRAIGHT_TRIANGLE = 1e-11
 """Distance of a triangle's nodes from a straight triangle below which it counts as straight.
 
 In a straight triangle all sides are straight, and the nodes lie where a linear map of the reference
-triangle puts them. The distance is relative to the triangle's size. It is some hundred times the
-round-off of the nodes of usual triangles. Straight triangles take less time to integrate.
+triangle puts them. The distance is relative to the triangle's size. Round-off of the nodes is up to
+2e-12 on a mesh of 10 000 nodes, and grows as triangles become smaller. Straight triangles take less
+time to integrate: with 1e-12, most triangles of a mesh with straight sides counted as curved, and
+its assembly took 20 ms more. A larger distance may count sides as straight that were moved onto
+arcs. With 1e-10 the part of stated errors that is due to straight sides changes by 1e-4 of itself.
 """
 
 

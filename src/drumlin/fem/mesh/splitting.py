@@ -197,11 +197,18 @@ def _bisect_marked_and_touched_triangles(
         a, b = ends[..., 0], ends[..., 1]
         return np.asarray(np.minimum(a, b) * count + np.maximum(a, b))
 
-    sides = unique_number_of_each_side(np.stack([parts.t, np.roll(parts.t, -1, axis=1)], axis=-1))
     # A triangle at a bisected side is first bisected across the side of its first two vertices.
     while True:
-        halved = np.unique(sides[marked, 0])
-        touched = np.asarray(_which_values_are_in_sorted_array(sides, halved).any(axis=1))
+        ends = parts.t[marked, :2]
+        halved = np.unique(unique_number_of_each_side(ends))
+        # Only a triangle with two vertices at ends of halved sides can have such a side itself.
+        is_end = np.zeros(count, dtype=bool)
+        is_end[ends] = True
+        near = np.flatnonzero(is_end[parts.t].sum(axis=1) >= 2)
+        t = parts.t[near]
+        sides = unique_number_of_each_side(np.stack([t, np.roll(t, -1, axis=1)], axis=-1))
+        touched = np.zeros(len(marked), dtype=bool)
+        touched[near] = _which_values_are_in_sorted_array(sides, halved).any(axis=1)
         if (touched <= marked).all():
             break
         marked = touched
@@ -214,15 +221,14 @@ def _bisect_marked_and_touched_triangles(
         a, b = line[is_halved].T
         new = [np.column_stack([a, middle]), np.column_stack([middle, b])]
         lines[name] = np.concatenate([line[~is_halved], *new])
-    t, parent, at = parts.t, parts.parent, parts.at
+    t, parent, at = parts.t[marked], parts.parent[marked], parts.at[marked]
     while True:
         # A side that ends at a new vertex is not bisected in this round.
         is_old = (t[:, :2] < count).all(axis=1)
         number = unique_number_of_each_side(t[:, :2])
         split = is_old & _which_values_are_in_sorted_array(number, halved)
         if not split.any():
-            unchanged = int(np.count_nonzero(~marked))
-            return TrianglesOfSplitElements(t, parent, at, xy, lines), unchanged
+            break
         (a, b, c), (pa, pb, pc) = t[split].T, at[split].transpose(1, 0, 2)
         middle = count + np.searchsorted(halved, unique_number_of_each_side(t[split, :2]))
         pm = (pa + pb) / 2
@@ -232,6 +238,14 @@ def _bisect_marked_and_touched_triangles(
         t = np.concatenate([t[~split], *new_t])
         at = np.concatenate([at[~split], *new_at])
         parent = np.concatenate([parent[~split], parent[split], parent[split]])
+    found = TrianglesOfSplitElements(
+        np.concatenate([parts.t[~marked], t]),
+        np.concatenate([parts.parent[~marked], parent]),
+        np.concatenate([parts.at[~marked], at]),
+        xy,
+        lines,
+    )
+    return found, int(np.count_nonzero(~marked))
 
 
 def _which_values_are_in_sorted_array(values: Ints, members: Ints) -> Bools:
@@ -293,12 +307,25 @@ def _positions_of_nodes_in_triangles(
     # Elements that were not split are whole triangles, all of which have their nodes at the same
     # few places in the reference triangle. The shape functions are computed once for each triple of
     # corners.
-    triples, which = np.unique(at.reshape(len(at), -1), axis=0, return_inverse=True)
+    triples, which = _distinct_rows_with_number_of_each_row(at.reshape(len(at), -1))
     inside = _barycentric_coordinates_of_nodes(elem) @ triples.reshape(-1, 3, 2)
     shapes = shape.elem.shape_function_values(inside.reshape(-1, 2).T)
     shapes = shapes.reshape(*inside.shape[:2], -1)
     nodes = shape.doflocs[:, shape.element_dofs[:, parent].T]
-    return np.asarray((nodes[:, :, None] @ shapes[which.ravel()].transpose(0, 2, 1))[:, :, 0])
+    return np.asarray((nodes[:, :, None] @ shapes[which].transpose(0, 2, 1))[:, :, 0])
+
+
+def _distinct_rows_with_number_of_each_row(rows: Floats) -> tuple[Floats, Ints]:
+    """The distinct rows (k, c) of an array, and for each row (m,) of it the index of its equal.
+
+    `rows` (m, c) is the array. numpy's unique of rows takes some ten times as long.
+    """
+    order = np.lexsort(rows.T)
+    in_order = rows[order]
+    is_new = np.append(True, (in_order[1:] != in_order[:-1]).any(axis=1))
+    number = np.empty(len(rows), dtype=np.int64)
+    number[order] = np.cumsum(is_new) - 1
+    return in_order[is_new], number
 
 
 def _barycentric_coordinates_of_nodes(elem: LagrangeElement) -> Floats:

@@ -94,6 +94,14 @@ degree 2: a solve takes 10 s of processor time and 2.0 GB. In triangles of 0.66 
 nodes at degree 3: 9 s and 1.7 GB. With 348 304 nodes at degree 3 a solve takes 2.2 GB, and with
 some 360 000 nodes of another mesh 2.8 GB.
 """
+MOST_NODES_WITHOUT_KEPT_FACTORS = 500_000
+"""As MOST_NODES_AT_RAISED_DEGREE, if no solve on the mesh keeps the factors of its stiffness.
+
+The factors are kept for the error by sides off the arcs of the outline, such as straight ones. They
+take most of the memory. A shoe of a drum of 300 mm, in triangles of 0.36 mm with curved sides, has
+358 556 nodes at degree 2: a solve takes 22 s of processor time and 1.2 GB. In triangles of 0.31 mm
+it has 475 614 nodes: 40 s and 1.7 GB.
+"""
 
 
 DEGREE_OF_SPLIT_ELEMENT_GEOMETRY = 5
@@ -117,8 +125,8 @@ class DegreeAndSplittingOfMesh(NamedTuple):
     points : singular points of the pressure on each shoe; none for a shoe that has the same shape
         as an earlier shoe
     keep_factors : whether the Cholesky factors of the eliminated unknowns are kept; additional
-    loads
-        and displacements inside the body are then cheap to compute
+        loads and displacements inside the body are then cheap to compute
+    most_nodes : largest number of nodes at the degree; a mesh with more nodes is refused
     """
 
     degree: int | None = None
@@ -126,6 +134,7 @@ class DegreeAndSplittingOfMesh(NamedTuple):
     level: RefinementLevel | None = None
     points: tuple[tuple[SingularPoint, ...], ...] = ()
     keep_factors: bool = False
+    most_nodes: int = MOST_NODES_AT_RAISED_DEGREE
 
 
 UNSPLIT_MESH_AT_FILE_DEGREE = DegreeAndSplittingOfMesh()
@@ -424,10 +433,9 @@ def _basis_of_raised_degree(
     from drumlin.fem.mesh import splitting  # noqa: PLC0415
 
     nodes = number_of_nodes_at_degree(mesh, raised.degree)
-    if nodes > MOST_NODES_AT_RAISED_DEGREE:
+    if nodes > raised.most_nodes:
         raise NoAnswer(
-            f"its mesh has {nodes} nodes at degree {raised.degree}; "
-            f"at most {MOST_NODES_AT_RAISED_DEGREE}"
+            f"its mesh has {nodes} nodes at degree {raised.degree}; at most {raised.most_nodes}"
         )
 
     if raised.level is None:
@@ -435,7 +443,7 @@ def _basis_of_raised_degree(
     shape = nodal_basis_of_shoe_mesh(mesh, DEGREE_OF_SPLIT_ELEMENT_GEOMETRY, shoe, radius)
     finest = _largest_allowed_sides_at_singular_points(mesh, raised, shoe, radius)
     # A mesh of triangles of degree p has about p^2 / 2 nodes for each triangle.
-    most = 2 * MOST_NODES_AT_RAISED_DEGREE // raised.degree**2
+    most = 2 * raised.most_nodes // raised.degree**2
     parts = splitting.split_mesh_into_triangles_towards_points(shape, finest, most)
     if parts is None:
         return nodal_basis_of_shoe_mesh(mesh, raised.degree, shoe, radius)

@@ -17,7 +17,7 @@ import numpy as np
 
 from drumlin.base.arrays import Floats, Ints
 from drumlin.base.errors import NoAnswer
-from drumlin.base.lapack import dpotrf, dtrsm
+from drumlin.base.lapack import dpotrf, dsyrk, dtrsm
 
 NODES_OF_SMALLEST_DISSECTION_REGION = 128
 """Approximate number of nodes in the smallest regions of the nested dissection.
@@ -377,8 +377,14 @@ def _factorise_front_of_each_region(
         if len(later):
             # The complement is added to the front of the earliest region of its unknowns.
             next_region = regions if later[0] >= inner else int(region[later[0]])
-            complement = np.subtract(
-                F[own:, own:], rows_of_later_unknowns @ rows_of_later_unknowns.T, order="F"
+            # Only the lower triangle of a complement is right, and only it is ever used.
+            complement = dsyrk(
+                -1.0,
+                rows_of_later_unknowns,
+                beta=1.0,
+                c=np.array(F[own:, own:], order="F"),
+                lower=1,
+                overwrite_c=1,
             )
             complements[next_region].append((later, complement))
         yield CholeskyFactorOfFront(slice(start, end), later, L, rows_of_later_unknowns)
@@ -402,11 +408,13 @@ def _add_schur_complements_to_front(
 ) -> None:
     """Add the Schur complements of earlier fronts to the lower triangle of a region's front.
 
-    `F` (n, n) is the front of the region number `region`. For the number of an unknown in the whole
-    matrix, `position` gives the row that this unknown has in the front.
+    `F` (n, n) is the front of the region number `region`, stored by columns. For the number of an
+    unknown in the whole matrix, `position` gives the row that this unknown has in the front.
     """
+    # numpy adds at one index of a flat array in half the time that it takes at a pair of indices.
+    # The front is stored by columns, so that the array is a view of it.
+    flat = F.T.reshape(-1)
     for unknowns, complement in complements[region]:
         own = position[unknowns]
-        # Both matrices are stored by columns, so that their transposes have contiguous rows.
-        F.T[np.ix_(own, own)] += complement.T
+        flat[own[:, None] * len(F) + own] += complement.T
     complements[region] = []
