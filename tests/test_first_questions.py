@@ -168,7 +168,7 @@ def test_a_table_in_a_pipe_has_all_its_columns(here, monkeypatch):
     assert lines[1].split() == ["mean", "spread", "5", "%", "95", "%", "least", "most"]
     monkeypatch.setenv("COLUMNS", "40")
     lines = run("sweep", "s.toml", "--jobs", 1).stdout.splitlines()
-    assert "not shown here, the terminal is too" in lines[-3]
+    assert any("not shown here, the terminal is too" in line for line in lines)
 
 
 # words of errors and of comparisons
@@ -200,7 +200,9 @@ def test_a_group_without_its_table_is_named(tmp_path, table, said):
 
 def test_a_mesh_file_says_what_would_know_the_error_of_plane_stress():
     reason = reason_why_width_model_does_not_apply(drumlin.example("double_shoe_meshes"))
-    assert "without mesh, [shoe.body] makes a shoe that has them" in reason
+    assert (
+        "the widths of parts such as web and table, which [shoe.body] without mesh gives" in reason
+    )
 
 
 @pytest.mark.slow

@@ -8,9 +8,9 @@ import math
 from collections.abc import Iterator
 from typing import NamedTuple
 
-from drumlin.brake.brake import Brake
+from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.components import ArcBody, Lining, stiffnesses_of_bonded_plates
-from drumlin.brake.drum_brake import DrumBrake, DrumShoe
+from drumlin.brake.surface import FRICTION_SURFACE_OF_DRUM
 from drumlin.response.response import Response, ShoeResponse
 
 SMALLEST_STIFFNESS_RATIO_OF_STIFF_SHOE = 0.15
@@ -63,7 +63,7 @@ class ShoeStiffnessAndLiningCompression(NamedTuple):
         )
 
 
-def stiffness_ratio_of_shoe(shoe: DrumShoe, drum_radius: float) -> float | None:
+def stiffness_ratio_of_shoe(shoe: Shoe, drum_radius: float) -> float | None:
     """The ratio S of the bending of a shoe's body to the compression of its lining.
 
     `ShoeStiffnessAndLiningCompression` has the formula. The result is infinite for a rigid shoe,
@@ -80,7 +80,7 @@ def stiffness_ratio_of_shoe(shoe: DrumShoe, drum_radius: float) -> float | None:
 
 
 def lining_compression_by_normal_force(
-    shoe: DrumShoe, response: ShoeResponse, drum_radius: float
+    shoe: Shoe, response: ShoeResponse, drum_radius: float
 ) -> float:
     """The compression p t/E [m] of a lining under its mean pressure p.
 
@@ -102,9 +102,9 @@ def stiffness_and_compression_of_shoes(
     left out.
     """
     found: list[ShoeStiffnessAndLiningCompression] = []
-    if not isinstance(brake, DrumBrake):
+    if brake.surface is not FRICTION_SURFACE_OF_DRUM:
         return found
-    radius = brake.drum.radius
+    radius = brake.size
     for shoe, answer in zip(brake.shoes, response.shoes, strict=True):
         ratio = stiffness_ratio_of_shoe(shoe, radius)
         if ratio is None:
@@ -123,7 +123,7 @@ def stiffness_and_compression_of_shoes(
     return found
 
 
-def _radius_difference_of_lining(lining: Lining, shoe: DrumShoe, drum_radius: float) -> float:
+def _radius_difference_of_lining(lining: Lining, shoe: Shoe, drum_radius: float) -> float:
     """Radius of a lining minus that of the drum [m], by `misfit.radius` and an even clearance."""
     ground = lining.misfit.radius
     difference = 0.0 if ground is None else ground - drum_radius
