@@ -237,11 +237,12 @@ def _hint_about_toml_error(text: str, error: Exception) -> str:
     if at is None or int(at.group(1)) > len(lines):
         return ""
     number = int(at.group(1))
-    # A text in quotes must end on its line. The number of quotation marks is then even.
-    if lines[number - 1].partition("#")[0].count('"') % 2:
-        return f"; a quotation mark is missing in line {number}"
     # Texts in quotes and comments are removed, because they cannot be the cause.
-    line = re.sub(r'"[^"]*"|\'[^\']*\'|#.*', "", lines[int(at.group(1)) - 1])
+    complete = r'"(?:\\.|[^"\\])*"|\'[^\']*\'|#.*'
+    line = re.sub(complete, "", lines[number - 1])
+    # A text in quotes must end on its line. A quotation mark that is left begins or ends no text.
+    if '"' in line:
+        return f"; a quotation mark is missing in line {number}"
     for pattern, hint in _HINTS_WITH_PATTERN_OF_WRONG_TOML_LINE:
         if re.search(pattern, line):
             return f"; {hint}"
