@@ -14,6 +14,7 @@ import pytest
 import drumlin
 from command_line import drumlin as run
 from drumlin.models import MODELS, NAMES_OF_BUILT_IN_MODELS
+from drumlin.response.show import matplotlib_axes_itself_or_new
 
 
 @pytest.fixture
@@ -120,6 +121,12 @@ def test_plots_take_axes_of_matplotlib_alone(brake):
             said = f"^axes = {re.escape(repr(wrong))}: must be one axes of matplotlib, or None$"
             with pytest.raises(drumlin.BadInput, match=said):
                 plot(axes=wrong)
+
+
+def test_curves_are_drawn_beside_a_line_without_points(brake):
+    axes = matplotlib_axes_itself_or_new(None)
+    axes.plot([], [], label="measured")
+    assert len(drumlin.solve(brake, "sine").plot(axes).lines) == 3
 
 
 def test_a_function_of_numpy_with_one_argument_is_no_law(laws):
