@@ -167,6 +167,9 @@ def test_a_distance_and_a_coefficient_without_unit_are_told(brake):
     worn = drumlin.wear(brake, elements=6, distance="0.2")
     assert worn.notes == (f"distance = '0.2' has no unit: 0.2 times 1/(k K), {0.2 * 8 / 3:.5g} km",)
     assert repr(worn).startswith(worn.notes[0])
+    assert drumlin.wear(brake, elements=6, distance="0,2").notes == (
+        worn.notes[0].replace("0.2' ", "0,2' ").replace("0.2 times", "0,2 times"),
+    )
     assert drumlin.wear(brake, elements=6, distance="1 km").notes == ()
     said = r"^coefficient = 1e-05: a number is in 1/Pa.*did you mean \"1e-05 mm\^3/\(N m\)\"\?$"
     with pytest.raises(drumlin.BadInput, match=said):
@@ -230,8 +233,12 @@ def test_a_check_shows_its_lines_and_takes_one_measured_shoe(tmp_path):
     assert one.within and one.lines()[0].startswith("shoe 'right': not compared, the table has no")
     with pytest.raises(drumlin.BadInput, match=r"has no points below its heading"):
         drumlin.check(path, pressure_table(tmp_path, ()))
-    for wrong in ("5 percent", "%", "5 N"):
-        with pytest.raises(drumlin.BadInput, match=r"^tolerance = .*must be a fraction such as 0"):
+    written = drumlin.check(path, pressure_table(tmp_path, example.shoes), tolerance="0,5 %")
+    assert written.tolerance == pytest.approx(0.005, rel=1e-15)
+    for wrong in ("5 percent", "%", "5 N", "1_0 %", "1,500"):
+        with pytest.raises(
+            drumlin.BadInput, match=r"^tolerance = .*(must be a fraction such as 0|1500)"
+        ):
             drumlin.check(path, "nowhere.csv", tolerance=wrong)
 
 
