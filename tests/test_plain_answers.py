@@ -126,6 +126,20 @@ def test_stiffness_and_compression_are_those_of_hand_formulas(brake):
     assert "flexible, S = 0.0024" in next(lines_on_stiff_shoes_and_fitting_linings(thin, response))
 
 
+def test_heat_and_a_drum_out_of_round_are_not_counted_where_a_lining_fits(brake):
+    response = drumlin.solve(brake, "sine")
+    lobes = {"order": 2, "amplitude": "0.1 mm"}
+    off = drumlin.vary(
+        brake,
+        {"drum.temperature_rise": 150.0, "drum.expansion": 11e-6, "drum.out_of_round": [lobes]},
+    )
+    for line in lines_on_stiff_shoes_and_fitting_linings(off, response):
+        assert line.endswith("µm, heat and the drum's out_of_round not counted")
+    soft = drumlin.vary(brake, {"shoe.lining.material.E": "20 MPa"})
+    for line in lines_on_stiff_shoes_and_fitting_linings(soft, response):
+        assert re.search(r"p t/E = \d+ µm$", line)
+
+
 def test_compare_states_the_errors_of_fem_and_the_keys_that_laws_leave_out(write):
     path = write("[shoe.lining]", '[shoe.lining]\nmisfit = { radius = "149.9 mm" }')
     told = printed("compare", path, *FAST)
