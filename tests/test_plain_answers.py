@@ -195,6 +195,19 @@ def test_two_minuses_are_no_mistake(brake):
     assert notes(drumlin.vary(brake, pull)) == ()
 
 
+def test_a_lining_that_presses_with_one_end_is_not_turned_away(brake):
+    """The middle of this lining is opposite of the hinge, so that one half moves to the drum."""
+    middle = math.degrees(brake.shoes[1].pin.angle) + 179
+    changes = {
+        "shoe.left.lining.start": f"{middle - 80} deg",
+        "shoe.left.lining.end": f"{middle + 80} deg",
+        "shoe.left.body": None,
+    }
+    turned = drumlin.vary(brake, changes)
+    assert not [line for line in notes(turned) if "away from the drum" in line]
+    assert drumlin.solve(turned, elements=10).shoes["left"].normal_force > 1e3
+
+
 def test_error_lines_name_the_shoe_the_origin_and_the_quotation_mark(write):
     """A missing key, angles from the pin, and a text whose end has no quotation mark."""
     with pytest.raises(
