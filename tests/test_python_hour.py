@@ -12,6 +12,7 @@ from command_line import drumlin as run
 from drumlin.base.texts import error_text_in_percent
 from drumlin.models import MODELS, NAMES_OF_BUILT_IN_MODELS
 from drumlin.studies import paths_of_example_brakes
+from drumlin.sweeps.sweep_table import SweepTable
 from drumlin.verification.check import pressure_curves_as_csv
 
 
@@ -331,6 +332,8 @@ def test_a_sweep_shows_its_largest_errors(brake):
         f"estimated errors: torque at most {largest[0]}, p (L2, worst shoe) at most {largest[1]}"
     )
     assert "estimated" not in repr(drumlin.sweep(brake, {"friction": [0.2]}, model="sine"))
+    clamp = {"status": "solved", "model": "fem", "braking_force [N]": 9e3, "error_torque": 1.5}
+    assert "estimated errors: braking force not known" in repr(SweepTable("clamp", [clamp], []))
 
 
 def test_a_large_array_in_place_of_a_path_is_told_by_its_shape(brake):
