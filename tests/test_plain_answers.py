@@ -67,6 +67,9 @@ def test_compare_states_the_elastic_limit_or_names_the_call(write):
     # On a cam the search takes long.
     line = line_on_locking_friction_of_elastic_brake(drumlin.example("s_cam"))
     assert line.endswith('drumlin.self_locking("BRAKE.toml") in Python finds the limit')
+    # Both shoes of this brake press on one elastic ring.
+    posts = line_on_locking_friction_of_elastic_brake(drumlin.example("post_brake"), elements=4)
+    assert ": shoe 'right', shoe 'left' lock together at mu_lock = " in posts
 
 
 def test_self_locking_limits_are_printed_in_words(brake):

@@ -366,10 +366,11 @@ def line_on_locking_friction_of_elastic_brake(brake: Brake, **mesh_options: Any)
     members, limit = min(found.items(), key=lambda item: item[1].friction)
     if math.isinf(limit.friction):
         return "self-locking of the elastic brake: it locks at no friction"
-    names = ", ".join(repr(brake.shoes[i].name) for i in members)
+    names = ", ".join(f"shoe {brake.shoes[i].name!r}" for i in members)
+    lock = "lock together" if len(members) > 1 else "locks"
     share = number_as_text(brake.friction / limit.friction, ".0%")
     return (
-        f"self-locking of the elastic brake: shoe {names} locks at mu_lock = "
+        f"self-locking of the elastic brake: {names} {lock} at mu_lock = "
         f"{limit.friction:.4g}; friction {brake.friction:g} is {share} of it"
     )
 
