@@ -232,7 +232,7 @@ def test_error_lines_name_the_shoe_the_origin_and_the_quotation_mark(write):
 
 def test_no_other_error_is_called_a_missing_quotation_mark(write):
     """A number sign, an inch sign and an apostrophe within texts that end on their line."""
-    for wrong in ('"brake #3" x', '"12\\" drum" x', "'12\" drum' x"):
+    for wrong in ('"brake #3" x', '"12\\" drum" x', "'12\" drum' x", '{ x = "1 mm", y = }'):
         with pytest.raises(BadInput, match=r"\(at line \d+, column \d+\)\)$"):
             drumlin.read_brake(write('radius = "150 mm"', f"radius = {wrong}"))
 

@@ -237,9 +237,9 @@ def _hint_about_toml_error(text: str, error: Exception) -> str:
     if at is None or int(at.group(1)) > len(lines):
         return ""
     number = int(at.group(1))
-    # Texts in quotes and comments are removed, because they cannot be the cause.
+    # Texts in quotes are emptied, and comments removed, because they cannot be the cause.
     complete = r'"(?:\\.|[^"\\])*"|\'[^\']*\'|#.*'
-    line = re.sub(complete, "", lines[number - 1])
+    line = re.sub(complete, lambda found: "" if found[0][0] == "#" else "''", lines[number - 1])
     # A text in quotes must end on its line. A quotation mark that is left begins or ends no text.
     if '"' in line:
         return f"; a quotation mark is missing in line {number}"
