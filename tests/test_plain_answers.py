@@ -72,6 +72,16 @@ def test_compare_states_the_elastic_limit_or_names_the_call(write):
     assert ": shoe 'right', shoe 'left' lock together at mu_lock = " in posts
 
 
+def test_shoes_that_are_not_pressed_have_no_elastic_limit(brake):
+    def line(changes):
+        return line_on_locking_friction_of_elastic_brake(drumlin.vary(brake, changes), elements=6)
+
+    assert line({"shoe.actuation.force": 0.0}).endswith("not sought, the actuation presses no shoe")
+    assert line({"shoe.left.actuation.force": 0.0}).endswith("pressed shoes lock at no friction")
+    own = line({"shoe.left.lining.friction": 0.5})
+    assert own.endswith(" % of it; all frictions in proportion, shoe[1].lining.friction too")
+
+
 def test_self_locking_limits_are_printed_in_words(brake):
     limits = drumlin.self_locking(brake, elements=6)
     assert isinstance(limits, tuple)
