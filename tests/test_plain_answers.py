@@ -82,6 +82,13 @@ def test_shoes_that_are_not_pressed_have_no_elastic_limit(brake):
     assert own.endswith(" % of it; all frictions in proportion, shoe[1].lining.friction too")
 
 
+def test_compare_answers_a_brake_with_a_shoe_that_turns_away(write):
+    off = write('direction = "180 deg"', 'direction = "0 deg"')
+    assert "report: reports/my/index.html" in printed("compare", off, *FAST)
+    with pytest.raises(drumlin.NoAnswer, match=r"^shoe 'left': no contact, so that its stresses"):
+        drumlin.fields(off, elements=10)
+
+
 def test_self_locking_limits_are_printed_in_words(brake):
     limits = drumlin.self_locking(brake, elements=6)
     assert isinstance(limits, tuple)

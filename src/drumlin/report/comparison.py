@@ -184,10 +184,13 @@ def compare_models_and_write_html_page(
         panel_title_and_responses_of_each_shoe(comparison), surface=brake.surface
     )
     figures.save_figure(pressure_figure, folder / "pressure.svg")
-    # Draw the stress field of the finite elements, if at least one shoe is in contact.
+    # Draw the stress field of the finite elements, if at least one shoe is in contact. A shoe that
+    # neither the drum nor one-sided supports hold has no equilibrium and no stresses.
     fem = comparison.responses.get("fem")
     drawn = False
-    if fem is not None and any(shoe.contact_arcs for shoe in fem.shoes):
+    shoes = () if fem is None else fem.shoes
+    are_held = all(shoe.contact_arcs or shoe.supports for shoe in shoes)
+    if fem is not None and are_held and any(shoe.contact_arcs for shoe in shoes):
         drawn = True
         # Only these two options concern the mesh.
         mesh_options = {key: options[key] for key in ("elements", "kind") if key in options}
