@@ -52,7 +52,7 @@ def write(tmp_path, monkeypatch):
 def test_the_end_of_a_search_is_told_from_the_limit_and_verbose_states_the_limit(write):
     path = write()
     short = printed("solve", path, *FAST, "--no-model-error")
-    assert "sought up to 0.45 = 1.5 times its friction, not farther, and not found" in short
+    assert "mu_lock of the elastic brake is above 0.45 = 1.5 mu, where the search ends" in short
     assert "self-locking of the elastic brake" not in short
     told = printed("solve", path, *FAST, "--no-model-error", "--verbose")
     limit = min(each.friction for each in drumlin.self_locking(path))
@@ -264,4 +264,4 @@ def test_a_sweep_explains_its_statistics(write):
     )
     told = printed("sweep", "s.toml", "--jobs", 1)
     assert "spread: standard deviation; 5 % and 95 %: share of the cases with less" in told
-    assert "random draws mostly miss the corners" in told
+    assert "least and most: of the solved cases, not of all possible ones" in told

@@ -37,8 +37,8 @@ if TYPE_CHECKING:
 
 TEXT_ON_COMPARISON_ERRORS = (
     "errors: differences from the model fem; of p (L2): the root of the mean square along a "
-    "lining, without its ends; stated errors are those of the elements of the model itself, and "
-    "drumlin solve states the error of plane stress beside them"
+    "lining, without its ends; stated error: that of a model's own elements (drumlin solve also "
+    "states that of plane stress)"
 )
 """The line below the table of a comparison, which explains its columns of errors."""
 
@@ -233,6 +233,7 @@ def compare(
     finite_width: FiniteWidthOption = False,
     solid: of.AlsoSolidOption = False,
     fields: of.WithFieldsFileOption = False,
+    verbose: of.VerboseComparisonOption = False,
 ) -> None:
     """Solve a brake by all models that apply, side by side, and write one report."""
     from drumlin.base.files import check_path_can_be_folder
@@ -259,7 +260,7 @@ def compare(
     )
     print_table_of_compared_models(result.table, result.columns)
     print_line_folded_to_terminal_width(TEXT_ON_COMPARISON_ERRORS)
-    for line in result.notes:
+    for line in (*result.notes, *(result.details if verbose else [])):
         print_line_folded_to_terminal_width(line)
     print_line_folded_to_terminal_width(f"report: {result.page}")
 

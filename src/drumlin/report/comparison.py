@@ -42,13 +42,16 @@ class WrittenComparison(NamedTuple):
     Attributes
     ----------
     table : rows of the table, one for each shoe and each model
-    notes : lines of text about the models
-    page : path of the HTML page
+    notes : lines of text that the user needs: the laws that hold for the shoes, self-locking,
+        warnings, unused keys, and why some models do not apply
+    details : further lines of text, about how each model models the brake and solved it
+    page : path of the HTML page, which shows notes and details
     columns : columns of the table
     """
 
     table: list[dict[str, Any]]
     notes: list[str]
+    details: list[str]
     page: Path
     columns: tuple[ResultTableColumn, ...]
 
@@ -202,9 +205,11 @@ def compare_models_and_write_html_page(
             brake, fem, folder, "fields", endings, also_for_column=False, **mesh_options
         )
     named = ("solid",) if options.get("solid") else ()
+    of_models = _notes_and_details_of_models(comparison)
     notes = [
         *_lines_on_laws_and_elastic_locking(comparison, options),
-        *_model_notes_and_reasons_against_other_models(comparison, named),
+        *of_models.notes,
+        *_lines_on_models_that_do_not_apply(brake, named),
     ]
     page = write_html_page(
         Path(__file__).with_name("comparison.html"),
@@ -214,33 +219,55 @@ def compare_models_and_write_html_page(
         columns=comparison_columns_for_brake(brake),
         drawn=drawn,
         fields_file=fields_file,
-        notes=notes + _sentences_about_effects_that_models_neglect(comparison),
+        notes=notes + of_models.details + _sentences_about_effects_that_models_neglect(comparison),
         source_text=source,
     )
-    return WrittenComparison(table, notes, page, comparison_columns_for_brake(brake))
+    return WrittenComparison(
+        table, notes, of_models.details, page, comparison_columns_for_brake(brake)
+    )
 
 
-def _model_notes_and_reasons_against_other_models(
-    comparison: ModelComparison[Any], named: Sequence[str]
-) -> list[str]:
-    """The notes of all models that answered, and the reasons why other models do not apply.
+class _NotesAndDetailsOfModels(NamedTuple):
+    """Lines of text about the models of a comparison, see `WrittenComparison`."""
 
-    `named` are the models that were asked for by name.
+    notes: list[str]
+    details: list[str]
+
+
+def _notes_and_details_of_models(comparison: ModelComparison[Any]) -> _NotesAndDetailsOfModels:
+    """The lines of all models that answered.
+
+    Warnings, shoes without contact and unused keys are notes. All other lines are details.
     """
-    notes = []
+    notes: list[str] = []
+    details: list[str] = []
     models_by_line: dict[str, list[str]] = {}
     for model, response in comparison.responses.items():
         noted = response_with_note_on_ignored_keys(comparison.brake, response)
-        notes += [f"{model}: {line}" for line in noted.notes]
+        for line in noted.notes:
+            is_warning = line.startswith(("warning:", "note:")) or ": no contact" in line
+            (notes if is_warning else details).append(f"{model}: {line}")
         for line in noted.left_out:
             if line.startswith(UNUSED_KEYS_LINE_START):
                 models_by_line.setdefault(line, []).append(model)
     # All laws leave the same keys out, so that one line names the laws.
-    for line, models in models_by_line.items():
-        notes.insert(0, f"{', '.join(models)}: {line}")
-    for name, reason in reasons_why_models_do_not_apply(comparison.brake, named).items():
-        notes.append(f"{name}: does not apply: {reason}")
-    return notes
+    unused = [f"{', '.join(models)}: {line}" for line, models in models_by_line.items()]
+    return _NotesAndDetailsOfModels(unused + notes, details)
+
+
+def _lines_on_models_that_do_not_apply(brake: Brake, named: Sequence[str]) -> list[str]:
+    """A line for each reason why models do not apply to a brake, with the names of these models.
+
+    `named` are the models that were asked for by name.
+    """
+    models_by_reason: dict[str, list[str]] = {}
+    for name, reason in reasons_why_models_do_not_apply(brake, named).items():
+        models_by_reason.setdefault(reason, []).append(name)
+    lines = []
+    for reason, models in models_by_reason.items():
+        verb = "does" if len(models) == 1 else "do"
+        lines.append(f"{', '.join(models)}: {verb} not apply: {reason}")
+    return lines
 
 
 def _lines_on_laws_and_elastic_locking(
