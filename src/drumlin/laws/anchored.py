@@ -291,12 +291,10 @@ def _equilibrium_in_free_motions(
         is_round_off = [
             _is_contact_force_round_off(brake, on, k, c[k], own) for k, own in enumerate(arcs)
         ]
-        after = [
-            arcs[k]
-            if is_round_off[k]
-            else arcs_of_positive_pressure_on_linings(on.faces[k], c[k], lining.arcs)
-            for k, lining in enumerate(linings)
-        ]
+        after = list(arcs)
+        for k, lining in enumerate(linings):
+            if not is_round_off[k]:
+                after[k] = arcs_of_positive_pressure_on_linings(on.faces[k], c[k], lining.arcs)
         if all(map(are_contact_arcs_equal, after, arcs)):
             # A shoe without an arc in contact, or with round-off as its contact force, has no
             # pressure.

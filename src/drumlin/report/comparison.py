@@ -187,23 +187,8 @@ def compare_models_and_write_html_page(
         panel_title_and_responses_of_each_shoe(comparison), surface=brake.surface
     )
     figures.save_figure(pressure_figure, folder / "pressure.svg")
-    # Draw the stress field of the finite elements, if at least one shoe is in contact.
-    fem = comparison.responses.get("fem")
-    drawn = False
-    if fem is not None and any(shoe.contact_arcs for shoe in fem.shoes):
-        drawn = True
-        # Only these two options concern the mesh.
-        mesh_options = {key: options[key] for key in ("elements", "kind") if key in options}
-        # The correction for finite widths gives no stress field, so that the picture shows the
-        # stresses of plane stress.
-        if options.get("finite_width"):
-            plane = {key: value for key, value in options.items() if key != "solid"}
-            fem = MODELS["fem"].solve(brake, **{**plane, "finite_width": False})
-        endings = ("svg", "vtu") if fields_file else ("svg",)
-        # The page shows no picture for a column, and the column of a journal is asked of a study.
-        draw_stress_fields(
-            brake, fem, folder, "fields", endings, also_for_column=False, **mesh_options
-        )
+    endings = ("svg", "vtu") if fields_file else ("svg",)
+    drawn = _draw_stress_fields_of_comparison(comparison, folder, endings, options)
     named = ("solid",) if options.get("solid") else ()
     of_models = _notes_and_details_of_models(comparison)
     notes = [
@@ -225,6 +210,40 @@ def compare_models_and_write_html_page(
     return WrittenComparison(
         table, notes, of_models.details, page, comparison_columns_for_brake(brake)
     )
+
+
+def _draw_stress_fields_of_comparison(
+    comparison: ModelComparison[Any], folder: Path, endings: Sequence[str], options: dict[str, Any]
+) -> bool:
+    """Write the stress fields of the finite elements, and return whether there are any.
+
+    There are fields if at least one shoe is in contact. `endings` are those of the files, and
+    `options` those of `compare`.
+    """
+    brake, fem = comparison.brake, comparison.responses.get("fem")
+    if fem is None or not any(shoe.contact_arcs for shoe in fem.shoes):
+        return False
+    # The correction for finite widths gives no stress field, so that the picture shows the
+    # stresses of plane stress.
+    if options.get("finite_width"):
+        plane = {key: value for key, value in options.items() if key != "solid"}
+        fem = MODELS["fem"].solve(brake, **{**plane, "finite_width": False})
+    # The page shows no picture for a column, and the column of a journal is asked of a study.
+    draw_stress_fields(
+        brake,
+        fem,
+        folder,
+        "fields",
+        endings,
+        also_for_column=False,
+        **_options_that_concern_mesh(options),
+    )
+    return True
+
+
+def _options_that_concern_mesh(options: dict[str, Any]) -> dict[str, Any]:
+    """Those of the options of `compare` that concern the mesh."""
+    return {key: options[key] for key in ("elements", "kind") if key in options}
 
 
 class _NotesAndDetailsOfModels(NamedTuple):
@@ -285,7 +304,7 @@ def _lines_on_laws_and_elastic_locking(
     if fem is None:
         return []
     brake = comparison.brake
-    mesh_options = {key: options[key] for key in ("elements", "kind") if key in options}
+    mesh_options = _options_that_concern_mesh(options)
     lines = list(lines_on_stiff_shoes_and_fitting_linings(brake, fem))
     # The law has no limit where friction depends on the pressure.
     if first_key_of_pressure_dependent_friction(brake) is None:

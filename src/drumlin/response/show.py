@@ -189,6 +189,7 @@ def plot_pressure_of_each_shoe(
     axes = matplotlib_axes_itself_or_new(axes)
     surface = response.surface
     top = axes.get_ylim()[1] if axes.has_data() else 0.0
+    styles = LINE_STYLES_OF_SHOES
     for number, shoe in enumerate(response.shoes):
         top = max(top, TOP_OVER_PEAK * shoe.peak_pressure * 1e-6)
         ends = shoe.theta[:: shoe.order]
@@ -199,9 +200,7 @@ def plot_pressure_of_each_shoe(
             shoe.pressure_at(theta) * 1e-6,
             label=f"{prefix}{shoe.name}",
             color=color,
-            linestyle="-"
-            if color is None
-            else LINE_STYLES_OF_SHOES[number % len(LINE_STYLES_OF_SHOES)],
+            linestyle="-" if color is None else styles[number % len(styles)],
         )
     axes.set(
         xlabel=surface.axis_label_in_python,

@@ -1136,11 +1136,10 @@ def errors_of_finer_pieces_across_width(
             brake, steps[-1][0], [solved.response for _, solved in steps[-2:]], allowed
         )
         # The steps that give the error of the first step are always allowed.
+        parts = brake, section.divisions, pieces
         if are_limited and (
-            largest_number_of_unknowns_on_divisions(brake, section.divisions, pieces)
-            > most_unknowns
-            or memory_bytes_of_condensation_on_divisions(brake, section.divisions, pieces)
-            > most_bytes
+            largest_number_of_unknowns_on_divisions(*parts) > most_unknowns
+            or memory_bytes_of_condensation_on_divisions(*parts) > most_bytes
         ):
             raise NoAnswer("the next pieces across the width take too much memory")
         scene = prepare_model_with_widths_on_given_elements(
