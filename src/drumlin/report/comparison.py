@@ -35,6 +35,9 @@ from drumlin.response.shoe_stiffness import lines_on_stiff_shoes_and_fitting_lin
 NAMES_OF_STRESS_FIELD_FILES = ("fields.svg", "fields.png", "fields.vtu", "fields_column.svg")
 """Names of the files of stress fields that `compare` writes, or that older versions wrote."""
 
+BEGINNINGS_OF_NOTES_OF_MODELS = ("warning:", "note:", "corrected for the widths", "peak p over")
+"""Beginnings of the lines of a response that `compare` prints without --verbose."""
+
 
 class WrittenComparison(NamedTuple):
     """The results of a comparison of models, after its report has been written.
@@ -256,7 +259,8 @@ class _NotesAndDetailsOfModels(NamedTuple):
 def _notes_and_details_of_models(comparison: ModelComparison[Any]) -> _NotesAndDetailsOfModels:
     """The lines of all models that answered.
 
-    Warnings, shoes without contact and unused keys are notes. All other lines are details.
+    Warnings, shoes without contact, unused keys and corrections that the user asked for are notes.
+    All other lines are details.
     """
     notes: list[str] = []
     details: list[str] = []
@@ -264,8 +268,8 @@ def _notes_and_details_of_models(comparison: ModelComparison[Any]) -> _NotesAndD
     for model, response in comparison.responses.items():
         noted = response_with_note_on_ignored_keys(comparison.brake, response)
         for line in noted.notes:
-            is_warning = line.startswith(("warning:", "note:")) or ": no contact" in line
-            (notes if is_warning else details).append(f"{model}: {line}")
+            is_note = line.startswith(BEGINNINGS_OF_NOTES_OF_MODELS) or ": no contact" in line
+            (notes if is_note else details).append(f"{model}: {line}")
         for line in noted.left_out:
             if line.startswith(UNUSED_KEYS_LINE_START):
                 models_by_line.setdefault(line, []).append(model)
