@@ -187,11 +187,13 @@ def _print_answer_and_write_pressures(
         print_line_folded_to_terminal_width("")
     print_brake_response(answer.brake, answer.response, verbose=verbose)
     if verbose:
-        for line in _lines_on_laws_and_elastic_locking(answer.brake, answer.response):
+        for line in _verbose_lines_on_stiff_shoes_and_locking(answer.brake, answer.response):
             print_line_folded_to_terminal_width(line)
 
 
-def _lines_on_laws_and_elastic_locking(brake: "Brake", response: "Response") -> Iterator[str]:
+def _verbose_lines_on_stiff_shoes_and_locking(
+    brake: "Brake", response: "Response"
+) -> Iterator[str]:
     """Yield the lines of --verbose on stiff shoes, fitting linings and the elastic locking limit.
 
     The limit is sought only if the finite elements answered without finding it.

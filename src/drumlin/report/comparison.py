@@ -195,7 +195,7 @@ def compare_models_and_write_html_page(
     named = ("solid",) if options.get("solid") else ()
     of_models = _notes_and_details_of_models(comparison)
     notes = [
-        *_lines_on_laws_and_elastic_locking(comparison, options),
+        *_lines_on_stiff_shoes_and_both_locking_limits(comparison, options),
         *of_models.notes,
         *_lines_on_models_that_do_not_apply(brake, named),
     ]
@@ -293,7 +293,7 @@ def _lines_on_models_that_do_not_apply(brake: Brake, named: Sequence[str]) -> li
     return lines
 
 
-def _lines_on_laws_and_elastic_locking(
+def _lines_on_stiff_shoes_and_both_locking_limits(
     comparison: ModelComparison[Any], options: dict[str, Any]
 ) -> list[str]:
     """Lines on stiff shoes, fitting linings and the self-locking limit of the elastic brake.

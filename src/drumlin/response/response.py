@@ -282,7 +282,7 @@ class ShoeResponse(BaseClassWithArrayEquality):
         """The pressure [Pa] at angles `theta` [rad] of any shape; 0 beyond the lining.
 
         In each polynomial piece the pressure is Lagrange's interpolation of the nodal values.
-        Raises BadInput for an angle more than a turn beyond the lining, which is one in degrees.
+        Raises BadInput for an angle more than a turn beyond the lining: it was given in degrees.
         """
         theta = np.asarray(theta, dtype=float)
         self._refuse_coordinates_more_than_turn_beyond_lining(theta)
