@@ -59,7 +59,7 @@ def test_the_page_on_laws_says_what_its_tables_show(monkeypatch):
     for others in (soft, misfits):
         assert max(abs(names["worst"](errors, 0, 0.4)) for errors in others) > bounds[0.4][0]
     # A lining that fits changes the torque by no more than the page says.
-    change = float(re.search(r"brake's torque by up to (\d+) %", text)[1]) / 100
+    change = float(re.search(r"by up to (\d+) % of the brake's torque", text)[1]) / 100
     for friction in names["FRICTIONS"]:
         for ratio in {ratio for _, ratio, _ in fitting}:
             own = {row[0]: row[2][friction][0] for row in fitting if row[1] == ratio}
@@ -208,7 +208,8 @@ def test_a_mesh_file_says_what_would_know_the_error_of_plane_stress():
 @pytest.mark.slow
 def test_lines_of_a_comparison_have_no_bare_powers_of_ten(here):
     """Penetrations are in mm and changes in per cent, and a line explains the errors."""
-    done = run("compare", "my.toml", "--elements", 10, "--output", here / "report")
+    words = ("--elements", 10, "--verbose", "--output", here / "report")
+    done = run("compare", "my.toml", *words)
     text = " ".join(done.stdout.split())
     assert "errors: differences from the model fem; of p (L2): the root of the mean square" in text
     assert re.search(

@@ -1,4 +1,8 @@
-"""Shoes that springs pull off the drum, on supports that push and cannot pull."""
+"""Shoes that springs pull off the drum, on supports that push and cannot pull.
+
+A brake without contact is refused. A shoe held off leaves its partner the torque of equations by
+hand. Springs stiffer than the brake have the pull of a second way to compute it.
+"""
 
 from collections.abc import Callable
 

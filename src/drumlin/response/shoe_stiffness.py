@@ -50,18 +50,19 @@ class ShoeStiffnessAndLiningCompression(NamedTuple):
         """What both numbers say about the shoe and its lining, without the shoe's name."""
         S = self.stiffness_ratio
         least = SMALLEST_STIFFNESS_RATIO_OF_STIFF_SHOE
-        words = "stiff" if least <= S else "flexible"
-        ratio = "rigid" if math.isinf(S) else f"{words}, S = {S:.2g} (stiff from {least:g} on)"
+        kind = "stiff" if least <= S else "flexible"
+        shoe = "rigid" if math.isinf(S) else f"{kind}, S = {S:.2g} (stiff from {least:g} on)"
         if not self.mean_compression:
-            return ratio
-        fits = "fits" if abs(self.radius_difference) <= self.mean_compression else "does not fit"
-        other = f", {' and '.join(self.not_counted)} not counted" if self.not_counted else ""
+            return shoe
         off = abs(self.radius_difference)
-        radius = f"its radius is {number_as_text(1e6 * off, '.3g')} µm "
-        radius += "smaller" if self.radius_difference < 0 else "larger"
-        radius = f"{radius} than the drum's" if off else "its radius is the drum's"
+        fits = "fits" if off <= self.mean_compression else "does not fit"
+        radius = "its radius is the drum's"
+        if off:
+            sign = "smaller" if self.radius_difference < 0 else "larger"
+            radius = f"its radius is {number_as_text(1e6 * off, '.3g')} µm {sign} than the drum's"
+        other = f", {' and '.join(self.not_counted)} not counted" if self.not_counted else ""
         return (
-            f"{ratio}; its lining {fits}: {radius}, and may be off by its mean compression "
+            f"{shoe}; its lining {fits}: {radius}, and may be off by its mean compression "
             f"p t/E = {number_as_text(1e6 * self.mean_compression, '.2g')} µm{other}"
         )
 
