@@ -70,6 +70,26 @@ def test_compare_states_the_elastic_limit_or_names_the_call(write):
     # On a cam the search takes long.
     line = line_on_locking_friction_of_elastic_brake(drumlin.example("s_cam"))
     assert line.endswith('drumlin.self_locking("BRAKE.toml") in Python finds the limit')
+    # Both shoes of this brake press on one elastic ring.
+    posts = line_on_locking_friction_of_elastic_brake(drumlin.example("post_brake"), elements=4)
+    assert ": shoe 'right', shoe 'left' lock together at mu_lock = " in posts
+
+
+def test_shoes_that_are_not_pressed_have_no_elastic_limit(brake):
+    def line(changes):
+        return line_on_locking_friction_of_elastic_brake(drumlin.vary(brake, changes), elements=6)
+
+    assert line({"shoe.actuation.force": 0.0}).endswith("not sought, the actuation presses no shoe")
+    assert line({"shoe.left.actuation.force": 0.0}).endswith("pressed shoes lock at no friction")
+    own = line({"shoe.left.lining.friction": 0.5})
+    assert own.endswith(" % of it; all frictions in proportion, shoe[1].lining.friction too")
+
+
+def test_compare_answers_a_brake_with_a_shoe_that_turns_away(write):
+    off = write('direction = "180 deg"', 'direction = "0 deg"')
+    assert "report: reports/my/index.html" in printed("compare", off, *FAST)
+    with pytest.raises(drumlin.NoAnswer, match=r"^shoe 'left': no contact, so that its stresses"):
+        drumlin.fields(off, elements=10)
 
 
 def test_self_locking_limits_are_printed_in_words(brake):
@@ -127,6 +147,20 @@ def test_stiffness_and_compression_are_those_of_hand_formulas(brake):
     assert all(f"stiff, S = {ratio:.2g} (stiff from 0.15 on)" in line for line in lines)
     thin = drumlin.vary(brake, {"shoe.body.thickness": "6 mm"})
     assert "flexible, S = 0.0024" in next(lines_on_stiff_shoes_and_fitting_linings(thin, response))
+
+
+def test_heat_and_a_drum_out_of_round_are_not_counted_where_a_lining_fits(brake):
+    response = drumlin.solve(brake, "sine")
+    lobes = {"order": 2, "amplitude": "0.1 mm"}
+    off = drumlin.vary(
+        brake,
+        {"drum.temperature_rise": 150.0, "drum.expansion": 11e-6, "drum.out_of_round": [lobes]},
+    )
+    for line in lines_on_stiff_shoes_and_fitting_linings(off, response):
+        assert line.endswith("µm, heat and the drum's out_of_round not counted")
+    soft = drumlin.vary(brake, {"shoe.lining.material.E": "20 MPa"})
+    for line in lines_on_stiff_shoes_and_fitting_linings(soft, response):
+        assert re.search(r"p t/E = \d+ µm$", line)
 
 
 def test_models_that_do_not_apply_for_one_reason_share_a_line():
@@ -194,6 +228,19 @@ def test_two_minuses_are_no_mistake(brake):
     assert notes(drumlin.vary(brake, pull)) == ()
 
 
+def test_a_lining_that_presses_with_one_end_is_not_turned_away(brake):
+    """The middle of this lining is opposite of the hinge, so that one half moves to the drum."""
+    middle = math.degrees(brake.shoes[1].pin.angle) + 179
+    changes = {
+        "shoe.left.lining.start": f"{middle - 80} deg",
+        "shoe.left.lining.end": f"{middle + 80} deg",
+        "shoe.left.body": None,
+    }
+    turned = drumlin.vary(brake, changes)
+    assert not [line for line in notes(turned) if "away from the drum" in line]
+    assert drumlin.solve(turned, elements=10).shoes["left"].normal_force > 1e3
+
+
 def test_error_lines_name_the_shoe_the_origin_and_the_quotation_mark(write):
     """A missing key, angles from the pin, and a text whose end has no quotation mark."""
     with pytest.raises(
@@ -211,6 +258,13 @@ def test_error_lines_name_the_shoe_the_origin_and_the_quotation_mark(write):
         drumlin.read_brake(write('radius = "150 mm"', 'radius = "150 mm'))
     line = int(re.search(r"missing in line (\d+)", str(refusal.value))[1])
     assert (write().read_text().splitlines()[line - 1]).startswith("radius")
+
+
+def test_no_other_error_is_called_a_missing_quotation_mark(write):
+    """A number sign, an inch sign and an apostrophe within texts that end on their line."""
+    for wrong in ('"brake #3" x', '"12\\" drum" x', "'12\" drum' x", '{ x = "1 mm", y = }'):
+        with pytest.raises(BadInput, match=r"\(at line \d+, column \d+\)\)$"):
+            drumlin.read_brake(write('radius = "150 mm"', f"radius = {wrong}"))
 
 
 # meshes

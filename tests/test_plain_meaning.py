@@ -14,6 +14,7 @@ import pytest
 import drumlin
 from command_line import drumlin as run
 from drumlin.models import MODELS, NAMES_OF_BUILT_IN_MODELS
+from drumlin.response.show import matplotlib_axes_itself_or_new
 
 
 @pytest.fixture
@@ -109,6 +110,20 @@ def test_a_key_without_a_name_is_refused_with_the_form_of_keys(brake, key):
             drumlin.size(brake, key, torque=400.0)
 
 
+@pytest.mark.parametrize(
+    ("key", "said"),
+    [
+        ("shoe[0]", "is an entry of a list; allowed: a key of it, such as 'shoe[0].name', or the"),
+        ("shoe.left.lining.clearance[0]", "is an entry of a list; allowed: the whole list"),
+        ("shoe[5].lining.width", "there is no number 5; allowed: 0 to 1"),
+    ],
+)
+def test_a_key_of_an_entry_names_what_is_allowed(brake, key, said):
+    table = [["130 deg", "0 mm"], ["240 deg", "0.01 mm"]]
+    with pytest.raises(drumlin.BadInput, match=re.escape(f"{key}: {said}")):
+        drumlin.vary(brake, {"shoe.left.lining.clearance": table, key: 3})
+
+
 def test_plots_take_axes_of_matplotlib_alone(brake):
     plots = (
         drumlin.solve(brake, "sine").plot,
@@ -120,6 +135,12 @@ def test_plots_take_axes_of_matplotlib_alone(brake):
             said = f"^axes = {re.escape(repr(wrong))}: must be one axes of matplotlib, or None$"
             with pytest.raises(drumlin.BadInput, match=said):
                 plot(axes=wrong)
+
+
+def test_curves_are_drawn_beside_a_line_without_points(brake):
+    axes = matplotlib_axes_itself_or_new(None)
+    axes.plot([], [], label="measured")
+    assert len(drumlin.solve(brake, "sine").plot(axes).lines) == 3
 
 
 def test_a_function_of_numpy_with_one_argument_is_no_law(laws):

@@ -245,17 +245,18 @@ def _value_of_function_option_in_si(option: str, value: float | str, unit: str) 
 def _fraction_from_number_or_percentage(option: str, value: float | str) -> float:
     """The fraction that an option gives as a number, such as 0.05, or as a text such as "5 %".
 
-    Raises BadInput for another text; `option` is the name of the option in the message.
+    Raises BadInput for another text, and for a number that has two readings; `option` is the name
+    of the option in the message.
     """
-    if not isinstance(value, str):
-        return value
-    number = value.strip().removesuffix("%")
+    from drumlin.base.written_numbers import number_without_unit_from_text
+
     try:
-        return float(number) * (1e-2 if number != value.strip() else 1.0)
+        number = number_without_unit_from_text(value)
+        if isinstance(number, str):
+            raise ValueError('must be a fraction such as 0.05, or a text such as "5 %"')
     except ValueError as error:
-        raise BadInput(
-            f'{option} = {value!r}: must be a fraction such as 0.05, or a text such as "5 %"'
-        ) from error
+        raise BadInput(f"{option} = {value!r}: {error}") from error
+    return float(number)  # type: ignore[arg-type]
 
 
 @_make_public_function_that_solves

@@ -237,11 +237,12 @@ def _hint_about_toml_error(text: str, error: Exception) -> str:
     if at is None or int(at.group(1)) > len(lines):
         return ""
     number = int(at.group(1))
-    # A text in quotes must end on its line. The number of quotation marks is then even.
-    if lines[number - 1].partition("#")[0].count('"') % 2:
+    # Texts in quotes are emptied, and comments removed, because they cannot be the cause.
+    complete = r'"(?:\\.|[^"\\])*"|\'[^\']*\'|#.*'
+    line = re.sub(complete, lambda found: "" if found[0][0] == "#" else "''", lines[number - 1])
+    # A text in quotes must end on its line. A quotation mark that is left begins or ends no text.
+    if '"' in line:
         return f"; a quotation mark is missing in line {number}"
-    # Texts in quotes and comments are removed, because they cannot be the cause.
-    line = re.sub(r'"[^"]*"|\'[^\']*\'|#.*', "", lines[int(at.group(1)) - 1])
     for pattern, hint in _HINTS_WITH_PATTERN_OF_WRONG_TOML_LINE:
         if re.search(pattern, line):
             return f"; {hint}"
@@ -618,7 +619,8 @@ def _set_value_of_key_in_nested_data(data: Any, steps: list[str], value: Any, ke
             for part in data
             if isinstance(part, dict) and part.get("name") == head and head not in part
         ]
-        if _is_key_word_an_index(head) and int(head) < len(data):
+        if _is_key_word_an_index(head) and data:
+            _refuse_index_out_of_list_and_entry_as_whole(data, steps, key)
             targets, rest_of = [data[int(head)]], rest
         elif named and rest:
             targets, rest_of = named, rest
@@ -641,6 +643,23 @@ def _set_value_of_key_in_nested_data(data: Any, steps: list[str], value: Any, ke
     # The value is copied, because a later change may set a key within it.
     data[head] = deepcopy(value)
     return True
+
+
+def _refuse_index_out_of_list_and_entry_as_whole(
+    entries: Sequence[Any], steps: list[str], key: str
+) -> None:
+    """Raise BadInput for an index that a list does not have, and for an index that ends a key.
+
+    `steps` are the index and the words that follow it, and `key` is the whole dotted key.
+    """
+    index, *rest = steps
+    if int(index) >= len(entries):
+        allowed = f"0 to {len(entries) - 1}" if len(entries) > 1 else "0"
+        raise BadInput(f"{key}: there is no number {index}; allowed: {allowed}")
+    if not rest:
+        keys = list(entries[0]) if isinstance(entries[0], dict) else []
+        allowed = f"a key of it, such as '{key}.{keys[0]}', or " if keys else ""
+        raise BadInput(f"{key}: is an entry of a list; allowed: {allowed}the whole list")
 
 
 def _refuse_word_that_is_neither_name_nor_key(

@@ -472,7 +472,8 @@ def _notes_on_large_uniform_clearance(brake: Brake) -> Iterator[str]:
 def _notes_on_forces_that_turn_shoes_off_drum(brake: Brake) -> Iterator[str]:
     """Yield a note for each hinged shoe that its force alone turns away from the drum.
 
-    The note names the sign or the direction of the force. A shoe with other loads, and a shoe whose
+    No place of the lining of such a shoe moves towards the drum. The note names the sign or the
+    direction of the force. A shoe with other loads, and a shoe whose
     force follows from a cam or a strut, may be pressed on the drum nevertheless, and has no note.
     """
     if brake.surface.is_plane_and_not_drum or brake.reason_why_cam_or_strut_sets_forces:
@@ -481,10 +482,16 @@ def _notes_on_forces_that_turn_shoes_off_drum(brake: Brake) -> Iterator[str]:
         actuation = shoe.actuation
         if shoe.kind_of_support != "hinge" or shoe.has_loads_besides_actuation:
             continue
-        offset = shoe.lining.middle - shoe.pin.angle
-        # The moment moves the middle of the lining outwards where this number is positive.
-        outwards = -actuation.moment_of_force_about_point(shoe.pin) * math.sin(offset)
-        if not actuation.force or outwards * shoe.sign_internal_plus_external_minus >= 0:
+        lining = shoe.lining
+        moment = actuation.moment_of_force_about_point(shoe.pin)
+        towards_drum = -moment * shoe.sign_internal_plus_external_minus
+        # A turn moves a place of the lining to the drum where its closing is positive. If it is
+        # negative at both ends and in the middle, then so it is at all places.
+        closing = [
+            towards_drum * math.sin(place - shoe.pin.angle)
+            for place in (lining.start, lining.middle, lining.end)
+        ]
+        if not actuation.force or max(closing) >= 0:
             continue
         key = f"shoe[{i}].actuation"
         turns = f"force turns shoe {shoe.name!r} away from the drum; did you mean"

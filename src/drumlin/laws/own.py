@@ -5,6 +5,7 @@ is then solved as by the closed-form laws of `drumlin.laws.shapes`.
 """
 
 import inspect
+import sysconfig
 import traceback
 from collections.abc import Callable
 from pathlib import Path
@@ -151,14 +152,11 @@ def _real_numbers_returned_by_shape(
     except DrumlinError:
         raise
     except Exception as error:
-        # The last line of the user's own code helps to find the fault.
-        place = traceback.extract_tb(error.__traceback__)[-1]
-        at = f"{Path(place.filename).name}, line {place.lineno}"
-        hint = ""
+        hint = _place_in_code_of_user(error)
         if isinstance(error, AttributeError) and isinstance(error.obj, ShoeAnglesAndRadii):
-            hint = "; the layout has phi_1 and phi_2 [rad], R and a [m]"
+            hint += "; the layout has phi_1 and phi_2 [rad], R and a [m]"
         raise FailedLawOfUser(
-            f"{asked}failed with {type(error).__name__}: {error} ({at}){hint}"
+            f"{asked}failed with {type(error).__name__}: {error}{hint}"
         ) from error
     try:
         values = np.asarray(returned)
@@ -169,6 +167,21 @@ def _real_numbers_returned_by_shape(
     if not is_real:
         raise FailedLawOfUser(f"{asked}returned {value_as_text(returned)}")
     return values.astype(float)
+
+
+def _place_in_code_of_user(error: Exception) -> str:
+    """The last line of the user's own code that led to an exception, as " (toe.py, line 3)".
+
+    The lines of Python's and of installed packages, in which the exception may arise, do not help
+    to find the fault. The text is "" if no line of the user's led to the exception.
+    """
+    installed = tuple(
+        sysconfig.get_path(name) for name in ("stdlib", "platstdlib", "purelib", "platlib")
+    )
+    # The first line is the call of the user's function in this module.
+    places = traceback.extract_tb(error.__traceback__)[1:]
+    own = [place for place in places if not place.filename.startswith(installed)]
+    return f" ({Path(own[-1].filename).name}, line {own[-1].lineno})" if own else ""
 
 
 def _require_function_of_angles_and_layout(name: str, shape: object) -> None:

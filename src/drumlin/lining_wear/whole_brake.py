@@ -284,12 +284,10 @@ def _note_on_distance_without_unit(option: str, given: float | str, unit: float)
 
     The parameters are those of `sliding_distance_from_option`.
     """
-    if not isinstance(given, str):
+    number = number_without_unit_from_text(given)
+    if not (isinstance(given, str) and isinstance(number, float)):
         return []
-    try:
-        kilometres = float(given) * unit * 1e-3
-    except ValueError:
-        return []
+    kilometres = number * unit * 1e-3
     return [f"{option} = {given!r} has no unit: {given} times 1/(k K), {kilometres:.5g} km"]
 
 
@@ -332,11 +330,9 @@ def wear_linings_of_whole_brake(
     options: dict[str, Any] = {key: value for key, value in given.items() if value is not None}
     notes: list[str] = []
     for name, value in (("distance", distance), ("reverse", reverse)):
-        notes += [] if value is None else _note_on_distance_without_unit(name, value, unit)
-    if reverse is not None:
-        options["reverse"] = sliding_distance_from_option("--reverse", reverse, unit)
-    if distance is not None:
-        options["distance"] = sliding_distance_from_option("--distance", distance, unit)
+        if value is not None:
+            options[name] = sliding_distance_from_option(f"--{name}", value, unit)
+            notes += _note_on_distance_without_unit(name, value, unit)
     states = wear_brake_linings_until_worn_in(setup, law, backward=backward, **options)
     worn_through = first_lining_worn_through(setup, states)
     if worn_through is not None:

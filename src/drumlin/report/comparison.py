@@ -220,11 +220,14 @@ def _draw_stress_fields_of_comparison(
 ) -> bool:
     """Write the stress fields of the finite elements, and return whether there are any.
 
-    There are fields if at least one shoe is in contact. `endings` are those of the files, and
+    There are fields if at least one shoe is in contact, and drum or one-sided supports hold every
+    shoe: others have no equilibrium and no stresses. `endings` are those of the files, and
     `options` those of `compare`.
     """
     brake, fem = comparison.brake, comparison.responses.get("fem")
     if fem is None or not any(shoe.contact_arcs for shoe in fem.shoes):
+        return False
+    if not all(shoe.contact_arcs or shoe.supports for shoe in fem.shoes):
         return False
     # The correction for finite widths gives no stress field, so that the picture shows the
     # stresses of plane stress.

@@ -5,11 +5,13 @@ law may I trust" of the manual.
 """
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
+from drumlin.base.texts import number_as_text
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.components import ArcBody, Lining, stiffnesses_of_bonded_plates
+from drumlin.brake.heat import names_of_heated_parts
 from drumlin.brake.surface import FRICTION_SURFACE_OF_DRUM
 from drumlin.response.response import Response, ShoeResponse
 
@@ -34,14 +36,15 @@ class ShoeStiffnessAndLiningCompression(NamedTuple):
     mean_compression : p t/E [m] of the lining with its mean pressure p; 0 without contact
     radius_difference : radius of the lining minus that of the drum [m], by its `misfit.radius`.
         An even clearance makes the lining of an internal shoe smaller, of an external shoe larger.
-    has_other_misfit : whether the file gives the lining a deviation besides, such as a taper
+    not_counted : what else moves the faces of the lining and of the drum: the lining's other misfit
+        such as a taper, heat, and the shape of the drum
     """
 
     shoe: str
     stiffness_ratio: float
     mean_compression: float
     radius_difference: float
-    has_other_misfit: bool = False
+    not_counted: tuple[str, ...] = ()
 
     def as_text(self) -> str:
         """What both numbers say about the shoe and its lining, without the shoe's name."""
@@ -56,11 +59,11 @@ class ShoeStiffnessAndLiningCompression(NamedTuple):
         radius = "its radius is the drum's"
         if off:
             sign = "smaller" if self.radius_difference < 0 else "larger"
-            radius = f"its radius is {1e6 * off:.3g} µm {sign} than the drum's"
-        other = ", its other misfit not counted" if self.has_other_misfit else ""
+            radius = f"its radius is {number_as_text(1e6 * off, '.3g')} µm {sign} than the drum's"
+        other = f", {' and '.join(self.not_counted)} not counted" if self.not_counted else ""
         return (
             f"{shoe}; its lining {fits}: {radius}, and may be off by its mean compression "
-            f"p t/E = {1e6 * self.mean_compression:.2g} µm{other}"
+            f"p t/E = {number_as_text(1e6 * self.mean_compression, '.2g')} µm{other}"
         )
 
 
@@ -118,7 +121,7 @@ def stiffness_and_compression_of_shoes(
                 ratio,
                 lining_compression_by_normal_force(shoe, answer, radius),
                 max(differences, key=abs),
-                any(_has_lining_misfit_besides_its_radius(part) for part in linings),
+                tuple(_deviations_besides_radius_of_lining(brake, linings)),
             )
         )
     return found
@@ -131,6 +134,19 @@ def _radius_difference_of_lining(lining: Lining, shoe: Shoe, drum_radius: float)
     if isinstance(lining.clearance, float):
         difference -= shoe.sign_internal_plus_external_minus * lining.clearance
     return difference
+
+
+def _deviations_besides_radius_of_lining(brake: Brake, linings: Sequence[Lining]) -> Iterator[str]:
+    """Yield in words what moves the faces of linings and drum besides the radius of the linings."""
+    if any(_has_lining_misfit_besides_its_radius(lining) for lining in linings):
+        yield "its other misfit"
+    is_heated = bool(names_of_heated_parts(brake))
+    if is_heated:
+        yield "heat"
+    # The growth of a heated drum is a harmonic of order 0.
+    harmonics = brake.out_of_round_harmonics
+    if any(harmonic.order for harmonic in harmonics) or (harmonics and not is_heated):
+        yield "the drum's out_of_round"
 
 
 def _has_lining_misfit_besides_its_radius(lining: Lining) -> bool:

@@ -209,7 +209,9 @@ def plot_pressure_of_each_shoe(
     )
     if top > 0:
         axes.set_ylim(0, top)
-    is_cut = any(np.max(line.get_ydata()) > top > 0 for line in axes.lines)
+    # A line of the user's may have no points.
+    highest = [np.max(line.get_ydata(orig=False), initial=0.0) for line in axes.lines]
+    is_cut = max(highest) > top > 0
     axes.legend(title="cut at the top: p at sharp edges" if is_cut else None)
     return axes
 

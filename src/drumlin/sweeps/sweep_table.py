@@ -277,12 +277,17 @@ class SweepTable(Sequence[CaseResultsByName]):
     def _lines_on_stated_errors(self) -> list[str]:
         """A line on the largest errors that the solved cases state; else no line."""
         parts = []
-        for key, words in (("error_torque", "torque"), ("error_pressure", "p (L2, worst shoe)")):
-            solved = [row for row in self.rows if row["status"] == "solved"]
+        solved = [row for row in self.rows if row["status"] == "solved"]
+        heading = self._heading_of_torque_or_braking_force()
+        effect = "braking force" if heading.startswith("braking_force") else "torque"
+        for key, words in (("error_torque", effect), ("error_pressure", "p (L2, worst shoe)")):
             stated = [row[key] for row in solved if isinstance(row.get(key), float)]
             known = [error for error in stated if not math.isnan(error)]
             if known:
-                parts.append(f"{words} at most {error_text_in_percent(max(known))}")
+                most = max(known)
+                # An estimate of 1 or more says that the value is not known.
+                text = f"at most {error_text_in_percent(most)}" if most < 1 else "not known"
+                parts.append(f"{words} {text}")
         return [f"estimated errors: {', '.join(parts)}"] if parts else []
 
     def write(self, path: Path | str) -> None:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from drumlin.base.arrays import BaseClassWithArrayEquality, Floats, Ints
-from drumlin.base.errors import BadInput
+from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.base.files import temporary_file_replacing_output
 from drumlin.brake.brake import Brake, Shoe, ShoeFrame
 from drumlin.brake.elasticity import ElasticLayer
@@ -274,9 +274,16 @@ def friction_stress_over_friction_coefficient_of_each_lining(
 def stress_and_displacement_fields_of_shoes_and_ring(
     scene: PreparedModel, brake: Brake, response: Response
 ) -> list[StressAndDisplacementFields]:
-    """Displacements and stresses in each shoe, and then in the drum ring if it is elastic."""
+    """Displacements and stresses in each shoe, and then in the drum ring if it is elastic.
+
+    Raises NoAnswer for a shoe that its loads turn away from the drum, since it has no equilibrium.
+    """
     loaded = brake_with_forces_of_response(brake, response)
     pressures = nodal_contact_pressures_of_each_lining(loaded, response)
+    for body, shoe, p in zip(scene.bodies, loaded.shoes, pressures, strict=True):
+        # The response of such a shoe has no elements.
+        if len(p) != len(body.line.nodes):
+            raise NoAnswer(f"shoe {shoe.name!r}: no contact, so that its stresses are not known")
     displacements = nodal_displacements_of_each_shoe(scene.bodies, loaded, response)
     every = []
     for i, shoe in enumerate(loaded.shoes):

@@ -1,8 +1,9 @@
 """Friction limits of self-locking of an elastic brake, and the torques below these limits."""
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from itertools import chain
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -363,14 +364,28 @@ def line_on_locking_friction_of_elastic_brake(brake: Brake, **mesh_options: Any)
         found = self_locking_friction_of_shoe_groups(scene, brake)
     except NoAnswer as error:
         return f"self-locking of the elastic brake: not known, {error}"
+    return f"self-locking of the elastic brake: {_smallest_locking_friction_as_text(brake, found)}"
+
+
+def _smallest_locking_friction_as_text(
+    brake: Brake, found: Mapping[tuple[int, ...], LockingFrictionOfShoeGroup]
+) -> str:
+    """The smallest of the limits that `self_locking_friction_of_shoe_groups` finds, in words."""
+    if not found:
+        return "not sought, the actuation presses no shoe"
     members, limit = min(found.items(), key=lambda item: item[1].friction)
+    pressed = set(chain.from_iterable(found))
     if math.isinf(limit.friction):
-        return "self-locking of the elastic brake: it locks at no friction"
-    names = ", ".join(repr(brake.shoes[i].name) for i in members)
+        which = "it locks" if len(pressed) == len(brake.shoes) else "its pressed shoes lock"
+        return f"{which} at no friction"
+    names = ", ".join(f"shoe {brake.shoes[i].name!r}" for i in members)
+    lock = "lock together" if len(members) > 1 else "locks"
     share = number_as_text(brake.friction / limit.friction, ".0%")
+    key = brake.first_key_that_gives_lining_its_own_friction()
+    scaled = f"; all frictions in proportion, {key} too" if key else ""
     return (
-        f"self-locking of the elastic brake: shoe {names} locks at mu_lock = "
-        f"{limit.friction:.4g}; friction {brake.friction:g} is {share} of it"
+        f"{names} {lock} at mu_lock = {limit.friction:.4g}; "
+        f"friction {brake.friction:g} is {share} of it{scaled}"
     )
 
 
