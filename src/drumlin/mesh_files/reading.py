@@ -1,4 +1,4 @@
-"""The reading of mesh files of all formats: Gmsh, Abaqus/CalculiX and VTU."""
+"""The reading of mesh files of all formats: Gmsh, Abaqus, VTK, Nastran, MED and universal files."""
 
 import contextlib
 import io
@@ -15,13 +15,19 @@ from drumlin.base.errors import BadInput, system_message_of_error
 from drumlin.mesh_files.content import read_bytes_of_mesh_file
 from drumlin.mesh_files.content_of_file import MeshFileContent
 from drumlin.mesh_files.inp import read_mesh_from_inp_text
+from drumlin.mesh_files.med import read_mesh_in_med_file
 from drumlin.mesh_files.msh4 import is_text_in_gmsh_format_4, read_mesh_in_gmsh_format_4
+from drumlin.mesh_files.nastran import read_mesh_in_nastran_bulk_data
 from drumlin.mesh_files.of_meshio import content_of_meshio_mesh
 from drumlin.mesh_files.plane_cells import CELL_TYPES_BESIDES_PLANE_CELLS
+from drumlin.mesh_files.unv import read_mesh_in_universal_file
+from drumlin.mesh_files.vtk import check_vtk_file_is_unstructured_and_fits_memory
 from drumlin.mesh_files.vtu import check_decompressed_vtu_size_fits_memory
 
-MESH_FILE_SUFFIXES = (".msh", ".inp", ".vtu")
-"""The suffixes of mesh files that drumlin reads and writes."""
+NASTRAN_FILE_SUFFIXES = (".bdf", ".nas", ".dat")
+"""The suffixes of Nastran bulk data files."""
+MESH_FILE_SUFFIXES = (".msh", ".inp", ".vtu", ".vtk", *NASTRAN_FILE_SUFFIXES, ".med", ".unv")
+"""The suffixes of mesh files that drumlin reads."""
 MOST_NODES_IN_MESH_FILE = 1_000_000
 """Largest number of nodes of a mesh in a file; a file with more nodes is refused to save memory."""
 LARGEST_NODE_NUMBER_IN_FILE = 10_000_000
@@ -113,9 +119,18 @@ def _read_mesh_file_by_its_format(
         return read_mesh_from_inp_text(data.decode(errors="replace"), path.parent, wanted)
     if suffix == ".msh" and is_text_in_gmsh_format_4(data):
         return read_mesh_in_gmsh_format_4(data.decode(errors="replace"))
+    if suffix in NASTRAN_FILE_SUFFIXES:
+        return read_mesh_in_nastran_bulk_data(data.decode(errors="replace"))
+    if suffix == ".unv":
+        return read_mesh_in_universal_file(data.decode(errors="replace"))
+    if suffix == ".med":
+        return read_mesh_in_med_file(data)
     if suffix == ".vtu":
         check_decompressed_vtu_size_fits_memory(data)
-    return content_of_meshio_mesh(meshio.read(path, "vtu" if suffix == ".vtu" else "gmsh"))
+    if suffix == ".vtk":
+        check_vtk_file_is_unstructured_and_fits_memory(data)
+    format_of_meshio = {".vtu": "vtu", ".vtk": "vtk"}.get(suffix, "gmsh")
+    return content_of_meshio_mesh(meshio.read(path, format_of_meshio))
 
 
 def _check_node_numbers_fit_memory(path: Path, fault: str) -> None:
