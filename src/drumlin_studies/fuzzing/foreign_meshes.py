@@ -69,11 +69,15 @@ def mesh_as_nastran_text(
     lines = ["SOL 101", "CEND", "BEGIN BULK"]
     for label, point in enumerate(xy, start=1):
         lines += _nastran_lines(["GRID", label, "", *point.tolist(), 0.0], form)
+    property_of_each = np.zeros(len(cells), dtype=np.int64)
     for number, (name, members) in enumerate(subdomains.items(), start=1):
+        property_of_each[members] = number
         lines.append(f'$HMNAME PROP {number:>12}"{name}" 4')
         lines += _nastran_lines(["PSHELL", number, 1, 10.0], form)
-        for row in members.tolist():
-            lines += _nastran_lines([card, row + 1, number, *(cells[row] + 1).tolist()], form)
+    for label, (number, nodes) in enumerate(
+        zip(property_of_each.tolist(), (cells + 1).tolist(), strict=True), start=1
+    ):
+        lines += _nastran_lines([card, label, number, *nodes], form)
     for number, along in enumerate(edges.values(), start=FIRST_SET_NUMBER_OF_NASTRAN_FILE):
         lines += _nastran_lines(["SET1", number, *(np.unique(along) + 1).tolist()], form)
     return "\n".join([*lines, "ENDDATA"]) + "\n"
