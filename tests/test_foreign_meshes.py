@@ -158,6 +158,7 @@ NOT_READ = {
     "SET1,3,4,THRU,2\n": "SET1 3 has the range 4 THRU 2, whose end is before its start",
     "GRID,8,,0.,0.,0.,,,,,9\n": "more than 8 fields",
     "GRDSET,,1\nGRDSET,,2\n": "GRDSET: there are two cards",
+    "CTRIA7,9,1,1,2,3\n": "CTRIA7 9 is not read; the elements of a plane mesh",
     "EGRID,1\n": "EGRID 1 makes or moves grid points",
 }
 
@@ -242,11 +243,13 @@ QUADS = ["1 94 3 2 7 4", "1 2 5 4", "2 54 3 2 7 4", "2 3 6 5"]
 
 def test_elements_and_groups_of_a_universal_file():
     beam = ["3 24 5 2 7 3", "0 0 0", "1 2 3", "4 136 1 1 7 2", "1 2"]
+    beam += ["5 11 5 2 7 2", "4 5", "6 21 5 2 7 2", "0 0 0", "5 6"]
     groups = ["7 0 0 0 0 0 0 3", "Contact", "8 3 0 0 7 1 0 0", "8 4 0 0"]
     units = dataset(164, ["1 mm", "1.0D+03 1. 1.", "273.15"])
     found = read_mesh_in_universal_file(unv(QUADS + beam, dataset(2467, groups), units))
     assert found.cells["quad"].tolist() == [[0, 1, 4, 3], [1, 2, 5, 4]]
     assert found.cells["line3"].tolist() == [[0, 2, 1]]
+    assert found.cells["line"].tolist() == [[3, 4], [4, 5]]
     assert found.cell_groups["contact"]["line3"].tolist() == [0]
     assert found.node_groups["contact"].tolist() == found.node_groups["7"].tolist() == [0]
     assert found.cell_groups["property=3"]["quad"].tolist() == [0, 1]
@@ -304,7 +307,8 @@ def test_without_h5py_a_med_file_names_the_extra(tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "h5py", None)
     path = tmp_path / "a.med"
     path.write_bytes(b"\x89HDF")
-    with pytest.raises(BadInput, match=re.escape("pip install 'drumlin[med]'")):
+    line = "mesh: needs h5py to be read: pip install 'drumlin[med]'"
+    with pytest.raises(BadInput, match=re.escape(line) + "$"):
         read_content_of_mesh_file(path, "mesh")
 
 

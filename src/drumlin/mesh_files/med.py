@@ -52,30 +52,37 @@ def read_mesh_in_med_file(data: bytes) -> MeshFileContent:
     Raises
     ------
     ValueError
-        with a line that says what cannot be read, or that h5py must be installed
+        with a line that says what cannot be read
+    ImportError
+        with a line that says how h5py is installed
     """
     try:
         # The package is an extra of drumlin, and is loaded only for a MED file.
         import h5py  # noqa: PLC0415
     except ImportError as error:
-        raise ValueError(LINE_TO_INSTALL_MED_READER) from error
-    with h5py.File(io.BytesIO(data), "r") as file:
-        meshes = file.get("ENS_MAA", {})
-        if len(meshes) != 1:
-            raise ValueError(f"has {len(meshes)} meshes; must have one")
-        ((name, mesh),) = meshes.items()
-        if mesh.attrs.get("REP", CARTESIAN_MED_COORDINATES) != CARTESIAN_MED_COORDINATES:
-            raise ValueError(
-                f"the mesh {name} has cylindrical or spherical coordinates; write x, y, z"
-            )
-        # Since version 3 of the format a mesh may have several steps with other coordinates.
-        steps = [mesh] if "NOE" in mesh else list(mesh.values())
-        if len(steps) != 1 or "NOE" not in steps[0] or "MAI" not in steps[0]:
-            raise ValueError(
-                f"the mesh {name} has {len(steps)} steps; must have one, with elements"
-            )
-        families = mesh["FAS"] if "FAS" in mesh else file.get(f"FAS/{name}", {})
-        return _content_of_med_step(steps[0], int(mesh.attrs["ESP"]), families)
+        raise ImportError(LINE_TO_INSTALL_MED_READER) from error
+    try:
+        with h5py.File(io.BytesIO(data), "r") as file:
+            return _content_of_only_mesh(file)
+    # h5py raises errors of several kinds for a damaged file and for parts that are missing.
+    except (OSError, RuntimeError, KeyError, TypeError, AttributeError) as error:
+        raise ValueError(f"is no MED file or is damaged: {error}") from error
+
+
+def _content_of_only_mesh(file: Any) -> MeshFileContent:
+    """The content of an open MED file that must have one mesh with one step."""
+    meshes = file.get("ENS_MAA", {})
+    if len(meshes) != 1:
+        raise ValueError(f"has {len(meshes)} meshes; must have one")
+    ((name, mesh),) = meshes.items()
+    if mesh.attrs.get("REP", CARTESIAN_MED_COORDINATES) != CARTESIAN_MED_COORDINATES:
+        raise ValueError(f"the mesh {name} has cylindrical or spherical coordinates; write x, y, z")
+    # Since version 3 of the format a mesh may have several steps with other coordinates.
+    steps = [mesh] if "NOE" in mesh else list(mesh.values())
+    if len(steps) != 1 or "NOE" not in steps[0] or "MAI" not in steps[0]:
+        raise ValueError(f"the mesh {name} has {len(steps)} steps; must have one, with elements")
+    families = mesh["FAS"] if "FAS" in mesh else file.get(f"FAS/{name}", {})
+    return _content_of_med_step(steps[0], int(mesh.attrs["ESP"]), families)
 
 
 def _content_of_med_step(step: Any, dimension: int, families: Any) -> MeshFileContent:

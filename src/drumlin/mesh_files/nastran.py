@@ -72,10 +72,15 @@ REFUSED_NASTRAN_CARDS = {
 }
 """Cards of Nastran that change grid points or elements and are refused, each with the reason."""
 IGNORED_NASTRAN_CARD_PATTERN = re.compile(
-    "P(?!LOTEL)[A-Z0-9]*|MAT.*|FORCE.|MOMENT.?|LOAD|GRAV|TEMP.*|SPCADD|SPCD|MPC.*|RBE3|RBE1|RBAR|"
-    "RROD|CONM.|CMASS.|CELAS.|CDAMP.|CBUSH.*|CVISC|CGAP|CWELD|CFAST|CONROD|SPOINT|EIG.*|"
-    "CORD.*|GRDSET|ASET.*|SUPORT.*|DLOAD|LSEQ|TABLE.*|TSTEP.*|NLPARM|FREQ.*|D[A-Z]+|RLOAD.|TLOAD.|"
-    "BCT.*|BCON.*|BSURF.*|BCPROP.*|BCRPARA|BEAMOR|BAROR|ACCEL.?|RFORCE"
+    # Properties, materials, loads and supports.
+    "P[A-Z0-9]*|MAT.*|FORCE.|MOMENT.?|LOAD|GRAV|TEMP.*|SPCADD|SPCD|MPC.*|ASET.*|SUPORT.*|ACCEL.?|"
+    "RFORCE|DLOAD|LSEQ|RLOAD.|TLOAD.|"
+    # Rigid elements, springs, dampers, masses, fasteners and surfaces of fluids and heat.
+    "RBE1|RBE3|RBAR|RROD|CONM.|CMASS.|CELAS.|CDAMP.|CBUSH.*|CVISC|CGAP|CWELD|CFAST|CSEAM|CONROD|"
+    "CONV.?|CHBDY.|CAERO.|"
+    # Coordinate systems and default values, contact, tables, steps and other settings.
+    "CORD.*|GRDSET|SPOINT|BEAMOR|BAROR|BCT.*|BCON.*|BSURF.*|BCPROP.*|BCRPARA|TABLE.*|TSTEP.*|"
+    "NLPARM|FREQ.*|EIG.*|D[A-Z]+"
 )
 """Pattern of the names of Nastran cards that are ignored without a note.
 
@@ -117,8 +122,7 @@ def read_mesh_in_nastran_bulk_data(text: str) -> MeshFileContent:
     """
     cards: dict[str, list[NastranBulkCard]] = {}
     for card in split_bulk_data_into_cards(bulk_data_of_nastran_file(text)):
-        if card.name in REFUSED_NASTRAN_CARDS:
-            raise ValueError(f"{card.words_of_card()} {REFUSED_NASTRAN_CARDS[card.name]}")
+        _refuse_card_that_changes_mesh(card)
         cards.setdefault(card.name, []).append(card)
     if not cards.get("GRID"):
         raise ValueError("has no GRID card: it is no bulk data of Nastran")
@@ -132,6 +136,26 @@ def read_mesh_in_nastran_bulk_data(text: str) -> MeshFileContent:
     return mesh.content_with_nodes_cells_and_groups(
         rounding=grid.largest_rounding_errors(), turned=turned, notes=_notes_on_ignored_cards(cards)
     )
+
+
+READ_NASTRAN_CARDS = frozenset(
+    ("GRID", *CORNERS_OF_NASTRAN_CARD, *NODES_OF_NASTRAN_LINE_CARD, *NASTRAN_SET_NAME_OF_CARD)
+)
+"""The cards of Nastran that are read as grid points, elements and groups."""
+UNKNOWN_CARD_OF_MESH_PATTERN = re.compile("C.*|GRID.+")
+"""Pattern of the names of cards that may connect or make grid points: elements begin with a C."""
+
+
+def _refuse_card_that_changes_mesh(card: NastranBulkCard) -> None:
+    """Raise ValueError for a card that changes grid points or elements and is not read."""
+    if card.name in REFUSED_NASTRAN_CARDS:
+        raise ValueError(f"{card.words_of_card()} {REFUSED_NASTRAN_CARDS[card.name]}")
+    is_known = card.name in READ_NASTRAN_CARDS or IGNORED_NASTRAN_CARD_PATTERN.fullmatch(card.name)
+    if not is_known and UNKNOWN_CARD_OF_MESH_PATTERN.fullmatch(card.name):
+        raise ValueError(
+            f"{card.words_of_card()} is not read; the elements of a plane mesh are CTRIA3, CTRIA6, "
+            "CQUAD4, CQUAD8, CQUAD, CTRIAR, CQUADR and CPLSTS"
+        )
 
 
 class _NastranGridPoints:
@@ -318,12 +342,10 @@ def _labels_with_ranges(card: NastranBulkCard, first: int) -> Iterator[int]:
 
 def _notes_on_ignored_cards(cards: dict[str, list[NastranBulkCard]]) -> tuple[str, ...]:
     """The notes for the user: cards that were ignored, and elements in plane strain."""
-    read = {"GRID", *CORNERS_OF_NASTRAN_CARD, *NODES_OF_NASTRAN_LINE_CARD}
-    read |= set(NASTRAN_SET_NAME_OF_CARD)
     ignored = [
         name
         for name in cards
-        if name not in read and not IGNORED_NASTRAN_CARD_PATTERN.fullmatch(name)
+        if name not in READ_NASTRAN_CARDS and not IGNORED_NASTRAN_CARD_PATTERN.fullmatch(name)
     ]
     notes = [f"passed over: {', '.join(ignored)}"] if ignored else []
     strain = [name for name in cards if name.startswith("CPLSTN")]

@@ -88,6 +88,8 @@ def read_content_of_mesh_file(
         raise BadInput(
             f"{fault}: is not a mesh that can be read (it needs more memory than there is)"
         ) from error
+    except ImportError as error:
+        raise BadInput(f"{fault}: {error}") from error
     # meshio's readers raise errors of many kinds, even SystemExit, which would end the program.
     except (Exception, SystemExit) as error:
         reason = f"{type(error).__name__}: {error}"

@@ -40,10 +40,12 @@ They are plane stress, plane strain, plates, membranes and thin shells.
 """
 AXISYMMETRIC_FE_DESCRIPTOR_TENS = 8
 """The tens of the types of axisymmetric elements."""
-LAST_SHELL_FE_DESCRIPTOR, FIRST_SPRING_FE_DESCRIPTOR = 99, 121
-"""The types between these numbers are solid elements; from the second one on they are no bodies.
+LAST_SHELL_FE_DESCRIPTOR = 99
+"""The largest type of a thin shell; larger types are solids, rigid elements, springs and masses."""
+FIRST_SPRING_FE_DESCRIPTOR = 121
+"""The smallest type of rigid elements, springs, dampers, masses and gaps.
 
-The latter are rigid elements, springs, dampers, masses and gaps.
+Such elements are no part of the mesh. The types below are solids.
 """
 CELL_AND_ORDER_OF_UNV_NODES = {
     3: ("triangle", (0, 1, 2)),
@@ -56,10 +58,14 @@ CELL_AND_ORDER_OF_UNV_NODES = {
 A universal file goes round the element: corner, middle of a side, next corner. meshio has the
 corners first.
 """
+NODES_OF_ROD = 2
+"""Number of nodes of a linear rod or beam."""
 NODES_PER_UNV_LINE = 8
 """Number of labels of nodes on a line of a universal file."""
-UNV_NODE_TYPE, UNV_ELEMENT_TYPE = 7, 8
-"""Types of the members of a group that are nodes and elements."""
+UNV_NODE_TYPE = 7
+"""Type of the members of a group that are nodes."""
+UNV_ELEMENT_TYPE = 8
+"""Type of the members of a group that are elements."""
 
 
 def read_mesh_in_universal_file(text: str) -> MeshFileContent:
@@ -275,8 +281,10 @@ def _cell_and_nodes_of_unv_element(
         raise ValueError(f"element {element.label} has {count} nodes")
     if descriptor in LINE_FE_DESCRIPTORS:
         # The line before the nodes of a beam has three numbers on the orientation of its section.
-        rest.next_whole_numbers(3)
-        nodes = rest.next_labels(count)
+        # Some programs leave it out for rods, which have two nodes.
+        words = rest.next_line().split()
+        is_rod = len(words) == count == NODES_OF_ROD
+        nodes = _whole_numbers_of_words(words, rest.where) if is_rod else rest.next_labels(count)
         # The middle node of a parabolic beam is the second one, and the last one in meshio.
         return ("line", nodes) if count == 2 else ("line3", [nodes[0], nodes[-1], *nodes[1:-1]])
     nodes = rest.next_labels(count)
