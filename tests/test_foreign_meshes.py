@@ -10,7 +10,11 @@ import pytest
 from conftest import partly
 from drumlin import BadInput, solve, vary
 from drumlin.fem.mesh.arc import MESH_KINDS, parametric_mesh_of_shoe
-from drumlin.fem.mesh.file import read_shoe_mesh_from_file, read_shoe_mesh_with_notes
+from drumlin.fem.mesh.file import (
+    read_shoe_mesh_from_file,
+    read_shoe_mesh_with_notes,
+    write_shoe_mesh_to_file,
+)
 from drumlin.mesh_files.labelled_mesh import MOST_MEMBERS_OF_GROUP_RANGES
 from drumlin.mesh_files.nastran import read_mesh_in_nastran_bulk_data
 from drumlin.mesh_files.nastran_cards import NastranBulkCard, split_bulk_data_into_cards
@@ -87,6 +91,55 @@ def test_a_file_gives_the_known_answer_within_the_stated_error(tmp_path, alone, 
     peak = found.shoes[0].peak_pressure
     assert peak == pytest.approx(PEAK, rel=found.error["peak"] + 2e-3)
     assert found.error["torque"] < 1e-3 and found.error["peak"] < 0.01
+
+
+def in_order(points):
+    """The points (2, n) sorted by their coordinates."""
+    return points[:, np.lexsort(np.round(points, 6))]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("order", [1, 2])
+def test_files_that_gmsh_writes_are_the_mesh_of_its_own_format(tmp_path, alone, order):
+    """Another program writes the files, so that the orders of nodes are not drumlin's own."""
+    gmsh = pytest.importorskip("gmsh")
+    shoe, radius = alone.shoes[0], alone.drum.radius
+    path = tmp_path / "own.msh"
+    write_shoe_mesh_to_file(
+        path, parametric_mesh_of_shoe(shoe, radius, ELEMENTS, f"tri{order}"), shoe
+    )
+    plain = read_shoe_mesh_from_file(path, shoe, radius)
+    gmsh.initialize()
+    try:
+        gmsh.option.setNumber("General.Terminal", 0)
+        gmsh.open(str(path))
+        numbers = {
+            gmsh.model.getPhysicalName(*group): group[1] for group in gmsh.model.getPhysicalGroups()
+        }
+        # The tag of an element is its physical group, and its fields have 16 characters.
+        gmsh.option.setNumber("Mesh.SaveElementTagType", 2)
+        gmsh.option.setNumber("Mesh.BdfFieldFormat", 2)
+        for suffix in ("bdf", "med", "unv", "vtk"):
+            gmsh.write(str(tmp_path / f"gmsh.{suffix}"))
+    finally:
+        gmsh.finalize()
+    keys = {"shoe[0].mesh": str(path), "shoe[0].groups": numbers}
+    numbered = vary(alone, keys).shoes[0]
+    for suffix in ("bdf", "med", "unv", "vtk"):
+        if suffix == "med":
+            pytest.importorskip("h5py")
+        named = numbered if suffix in ("bdf", "vtk") else shoe
+        found = read_shoe_mesh_from_file(tmp_path / f"gmsh.{suffix}", named, radius)
+        # Gmsh numbers nodes and elements anew, so that places are compared in sorted order.
+        assert in_order(found.doflocs) == pytest.approx(in_order(plain.doflocs), abs=1e-8)
+        for group, facets in plain.boundaries.items():
+            middles = found.p[:, found.facets[:, found.boundaries[group]]].mean(axis=1)
+            expected = in_order(plain.p[:, plain.facets[:, facets]].mean(axis=1))
+            assert in_order(middles) == pytest.approx(expected, abs=1e-8)
+        for group, elements in plain.subdomains.items():
+            middles = found.p[:, found.t[:, found.subdomains[group]]].mean(axis=1)
+            expected = in_order(plain.p[:, plain.t[:, elements]].mean(axis=1))
+            assert in_order(middles) == pytest.approx(expected, abs=1e-8)
 
 
 SQUARE = "GRID,1,,0.,0.,0.\nGRID,2,,1.,0.,0.\nGRID,3,,1.,1.,0.\nGRID,4,,0.,1.,0.\n"
@@ -254,6 +307,14 @@ def test_elements_and_groups_of_a_universal_file():
     assert found.node_groups["contact"].tolist() == found.node_groups["7"].tolist() == [0]
     assert found.cell_groups["property=3"]["quad"].tolist() == [0, 1]
     assert saying(found.notes, "plane strain") and saying(found.notes, "a metre is 1000 of its")
+
+
+def test_a_universal_file_goes_round_its_parabolic_elements():
+    nodes = [f"{label} 1 1 11\n{label}. {label**2}. 0." for label in range(1, 9)]
+    elements = ["1 95 1 1 7 8", "1 5 2 6 3 7 4 8", "2 92 1 1 7 6", "1 5 2 6 3 7"]
+    found = read_mesh_in_universal_file(dataset(2411, nodes) + dataset(2412, elements))
+    assert found.cells["quad8"].tolist() == [[0, 1, 2, 3, 4, 5, 6, 7]]
+    assert found.cells["triangle6"].tolist() == [[0, 1, 2, 4, 5, 6]]
 
 
 def test_coordinate_systems_of_a_universal_file_are_global_or_refused():

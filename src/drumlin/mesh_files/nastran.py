@@ -209,20 +209,22 @@ class _NastranGridPoints:
         number of decimals, unless zeros at their end were left out. The most decimals among them
         therefore count for all of them.
         """
-        texts = [[card.text_of_field(i) for i in (2, 3)] for card in self.card_of_label.values()]
-        values = [[_decimal_of_text(word) for word in row] for row in texts]
-        kinds = [[(value.is_signed(), value.adjusted()) for value in row] for row in values]
-        last: dict[tuple[bool, int], int] = {}
-        for row, found in zip(values, kinds, strict=True):
-            for value, kind in zip(row, found, strict=True):
-                last[kind] = min(last.get(kind, 0), int(value.as_tuple().exponent))
-        rounding = np.zeros((len(values), 2))
-        for i, (row, found) in enumerate(zip(values, kinds, strict=True)):
-            for k, (value, kind) in enumerate(zip(row, found, strict=True)):
-                digits = value.adjusted() - last[kind] + 1
-                if value and digits < FEWEST_DIGITS_OF_EXACT_COORDINATE:
-                    rounding[i, k] = 0.5 * 10.0 ** last[kind]
-        return rounding
+        values = [
+            _decimal_of_text(card.text_of_field(i))
+            for card in self.card_of_label.values()
+            for i in (2, 3)
+        ]
+        is_zero = np.array([value == 0 for value in values])
+        is_negative = np.array([value.is_signed() for value in values])
+        leading = np.array([value.adjusted() for value in values])
+        last_written = np.array([value.as_tuple().exponent for value in values])
+        # Powers of ten: of the leading digit, and of the last digit among coordinates of one kind.
+        _, kind = np.unique(2 * leading + is_negative, return_inverse=True)
+        last_of_kind = np.zeros(kind.max() + 1, dtype=np.int64)
+        np.minimum.at(last_of_kind, kind, last_written)
+        last = last_of_kind[kind]
+        is_exact = is_zero | (leading - last + 1 >= FEWEST_DIGITS_OF_EXACT_COORDINATE)
+        return np.where(is_exact, 0.0, 0.5 * 10.0**last).reshape(-1, 2)
 
 
 def _decimal_of_text(word: str) -> Decimal:
