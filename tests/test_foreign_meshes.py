@@ -364,6 +364,18 @@ def test_a_vtk_file_of_another_kind_or_with_false_counts_is_refused():
             check_vtk_file_is_unstructured_and_fits_memory(text)
 
 
+def test_scalars_of_a_vtk_file_are_numbers_of_groups(tmp_path):
+    """Gmsh writes its groups as one column of whole numbers."""
+    (tmp_path / "a.vtk").write_text(
+        "# vtk DataFile Version 2.0\nx\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 4 double\n"
+        "0 0 0\n1 0 0\n1 1 0\n0 1 0\nCELLS 3 11\n2 0 1\n3 0 1 2\n3 0 2 3\n"
+        "CELL_TYPES 3\n3\n5\n5\nCELL_DATA 3\nSCALARS Part int 1\nLOOKUP_TABLE default\n11\n7\n8\n"
+    )
+    found = read_content_of_mesh_file(tmp_path / "a.vtk", "mesh").cell_groups
+    assert found["11"]["line"].tolist() == found["7"]["triangle"].tolist() == [0]
+    assert found["part=8"]["triangle"].tolist() == [1]
+
+
 def test_without_h5py_a_med_file_names_the_extra(tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "h5py", None)
     path = tmp_path / "a.med"

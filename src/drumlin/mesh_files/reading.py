@@ -56,18 +56,7 @@ def read_content_of_mesh_file(
     BadInput
         for a file that cannot be read, or has too many nodes
     """
-    try:
-        regular = stat.S_ISREG(path.stat().st_mode)
-    except (OSError, ValueError) as error:
-        is_absent = isinstance(error, FileNotFoundError)
-        reason = "" if is_absent else f" ({system_message_of_error(error)})"
-        raise BadInput(f"{fault}: no such file{reason}") from error
-    suffix = path.suffix.lower()
-    if not regular or suffix not in MESH_FILE_SUFFIXES:
-        raise BadInput(
-            f"{fault}: is not a mesh: must be a file whose name ends in "
-            f"{', '.join(MESH_FILE_SUFFIXES)}"
-        )
+    suffix = _suffix_of_mesh_file(path, fault)
     data = read_bytes_of_mesh_file(path)
     if suffix == ".msh":
         _check_node_numbers_fit_memory(path, fault)
@@ -106,6 +95,23 @@ def read_content_of_mesh_file(
             f"{fault}: has {len(content.points)} nodes; must have at most {MOST_NODES_IN_MESH_FILE}"
         )
     return content
+
+
+def _suffix_of_mesh_file(path: Path, fault: str) -> str:
+    """The suffix of a mesh file in lower case; BadInput for a path that is no mesh file."""
+    try:
+        regular = stat.S_ISREG(path.stat().st_mode)
+    except (OSError, ValueError) as error:
+        is_absent = isinstance(error, FileNotFoundError)
+        reason = "" if is_absent else f" ({system_message_of_error(error)})"
+        raise BadInput(f"{fault}: no such file{reason}") from error
+    suffix = path.suffix.lower()
+    if not regular or suffix not in MESH_FILE_SUFFIXES:
+        raise BadInput(
+            f"{fault}: is not a mesh: must be a file whose name ends in "
+            f"{', '.join(MESH_FILE_SUFFIXES)}"
+        )
+    return suffix
 
 
 def _read_mesh_file_by_its_format(
