@@ -3,6 +3,9 @@
 import math
 from typing import Any
 
+import numpy as np
+
+import drumlin
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import make_drum_brake_from_data
 
@@ -102,3 +105,27 @@ def shoe_between_anchors(spin: int = 1, mu: float = 0.3, clearance: float = 0.0)
     return make_drum_brake_from_data(
         {"title": "t", "rotation": rotation, "friction": mu, "drum": {"radius": R}, "shoe": [shoe]}
     )
+
+
+def shoe_equations(hand: int, half: float, spin: int, mu: float) -> np.ndarray:
+    """Forces x and y and moment about O on a shoe, (3, 2), of p = A cos + B sin with A, B = 1.
+
+    The integrals over the lining by hand: cos^2, sin cos, sin^2, cos and sin.
+    """
+    a, b = (0.0 if hand > 0 else math.pi) + np.array([-half, half])
+    cc = (b - a) / 2 + (math.sin(2 * b) - math.sin(2 * a)) / 4
+    ss = (b - a) / 2 - (math.sin(2 * b) - math.sin(2 * a)) / 4
+    cs = (math.sin(b) ** 2 - math.sin(a) ** 2) / 2
+    c, s = math.sin(b) - math.sin(a), math.cos(a) - math.cos(b)
+    drag, area = mu * spin, WIDTH * R
+    return area * np.array(
+        [
+            [-cc - drag * cs, -cs - drag * ss],
+            [-cs + drag * cc, -ss + drag * cs],
+            [drag * R * c, drag * R * s],
+        ]
+    )
+
+
+def forces(response: drumlin.Response) -> dict[str, float]:
+    return {s.name: s.push.force for shoe in response.shoes for s in shoe.supports}

@@ -1,4 +1,7 @@
-"""What stopped a person in the first hour: each stumble, from an empty folder."""
+"""The first hour from an empty folder: results as text, sweeps, laws of one's own, wrong arguments.
+
+Each test is of something that stopped a person who was new to drumlin.
+"""
 
 import copy
 import math
@@ -619,7 +622,7 @@ def test_linings_that_slip_back_at_rest_and_stick_then_slip_from_their_last_stat
     assert run.states[0].sticking == 0 < run.states[3].sticking
     last, end = np.degrees([run.states[3].rotation, run.states[4].rotation])
     between = f"between {last:.4g} and {end:.4g} deg"
-    assert run.lines()[1] == f"the whole contact slips from rotation {between} on"
+    assert run.lines()[1] == f"the whole contact slips from a rotation {between} on"
 
 
 def test_a_turned_brake_has_the_moment_of_full_slip(brake):
@@ -718,7 +721,7 @@ def test_hold_ends_with_what_is_held_and_when_it_slips(here):
     lines = run("hold", "my.toml", "--elements", 6, "--steps", 2).stdout.splitlines()
     held = drumlin.hold("my.toml", elements=6, steps=2)
     assert lines[-2].startswith(f"holds up to {held.states[-1].torque:.6g} N m, at rotation")
-    assert lines[-1].startswith("the whole contact slips from rotation")
+    assert lines[-1].startswith("the whole contact slips from a rotation between")
     short = drumlin.hold("my.toml", elements=6, steps=1, rotation="0.001 deg")
     assert short.lines()[1].startswith("no full slip: at rotation 0.001 deg, ")
 

@@ -59,7 +59,7 @@ def test_the_page_on_laws_says_what_its_tables_show(monkeypatch):
     for others in (soft, misfits):
         assert max(abs(names["worst"](errors, 0, 0.4)) for errors in others) > bounds[0.4][0]
     # A lining that fits changes the torque by no more than the page says.
-    change = float(re.search(r"brake's torque by up to (\d+) %", text)[1]) / 100
+    change = float(re.search(r"by up to (\d+) % of the brake's torque", text)[1]) / 100
     for friction in names["FRICTIONS"]:
         for ratio in {ratio for _, ratio, _ in fitting}:
             own = {row[0]: row[2][friction][0] for row in fitting if row[1] == ratio}
@@ -168,7 +168,7 @@ def test_a_table_in_a_pipe_has_all_its_columns(here, monkeypatch):
     assert lines[1].split() == ["mean", "spread", "5", "%", "95", "%", "least", "most"]
     monkeypatch.setenv("COLUMNS", "40")
     lines = run("sweep", "s.toml", "--jobs", 1).stdout.splitlines()
-    assert "not shown here, the terminal is too" in lines[-3]
+    assert any("not shown here, the terminal is too" in line for line in lines)
 
 
 # words of errors and of comparisons
@@ -200,13 +200,16 @@ def test_a_group_without_its_table_is_named(tmp_path, table, said):
 
 def test_a_mesh_file_says_what_would_know_the_error_of_plane_stress():
     reason = reason_why_width_model_does_not_apply(drumlin.example("double_shoe_meshes"))
-    assert "without mesh, [shoe.body] makes a shoe that has them" in reason
+    assert (
+        "the widths of parts such as web and table, which [shoe.body] without mesh gives" in reason
+    )
 
 
 @pytest.mark.slow
 def test_lines_of_a_comparison_have_no_bare_powers_of_ten(here):
     """Penetrations are in mm and changes in per cent, and a line explains the errors."""
-    done = run("compare", "my.toml", "--elements", 10, "--output", here / "report")
+    words = ("--elements", 10, "--verbose", "--output", here / "report")
+    done = run("compare", "my.toml", *words)
     text = " ".join(done.stdout.split())
     assert "errors: differences from the model fem; of p (L2): the root of the mean square" in text
     assert re.search(

@@ -1,4 +1,7 @@
-"""The foot of a shoe that pushes a strut travels with the shoe that the strut pushes."""
+"""The foot of a shoe that pushes a strut travels with the shoe that the strut pushes.
+
+Springs on rigid shoes are compared with equations by hand, `hold` with a brake on anchors.
+"""
 
 import math
 from typing import Any
@@ -14,6 +17,7 @@ from drumlin.brake.file import make_drum_brake_from_data, vary
 HALF, FRICTION = 0.8, 0.1
 """Half of the arc [rad] of both linings, and a friction that keeps them in contact everywhere."""
 ANCHOR = np.array([-0.012, 0.118])
+"""Place x, y [m] of the pin of the left shoe."""
 SPRING: dict[str, Any] = {
     "shoe": "right",
     "to": "left",

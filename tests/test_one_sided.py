@@ -15,7 +15,9 @@ from anchored_shoes import (
     WIDTH,
     R,
     duo_servo,
+    forces,
     shoe_between_anchors,
+    shoe_equations,
 )
 from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.file import make_drum_brake_from_data, vary
@@ -34,26 +36,6 @@ from drumlin.models import MODELS
 SENSES = (1, -1)
 FULL = (0.8, 0.8)
 """Half arcs [rad] of linings that touch along their whole lengths up to a friction of 0.2."""
-
-
-def shoe_equations(hand: int, half: float, spin: int, mu: float) -> np.ndarray:
-    """Forces x and y and moment about O on a shoe, (3, 2), of p = A cos + B sin with A, B = 1.
-
-    The integrals over the lining by hand: cos^2, sin cos, sin^2, cos and sin.
-    """
-    a, b = (0.0 if hand > 0 else math.pi) + np.array([-half, half])
-    cc = (b - a) / 2 + (math.sin(2 * b) - math.sin(2 * a)) / 4
-    ss = (b - a) / 2 - (math.sin(2 * b) - math.sin(2 * a)) / 4
-    cs = (math.sin(b) ** 2 - math.sin(a) ** 2) / 2
-    c, s = math.sin(b) - math.sin(a), math.cos(a) - math.cos(b)
-    drag, area = mu * spin, WIDTH * R
-    return area * np.array(
-        [
-            [-cc - drag * cs, -cs - drag * ss],
-            [-cs + drag * cc, -ss + drag * cs],
-            [drag * R * c, drag * R * s],
-        ]
-    )
 
 
 def duo_servo_by_hand(spin: int, mu: float, half: float) -> tuple[float, float, float]:
@@ -77,10 +59,6 @@ def duo_servo_by_hand(spin: int, mu: float, half: float) -> tuple[float, float, 
     A, B, f = np.linalg.solve(own, -load)
     torque += abs(shoe_equations(bears, half, spin, mu)[2] @ [A, B])
     return torque, S, f
-
-
-def forces(response: drumlin.Response) -> dict[str, float]:
-    return {s.name: s.push.force for shoe in response.shoes for s in shoe.supports}
 
 
 @pytest.mark.parametrize("spin", SENSES)

@@ -12,6 +12,7 @@ from drumlin.base.errors import BadInput
 from drumlin.brake.plausibility import notes_on_implausible_brake_values as notes
 from drumlin.cli.commands import app
 from drumlin.fem.analysis.self_locking import line_on_locking_friction_of_elastic_brake
+from drumlin.report.comparison import _lines_on_models_that_do_not_apply
 from drumlin.report.mesh_check import (
     read_mesh_files_of_brake,
     text_lines_about_mesh_to_be_solved,
@@ -52,7 +53,7 @@ def write(tmp_path, monkeypatch):
 def test_the_end_of_a_search_is_told_from_the_limit_and_verbose_states_the_limit(write):
     path = write()
     short = printed("solve", path, *FAST, "--no-model-error")
-    assert "sought up to 0.45 = 1.5 times its friction, not farther, and not found" in short
+    assert "mu_lock of the elastic brake is above 0.45 = 1.5 mu, where the search ends" in short
     assert "self-locking of the elastic brake" not in short
     told = printed("solve", path, *FAST, "--no-model-error", "--verbose")
     limit = min(each.friction for each in drumlin.self_locking(path))
@@ -64,6 +65,8 @@ def test_compare_states_the_elastic_limit_or_names_the_call(write):
     limit = min(each.friction for each in drumlin.self_locking("my.toml", elements=10))
     assert f"self-locking of the elastic brake: shoe 'left' locks at mu_lock = {limit:.4g}" in told
     assert "self-locking: friction 0.3 is 36 % of mu_lock = 0.8231 by the rigid-shoe law" in told
+    assert "linear: does not apply: its shoes press on a drum, not on a plane" in told
+    assert "fem: held: " not in told and "penalty" not in told
     # On a cam the search takes long.
     line = line_on_locking_friction_of_elastic_brake(drumlin.example("s_cam"))
     assert line.endswith('drumlin.self_locking("BRAKE.toml") in Python finds the limit')
@@ -126,9 +129,19 @@ def test_stiffness_and_compression_are_those_of_hand_formulas(brake):
     assert "flexible, S = 0.0024" in next(lines_on_stiff_shoes_and_fitting_linings(thin, response))
 
 
+def test_models_that_do_not_apply_for_one_reason_share_a_line():
+    lines = _lines_on_models_that_do_not_apply(drumlin.example("duo_servo"), ())
+    share = [line for line in lines if line.endswith("its shoes share their forces by a strut")]
+    assert len(share) == 1
+    assert {"sine", "cosine", "pivoted"} < set(
+        share[0].partition(": do not apply: ")[0].split(", ")
+    )
+
+
 def test_compare_states_the_errors_of_fem_and_the_keys_that_laws_leave_out(write):
     path = write("[shoe.lining]", '[shoe.lining]\nmisfit = { radius = "149.9 mm" }')
-    told = printed("compare", path, *FAST)
+    told = printed("compare", path, *FAST, "--verbose")
+    assert "fem: held: " in told and "fem: shoe 'left': penalty" in told
     assert "keys that the law does not use: shoe.body, shoe.lining.misfit.radius" in told
     assert told.count("keys that the law does not use") == 1
     rows = {row["shoe"]: row for row in drumlin.compare(path, models=["fem"]).rows}
@@ -264,4 +277,4 @@ def test_a_sweep_explains_its_statistics(write):
     )
     told = printed("sweep", "s.toml", "--jobs", 1)
     assert "spread: standard deviation; 5 % and 95 %: share of the cases with less" in told
-    assert "random draws mostly miss the corners" in told
+    assert "least and most: of the solved cases, not of all possible ones" in told

@@ -1,4 +1,7 @@
-"""What stopped a contact researcher in the first hour of Python: each stumble."""
+"""Python in a researcher's first hour: laws and wear runs, what results show, and refusals.
+
+Each test is of something that stopped a researcher of contact.
+"""
 
 import math
 import re
@@ -86,7 +89,7 @@ def test_the_slip_of_the_whole_contact_lies_between_the_rotations_of_its_line(br
 
     def interval(**options):
         line = drumlin.hold(brake, elements=6, **options).lines()[1]
-        said = "the whole contact slips from rotation between (.*) and (.*) deg on"
+        said = "the whole contact slips from a rotation between (.*) and (.*) deg on"
         found = re.fullmatch(said, line)
         return tuple(map(float, found.groups()))
 

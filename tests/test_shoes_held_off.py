@@ -1,4 +1,8 @@
-"""Shoes that springs pull off the drum, on supports that push and cannot pull."""
+"""Shoes that springs pull off the drum, on supports that push and cannot pull.
+
+A brake without contact is refused. A shoe held off leaves its partner the torque of equations by
+hand. Springs stiffer than the brake have the pull of a second way to compute it.
+"""
 
 from collections.abc import Callable
 
@@ -6,11 +10,10 @@ import numpy as np
 import pytest
 
 import drumlin
-from anchored_shoes import CYLINDER, FOOT, FORCE, PIN, duo_servo
+from anchored_shoes import CYLINDER, FOOT, FORCE, PIN, duo_servo, forces, shoe_equations
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.brake import Brake
 from drumlin.brake.file import vary
-from test_one_sided import forces, shoe_equations
 
 MU, HALF = 0.2, 0.8
 PULL_ON_RIGHT_SHOE = 3000.0

@@ -27,6 +27,7 @@ TO_FRAME = {
     "preload": 100.0,
 }
 RATE = 5e6
+"""Rate [N/m] that changes the pull by more than 1 %."""
 
 
 def spring_point_displacement(

@@ -9,6 +9,7 @@ import drumlin
 from drumlin.brake.brake import Brake
 
 POINTS = 20001
+"""Points of the trapezoidal rule along a lining."""
 NOTE = "note: friction opposes shoe 'primary' and shoe 'secondary' in this sense of the motion"
 
 

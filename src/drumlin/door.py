@@ -779,7 +779,7 @@ class HoldingRun(NamedTuple):
             return f"{state.rotation * surface.si_to_shown_unit_factor:.4g}"
 
         word, unit = surface.word_for_motion, surface.shown_unit
-        held = max(self.states, key=lambda state: abs(state.torque))
+        largest = max(self.states, key=lambda state: abs(state.torque))
         last = self.states[-1]
         slips = (
             f"no full slip: at {word} {shown_rotation(last)} {unit}, "
@@ -789,13 +789,14 @@ class HoldingRun(NamedTuple):
             # On rough abutments the linings may slip back as the forces come on, and stick as the
             # drum begins to turn.
             count = sum(1 for _ in takewhile(lambda state: state.sticking == 0, self.states[::-1]))
-            first = shown_rotation(self.states[-count])
+            begin = f"{word} {shown_rotation(self.states[-count])}"
             # The slip of the whole contact begins between two states.
             if count < len(self.states):
-                first = f"between {shown_rotation(self.states[-count - 1])} and {first}"
-            slips = f"the whole contact slips from {word} {first} {unit} on"
-        moment = f"{abs(held.torque):.6g} {surface.unit_of_torque_or_brake_force}"
-        return [f"holds up to {moment}, at {word} {shown_rotation(held)} {unit}", slips]
+                before = shown_rotation(self.states[-count - 1])
+                begin = f"a {word} between {before} and {shown_rotation(self.states[-count])}"
+            slips = f"the whole contact slips from {begin} {unit} on"
+        moment = f"{abs(largest.torque):.6g} {surface.unit_of_torque_or_brake_force}"
+        return [f"holds up to {moment}, at {word} {shown_rotation(largest)} {unit}", slips]
 
 
 def _rotation_or_slide_of_hold_in_si(rotation: float | str, surface: FrictionSurface) -> float:

@@ -355,7 +355,10 @@ class SizingResult:
             f"peak pressure {text(self.peak_pressure, 'Pa')}"
         ]
         words = {"elements": "the finite elements", "plane_stress": "plane stress itself"}
-        stated = [f"{text(self.errors[name], self.unit)} by {words[name]}" for name in self.errors]
+        stated = []
+        for name, error in self.errors.items():
+            # An estimate has no more than two digits that mean something.
+            stated.append(f"{text(float(f'{error:.2g}'), self.unit)} by {words[name]}")
         if stated:
             lines.append(f"error of this value: {', '.join(stated)}")
         others = f"; the same at {', '.join(text(x, self.unit) for x in self.others)}"

@@ -18,8 +18,8 @@ for the reaction. 97 % and 96 % of the brakes reach the tolerance.
 On the seeds 541000 to 541200, on which nothing was tuned, 11 of 1504 stated errors of 199 brakes
 are smaller than the true ones, and two of p are less than half: 0.36 % stated and 2.8 % true for
 seed 541141 to 1e-2, 0.032 % and 0.17 % for seed 541119 to 1e-3. Both are linings with misfit whose
-true error is itself uncertain, by 1.0 % and 0.09 %. All 456 of the 57 duo-servo brakes are at least
-true.
+true error is itself uncertain, by 1.0 % and 0.09 %. All 456 stated errors of the 57 duo-servo
+brakes are at least as large as the true ones.
 """
 
 from typing import Any

@@ -60,7 +60,7 @@ def argument_with_annotated_type(name: str, value: object, annotation: str) -> o
 
 
 MOST_SHOWN_ENTRIES_OF_ARRAY = 10
-"""Largest number of entries of an array that an error line shows; of others it tells the shape."""
+"""Largest number of entries of an array that an error line shows; of a larger one the shape."""
 
 
 def _value_or_shape_as_text(value: object) -> str:
@@ -92,9 +92,8 @@ def _is_number_but_no_bool(value: Any) -> bool:
 
     Numbers of Python, of numpy and of the modules `fractions` and `decimal` are numbers.
     """
-    is_real = isinstance(value, numbers.Real | Decimal) or _kind_of_numpy_scalar(value) in tuple(
-        "iuf"
-    )
+    is_real_of_numpy = _kind_of_numpy_scalar(value) in ("i", "u", "f")
+    is_real = is_real_of_numpy or isinstance(value, numbers.Real | Decimal)
     if not is_real or _is_bool(value):
         return False
     try:

@@ -473,7 +473,7 @@ class DrumLining(Lining):
     def _check_clearance_table_lies_within_turn_of_lining(self) -> Self:
         """Raise ValueError for a row of the clearance table more than a turn beyond the lining.
 
-        In Python numbers are in rad, and such an angle is one in degrees.
+        In Python numbers are in rad. An angle beyond this bound was given in degrees.
         """
         rows = self.clearance if isinstance(self.clearance, tuple) else ()
         for angle, _ in rows:

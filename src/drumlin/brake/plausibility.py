@@ -408,11 +408,11 @@ def _notes_on_speed_or_mass(value: _BrakeQuantityWithKey, brake: Brake) -> Itera
     """Yield a note on a speed or on the mass of a shoe that is too large for a drum."""
     if brake.surface.is_plane_and_not_drum:
         return
-    rim = abs(value.value) * brake.size
-    if value.unit == "rad/s" and rim > LARGEST_USUAL_SURFACE_SPEED:
+    surface_speed = abs(value.value) * brake.size
+    if value.unit == "rad/s" and surface_speed > LARGEST_USUAL_SURFACE_SPEED:
         yield (
-            f"{value.key} = {value.value:.4g} rad/s gives the drum's surface {rim:.4g} m/s; "
-            f"did you mean {value.value:.4g} rpm?"
+            f"{value.key} = {value.value:.4g} rad/s gives the drum's surface "
+            f"{surface_speed:.4g} m/s; did you mean {value.value:.4g} rpm?"
         )
     if value.unit == "kg" and value.value > LARGEST_USUAL_MASS_OVER_CUBED_RADIUS * brake.size**3:
         yield (

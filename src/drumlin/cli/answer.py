@@ -89,11 +89,11 @@ def _self_energising_shoes_as_line(response: "Response") -> str:
     energised = [shoe.name for shoe in response.shoes if shoe.self_energising]
     if energised:
         return f"self-energising: {', '.join(energised)}"
-    apart = [repr(shoe.name) for shoe in response.shoes if not shoe.contact_arcs]
-    if not apart:
+    not_touching = [repr(shoe.name) for shoe in response.shoes if not shoe.contact_arcs]
+    if not not_touching:
         return "self-energising: none, every shoe is trailing"
-    pressed = "; every other shoe is trailing" if len(apart) < len(response.shoes) else ""
-    return f"self-energising: none, shoe {', '.join(apart)} does not touch{pressed}"
+    others = "; every other shoe is trailing" if len(not_touching) < len(response.shoes) else ""
+    return f"self-energising: none, shoe {', '.join(not_touching)} does not touch{others}"
 
 
 def _self_locking_as_line(response: "Response") -> str:
@@ -109,8 +109,8 @@ def _self_locking_as_line(response: "Response") -> str:
     line = locking.line()
     if not isinstance(locking, SelfLocking) or math.isinf(locking.law.friction):
         return line
-    apart = {shoe.name for shoe in response.shoes if not shoe.contact_arcs}
-    names = [repr(name) for name in locking.law.shoes if name in apart]
+    not_touching = {shoe.name for shoe in response.shoes if not shoe.contact_arcs}
+    names = [repr(name) for name in locking.law.shoes if name in not_touching]
     if names:
         line += f" (of shoe {', '.join(names)}, which does not touch here)"
     return line

@@ -162,6 +162,9 @@ VerboseOption = Annotated[
     bool,
     typer.Option("--verbose", "-v", help="figures of merit, how it was solved, what is left out"),
 ]
+VerboseComparisonOption = Annotated[
+    bool, typer.Option("--verbose", "-v", help="how each model models the brake and solved it")
+]
 RotationOption = Annotated[
     str | None,
     typer.Option(

@@ -37,8 +37,8 @@ if TYPE_CHECKING:
 
 TEXT_ON_COMPARISON_ERRORS = (
     "errors: differences from the model fem; of p (L2): the root of the mean square along a "
-    "lining, without its ends; stated errors are those of the elements of the model itself, and "
-    "drumlin solve states the error of plane stress beside them"
+    "lining, without its ends; stated error: that of a model's own elements (drumlin solve also "
+    "states that of plane stress)"
 )
 """The line below the table of a comparison, which explains its columns of errors."""
 
@@ -187,11 +187,13 @@ def _print_answer_and_write_pressures(
         print_line_folded_to_terminal_width("")
     print_brake_response(answer.brake, answer.response, verbose=verbose)
     if verbose:
-        for line in _lines_on_laws_and_elastic_locking(answer.brake, answer.response):
+        for line in _verbose_lines_on_stiff_shoes_and_locking(answer.brake, answer.response):
             print_line_folded_to_terminal_width(line)
 
 
-def _lines_on_laws_and_elastic_locking(brake: "Brake", response: "Response") -> Iterator[str]:
+def _verbose_lines_on_stiff_shoes_and_locking(
+    brake: "Brake", response: "Response"
+) -> Iterator[str]:
     """Yield the lines of --verbose on stiff shoes, fitting linings and the elastic locking limit.
 
     The limit is sought only if the finite elements answered without finding it.
@@ -233,6 +235,7 @@ def compare(
     finite_width: FiniteWidthOption = False,
     solid: of.AlsoSolidOption = False,
     fields: of.WithFieldsFileOption = False,
+    verbose: of.VerboseComparisonOption = False,
 ) -> None:
     """Solve a brake by all models that apply, side by side, and write one report."""
     from drumlin.base.files import check_path_can_be_folder
@@ -259,7 +262,7 @@ def compare(
     )
     print_table_of_compared_models(result.table, result.columns)
     print_line_folded_to_terminal_width(TEXT_ON_COMPARISON_ERRORS)
-    for line in result.notes:
+    for line in (*result.notes, *(result.details if verbose else [])):
         print_line_folded_to_terminal_width(line)
     print_line_folded_to_terminal_width(f"report: {result.page}")
 

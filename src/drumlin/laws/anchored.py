@@ -288,18 +288,18 @@ def _equilibrium_in_free_motions(
         except np.linalg.LinAlgError:
             break
         c = [on.stiffness[k] * shape.T @ y[3 * k : 3 * k + 3] for k, shape in enumerate(shapes)]
-        after = []
+        is_round_off = [
+            _is_contact_force_round_off(brake, on, k, c[k], own) for k, own in enumerate(arcs)
+        ]
+        after = list(arcs)
         for k, lining in enumerate(linings):
-            if _is_contact_force_round_off(brake, on, k, c[k], arcs[k]):
-                after.append(arcs[k])
-            else:
-                after.append(arcs_of_positive_pressure_on_linings(on.faces[k], c[k], lining.arcs))
+            if not is_round_off[k]:
+                after[k] = arcs_of_positive_pressure_on_linings(on.faces[k], c[k], lining.arcs)
         if all(map(are_contact_arcs_equal, after, arcs)):
             # A shoe without an arc in contact, or with round-off as its contact force, has no
             # pressure.
-            for k in range(len(c)):
-                if not arcs[k] or _is_contact_force_round_off(brake, on, k, c[k], arcs[k]):
-                    c[k] = np.zeros_like(c[k])
+            is_pressed = [bool(own) and not is_round_off[k] for k, own in enumerate(arcs)]
+            c = [own * is_pressed[k] for k, own in enumerate(c)]
             return _EquilibriumInFreeMotions(matrices, resisted, y, c, arcs)
         # The search ends if the arcs are those of an earlier iteration, from which the iterations
         # would repeat for ever.

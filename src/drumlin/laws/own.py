@@ -76,18 +76,7 @@ def make_law_from_pressure_shape(
 
         They have the shape of `phi`. Round-off below zero is set to zero.
         """
-        asked = f"law {name!r}: its function must return a finite number for each angle; it "
-        values = _real_numbers_returned_by_shape(shape, np.ravel(phi), arc, asked)
-        values = np.broadcast_to(values, (np.size(phi),)) if values.ndim == 0 else values
-        if values.shape != (np.size(phi),):
-            raise FailedLawOfUser(
-                f"{asked}got {np.size(phi)} angles and returned an array of shape {values.shape}"
-            )
-        if not np.isfinite(values).all():
-            wrong = np.ravel(phi)[~np.isfinite(values)][0]
-            raise FailedLawOfUser(
-                f"{asked}returned {values[~np.isfinite(values)][0]} at {wrong:g} rad"
-            )
+        values = _finite_numbers_returned_by_shape(name, shape, np.ravel(phi), arc)
         least = values.min()
         if least < -LARGEST_NEGLIGIBLE_NEGATIVE_PRESSURE * np.abs(values).max():
             at = np.ravel(phi)[values.argmin()]
@@ -127,6 +116,27 @@ def make_law_from_pressure_shape(
     )
 
 
+def _finite_numbers_returned_by_shape(
+    name: str, shape: PressureShapeFunction, phi: Floats, layout: ShoeAnglesAndRadii
+) -> Floats:
+    """The numbers (n,) that the function of the law `name` returns at the angles phi (n,) [rad].
+
+    One number that the function returns stands for all angles. Raises FailedLawOfUser if the
+    function fails, or returns other than n finite numbers.
+    """
+    asked = f"law {name!r}: its function must return a finite number for each angle; it "
+    values = _real_numbers_returned_by_shape(shape, phi, layout, asked)
+    values = np.broadcast_to(values, phi.shape) if values.ndim == 0 else values
+    if values.shape != phi.shape:
+        raise FailedLawOfUser(
+            f"{asked}got {len(phi)} angles and returned an array of shape {values.shape}"
+        )
+    is_wrong = ~np.isfinite(values)
+    if is_wrong.any():
+        raise FailedLawOfUser(f"{asked}returned {values[is_wrong][0]} at {phi[is_wrong][0]:g} rad")
+    return values
+
+
 def _real_numbers_returned_by_shape(
     shape: PressureShapeFunction, phi: Floats, layout: ShoeAnglesAndRadii, asked: str
 ) -> Floats:
@@ -134,7 +144,7 @@ def _real_numbers_returned_by_shape(
 
     Raises FailedLawOfUser if the function raises an exception, or returns other values than real
     numbers; the message tells the exception and its line in the user's file. `asked` is the begin
-    of the message, names the law and ends with "it ".
+    of the message, which names the law and ends with "it ".
     """
     try:
         returned = shape(phi, layout)

@@ -564,7 +564,7 @@ def solve_brake_by_rigid_shoe_law(
             for response, shoe in zip(shoes, under.shoes, strict=True)
         ]
     word = brake.surface.name
-    apart = [
+    notes_on_contact = [
         note_on_shoe_held_off_by_its_supports(shoe)
         if shoe.anchors
         else note_on_shoe_without_contact(shoe.name, word)
@@ -578,7 +578,7 @@ def solve_brake_by_rigid_shoe_law(
         balance=largest_imbalance_among_shoes(balances),
         left_out=NEGLECTED_BY_RIGID_LAWS[word],
         notes=(
-            *apart,
+            *notes_on_contact,
             *notes_on_forces_of_one_sided_supports(shoes),
             *anchored.warnings,
             *notes_on_cam_force_of_unlike_linings(brake),

@@ -715,7 +715,7 @@ def report_lines_of_wear_run(
         text.append(
             f"life: {spent.distance * 1e-3:.5g} km "
             f"to {number_as_text(WORN_OUT_FRACTION_OF_LINING_THICKNESS, '.0%')} of the thickness; "
-            "of it p is more than 1 % off the law for "
+            "p is more than 1 % off the law for "
             f"{_fraction_of_lining_life_as_text(spent.pressure)}, "
             f"the torque for {_fraction_of_lining_life_as_text(spent.torque)}"
         )
@@ -826,4 +826,6 @@ def _fraction_of_lining_life_as_text(share: float) -> str:
     """A fraction of the linings' life as text; inf stands for more than the whole wear run."""
     if math.isinf(share):
         return "all of this run"
-    return number_as_text(share, ".1%") if share <= 1 else f"all of it ({share:.3g} lives)"
+    if share > 1:
+        return f"the whole life ({share:.3g} lives)"
+    return f"{number_as_text(share, '.1%')} of the life"

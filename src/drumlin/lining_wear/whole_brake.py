@@ -45,7 +45,7 @@ LARGEST_WEAR_COEFFICIENT_WITHOUT_UNIT = 1e-9
 """Largest wear coefficient [1/Pa] that Python takes as a number without a unit.
 
 At 1 MPa it wears 1 mm of a lining on each metre of sliding, 1e5 times as much as the default. A
-larger number is one in another unit, such as 1e-5 for 1e-5 mm^3/(N m), which is 1e-14 1/Pa.
+larger number is in another unit, such as 1e-5 for 1e-5 mm^3/(N m), which is 1e-14 1/Pa.
 """
 
 

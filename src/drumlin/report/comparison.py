@@ -35,6 +35,9 @@ from drumlin.response.shoe_stiffness import lines_on_stiff_shoes_and_fitting_lin
 NAMES_OF_STRESS_FIELD_FILES = ("fields.svg", "fields.png", "fields.vtu", "fields_column.svg")
 """Names of the files of stress fields that `compare` writes, or that older versions wrote."""
 
+BEGINNINGS_OF_NOTES_OF_MODELS = ("warning:", "note:", "corrected for the widths", "peak p over")
+"""Beginnings of the lines of a response that `compare` prints without --verbose."""
+
 
 class WrittenComparison(NamedTuple):
     """The results of a comparison of models, after its report has been written.
@@ -42,13 +45,16 @@ class WrittenComparison(NamedTuple):
     Attributes
     ----------
     table : rows of the table, one for each shoe and each model
-    notes : lines of text about the models
-    page : path of the HTML page
+    notes : lines of text that the user needs: the laws that hold for the shoes, self-locking,
+        warnings, unused keys, and why some models do not apply
+    details : further lines of text, about how each model models the brake and solved it
+    page : path of the HTML page, which shows notes and details
     columns : columns of the table
     """
 
     table: list[dict[str, Any]]
     notes: list[str]
+    details: list[str]
     page: Path
     columns: tuple[ResultTableColumn, ...]
 
@@ -184,27 +190,14 @@ def compare_models_and_write_html_page(
         panel_title_and_responses_of_each_shoe(comparison), surface=brake.surface
     )
     figures.save_figure(pressure_figure, folder / "pressure.svg")
-    # Draw the stress field of the finite elements, if at least one shoe is in contact.
-    fem = comparison.responses.get("fem")
-    drawn = False
-    if fem is not None and any(shoe.contact_arcs for shoe in fem.shoes):
-        drawn = True
-        # Only these two options concern the mesh.
-        mesh_options = {key: options[key] for key in ("elements", "kind") if key in options}
-        # The correction for finite widths gives no stress field, so that the picture shows the
-        # stresses of plane stress.
-        if options.get("finite_width"):
-            plane = {key: value for key, value in options.items() if key != "solid"}
-            fem = MODELS["fem"].solve(brake, **{**plane, "finite_width": False})
-        endings = ("svg", "vtu") if fields_file else ("svg",)
-        # The page shows no picture for a column, and the column of a journal is asked of a study.
-        draw_stress_fields(
-            brake, fem, folder, "fields", endings, also_for_column=False, **mesh_options
-        )
+    endings = ("svg", "vtu") if fields_file else ("svg",)
+    drawn = _draw_stress_fields_of_comparison(comparison, folder, endings, options)
     named = ("solid",) if options.get("solid") else ()
+    of_models = _notes_and_details_of_models(comparison)
     notes = [
-        *_lines_on_laws_and_elastic_locking(comparison, options),
-        *_model_notes_and_reasons_against_other_models(comparison, named),
+        *_lines_on_stiff_shoes_and_both_locking_limits(comparison, options),
+        *of_models.notes,
+        *_lines_on_models_that_do_not_apply(brake, named),
     ]
     page = write_html_page(
         Path(__file__).with_name("comparison.html"),
@@ -214,36 +207,93 @@ def compare_models_and_write_html_page(
         columns=comparison_columns_for_brake(brake),
         drawn=drawn,
         fields_file=fields_file,
-        notes=notes + _sentences_about_effects_that_models_neglect(comparison),
+        notes=notes + of_models.details + _sentences_about_effects_that_models_neglect(comparison),
         source_text=source,
     )
-    return WrittenComparison(table, notes, page, comparison_columns_for_brake(brake))
+    return WrittenComparison(
+        table, notes, of_models.details, page, comparison_columns_for_brake(brake)
+    )
 
 
-def _model_notes_and_reasons_against_other_models(
-    comparison: ModelComparison[Any], named: Sequence[str]
-) -> list[str]:
-    """The notes of all models that answered, and the reasons why other models do not apply.
+def _draw_stress_fields_of_comparison(
+    comparison: ModelComparison[Any], folder: Path, endings: Sequence[str], options: dict[str, Any]
+) -> bool:
+    """Write the stress fields of the finite elements, and return whether there are any.
 
-    `named` are the models that were asked for by name.
+    There are fields if at least one shoe is in contact. `endings` are those of the files, and
+    `options` those of `compare`.
     """
-    notes = []
+    brake, fem = comparison.brake, comparison.responses.get("fem")
+    if fem is None or not any(shoe.contact_arcs for shoe in fem.shoes):
+        return False
+    # The correction for finite widths gives no stress field, so that the picture shows the
+    # stresses of plane stress.
+    if options.get("finite_width"):
+        plane = {key: value for key, value in options.items() if key != "solid"}
+        fem = MODELS["fem"].solve(brake, **{**plane, "finite_width": False})
+    # The page shows no picture for a column, and the column of a journal is asked of a study.
+    draw_stress_fields(
+        brake,
+        fem,
+        folder,
+        "fields",
+        endings,
+        also_for_column=False,
+        **_options_that_concern_mesh(options),
+    )
+    return True
+
+
+def _options_that_concern_mesh(options: dict[str, Any]) -> dict[str, Any]:
+    """Those of the options of `compare` that concern the mesh."""
+    return {key: options[key] for key in ("elements", "kind") if key in options}
+
+
+class _NotesAndDetailsOfModels(NamedTuple):
+    """Lines of text about the models of a comparison, see `WrittenComparison`."""
+
+    notes: list[str]
+    details: list[str]
+
+
+def _notes_and_details_of_models(comparison: ModelComparison[Any]) -> _NotesAndDetailsOfModels:
+    """The lines of all models that answered.
+
+    Warnings, shoes without contact, unused keys and corrections that the user asked for are notes.
+    All other lines are details.
+    """
+    notes: list[str] = []
+    details: list[str] = []
     models_by_line: dict[str, list[str]] = {}
     for model, response in comparison.responses.items():
         noted = response_with_note_on_ignored_keys(comparison.brake, response)
-        notes += [f"{model}: {line}" for line in noted.notes]
+        for line in noted.notes:
+            is_note = line.startswith(BEGINNINGS_OF_NOTES_OF_MODELS) or ": no contact" in line
+            (notes if is_note else details).append(f"{model}: {line}")
         for line in noted.left_out:
             if line.startswith(UNUSED_KEYS_LINE_START):
                 models_by_line.setdefault(line, []).append(model)
     # All laws leave the same keys out, so that one line names the laws.
-    for line, models in models_by_line.items():
-        notes.insert(0, f"{', '.join(models)}: {line}")
-    for name, reason in reasons_why_models_do_not_apply(comparison.brake, named).items():
-        notes.append(f"{name}: does not apply: {reason}")
-    return notes
+    unused = [f"{', '.join(models)}: {line}" for line, models in models_by_line.items()]
+    return _NotesAndDetailsOfModels(unused + notes, details)
 
 
-def _lines_on_laws_and_elastic_locking(
+def _lines_on_models_that_do_not_apply(brake: Brake, named: Sequence[str]) -> list[str]:
+    """A line for each reason why models do not apply to a brake, with the names of these models.
+
+    `named` are the models that were asked for by name.
+    """
+    models_by_reason: dict[str, list[str]] = {}
+    for name, reason in reasons_why_models_do_not_apply(brake, named).items():
+        models_by_reason.setdefault(reason, []).append(name)
+    lines = []
+    for reason, models in models_by_reason.items():
+        verb = "does" if len(models) == 1 else "do"
+        lines.append(f"{', '.join(models)}: {verb} not apply: {reason}")
+    return lines
+
+
+def _lines_on_stiff_shoes_and_both_locking_limits(
     comparison: ModelComparison[Any], options: dict[str, Any]
 ) -> list[str]:
     """Lines on stiff shoes, fitting linings and the self-locking limit of the elastic brake.
@@ -258,7 +308,7 @@ def _lines_on_laws_and_elastic_locking(
     if fem is None:
         return []
     brake = comparison.brake
-    mesh_options = {key: options[key] for key in ("elements", "kind") if key in options}
+    mesh_options = _options_that_concern_mesh(options)
     lines = list(lines_on_stiff_shoes_and_fitting_linings(brake, fem))
     # The law has no limit where friction depends on the pressure.
     if first_key_of_pressure_dependent_friction(brake) is None:

@@ -282,7 +282,7 @@ class ShoeResponse(BaseClassWithArrayEquality):
         """The pressure [Pa] at angles `theta` [rad] of any shape; 0 beyond the lining.
 
         In each polynomial piece the pressure is Lagrange's interpolation of the nodal values.
-        Raises BadInput for an angle more than a turn beyond the lining, which is one in degrees.
+        Raises BadInput for an angle more than a turn beyond the lining: it was given in degrees.
         """
         theta = np.asarray(theta, dtype=float)
         self._refuse_coordinates_more_than_turn_beyond_lining(theta)
@@ -572,7 +572,7 @@ class Response(BaseClassWithArrayEquality):
     bearing_load : (2,) [N], force of all shoes on the drum, which the drum's bearings carry
     error : estimated relative errors of the elements by their keys "torque" (of the brake),
         "pressure" (L2 norm outside the edge zones), "peak" (of the peak pressure) and "reaction",
-        each but the first of the worst shoe; None if nothing was estimated
+        all but that of the torque are of the worst shoe; None if nothing was estimated
     surface : friction surface; always FRICTION_SURFACE_OF_DRUM until
         `response_with_figures_of_merit` sets drum or plane
     plane_stress_error : estimated error of the assumption of plane stress; None if it was not asked
@@ -600,7 +600,7 @@ class Response(BaseClassWithArrayEquality):
     spring_pulls: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
-        """Let shoes be found by name; NoAnswer if a result of a shoe is infinite or no number."""
+        """Let shoes be found by name. Raise NoAnswer for a result that is infinite or no number."""
         object.__setattr__(self, "shoes", ShoeResponsesByNameOrIndex(self.shoes))
         for shoe in self.shoes:
             numbers = shoe.torque, shoe.normal_force, shoe.peak_pressure, *shoe.hinge_reaction

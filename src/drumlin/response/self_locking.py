@@ -106,12 +106,12 @@ class SelfLocking(NamedTuple):
     def _how_far_elastic_limit_was_sought_as_text(self) -> str:
         """The end of the search that found no limit of the elastic brake, as text.
 
-        The text says that the end of the search is a multiple of the friction, and no limit of the
-        brake.
+        The text says that the end of the search is a multiple of the friction mu, and no limit of
+        the brake.
         """
         return (
-            f"mu_lock of the elastic brake was sought up to {self.sought:.4g} = "
-            f"{self.sought / self.friction:.3g} times its friction, not farther, and not found"
+            f"mu_lock of the elastic brake is above {self.sought:.4g} = "
+            f"{self.sought / self.friction:.3g} mu, where the search ends"
         )
 
     def _friction_in_percent_of_limit_as_text(
@@ -182,8 +182,8 @@ class SelfLockingFactor(NamedTuple):
             return f"self-locking: not sought for {self.key}; drumlin.self_locking finds it"
         if math.isinf(self.elastic.friction):
             return (
-                f"self-locking: the limit of the elastic brake was sought up to {self.sought:.4g} "
-                f"times its friction, not farther, and not found ({self.key})"
+                f"self-locking: the limit of the elastic brake is above {self.sought:.4g} times "
+                f"its friction, where the search ends ({self.key})"
             )
         return (
             f"self-locking: the elastic brake locks at {self.elastic.friction:.4g} times its "

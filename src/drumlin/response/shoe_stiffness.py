@@ -8,9 +8,9 @@ import math
 from collections.abc import Iterator
 from typing import NamedTuple
 
-from drumlin.brake.brake import Brake
+from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.components import ArcBody, Lining, stiffnesses_of_bonded_plates
-from drumlin.brake.drum_brake import DrumBrake, DrumShoe
+from drumlin.brake.surface import FRICTION_SURFACE_OF_DRUM
 from drumlin.response.response import Response, ShoeResponse
 
 SMALLEST_STIFFNESS_RATIO_OF_STIFF_SHOE = 0.15
@@ -47,23 +47,24 @@ class ShoeStiffnessAndLiningCompression(NamedTuple):
         """What both numbers say about the shoe and its lining, without the shoe's name."""
         S = self.stiffness_ratio
         least = SMALLEST_STIFFNESS_RATIO_OF_STIFF_SHOE
-        words = "stiff" if least <= S else "flexible"
-        ratio = "rigid" if math.isinf(S) else f"{words}, S = {S:.2g} (stiff from {least:g} on)"
+        kind = "stiff" if least <= S else "flexible"
+        shoe = "rigid" if math.isinf(S) else f"{kind}, S = {S:.2g} (stiff from {least:g} on)"
         if not self.mean_compression:
-            return ratio
-        fits = "fits" if abs(self.radius_difference) <= self.mean_compression else "does not fit"
-        other = ", its other misfit not counted" if self.has_other_misfit else ""
+            return shoe
         off = abs(self.radius_difference)
-        radius = f"its radius is {1e6 * off:.3g} µm "
-        radius += "smaller" if self.radius_difference < 0 else "larger"
-        radius = f"{radius} than the drum's" if off else "its radius is the drum's"
+        fits = "fits" if off <= self.mean_compression else "does not fit"
+        radius = "its radius is the drum's"
+        if off:
+            sign = "smaller" if self.radius_difference < 0 else "larger"
+            radius = f"its radius is {1e6 * off:.3g} µm {sign} than the drum's"
+        other = ", its other misfit not counted" if self.has_other_misfit else ""
         return (
-            f"{ratio}; its lining {fits}: {radius}, and may be off by its mean compression "
+            f"{shoe}; its lining {fits}: {radius}, and may be off by its mean compression "
             f"p t/E = {1e6 * self.mean_compression:.2g} µm{other}"
         )
 
 
-def stiffness_ratio_of_shoe(shoe: DrumShoe, drum_radius: float) -> float | None:
+def stiffness_ratio_of_shoe(shoe: Shoe, drum_radius: float) -> float | None:
     """The ratio S of the bending of a shoe's body to the compression of its lining.
 
     `ShoeStiffnessAndLiningCompression` has the formula. The result is infinite for a rigid shoe,
@@ -80,7 +81,7 @@ def stiffness_ratio_of_shoe(shoe: DrumShoe, drum_radius: float) -> float | None:
 
 
 def lining_compression_by_normal_force(
-    shoe: DrumShoe, response: ShoeResponse, drum_radius: float
+    shoe: Shoe, response: ShoeResponse, drum_radius: float
 ) -> float:
     """The compression p t/E [m] of a lining under its mean pressure p.
 
@@ -102,9 +103,9 @@ def stiffness_and_compression_of_shoes(
     left out.
     """
     found: list[ShoeStiffnessAndLiningCompression] = []
-    if not isinstance(brake, DrumBrake):
+    if brake.surface is not FRICTION_SURFACE_OF_DRUM:
         return found
-    radius = brake.drum.radius
+    radius = brake.size
     for shoe, answer in zip(brake.shoes, response.shoes, strict=True):
         ratio = stiffness_ratio_of_shoe(shoe, radius)
         if ratio is None:
@@ -123,7 +124,7 @@ def stiffness_and_compression_of_shoes(
     return found
 
 
-def _radius_difference_of_lining(lining: Lining, shoe: DrumShoe, drum_radius: float) -> float:
+def _radius_difference_of_lining(lining: Lining, shoe: Shoe, drum_radius: float) -> float:
     """Radius of a lining minus that of the drum [m], by `misfit.radius` and an even clearance."""
     ground = lining.misfit.radius
     difference = 0.0 if ground is None else ground - drum_radius

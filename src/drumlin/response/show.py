@@ -103,7 +103,7 @@ def plane_stress_errors_as_line(effect: str, response: "Response") -> str:
         return line
     both = {key: found.brake[key] + mesh[key] for key in ("pressure", *names) if key in mesh}
     line += (
-        "; both together, of the elements and of plane stress, with all inputs taken as exact: "
+        "; both errors together, with all inputs taken as exact: "
         f"p {error_text_in_percent(both.pop('pressure'))}"
     )
     for key, error in both.items():
@@ -121,8 +121,8 @@ def lines_below_response_table(response: "Response") -> list[str]:
     if response.self_locking is not None:
         lines.append(response.self_locking.line())
     for note in response.notes:
-        starts = note.startswith(("warning:", "note:", BEGIN_OF_NOTE_ON_PEAKS_OVER_WIDTH))
-        if starts or ": no contact" in note:
+        is_shown = note.startswith(("warning:", "note:", BEGIN_OF_NOTE_ON_PEAKS_OVER_WIDTH))
+        if is_shown or ": no contact" in note:
             lines.append(note)
     if response.error is not None:
         lines.append(estimated_errors_as_line(word, response.error))
@@ -168,7 +168,10 @@ def matplotlib_axes_itself_or_new(axes: Any) -> Any:
 
 
 LINE_STYLES_OF_SHOES = ("-", "--", ":", "-.")
-"""Styles of the lines of the first, second, third and fourth shoe where models have colours."""
+"""Styles of the lines of the shoes in their order, where the colour of a line is that of its model.
+
+A fifth shoe has the style of the first one.
+"""
 
 
 def plot_pressure_of_each_shoe(
@@ -186,6 +189,7 @@ def plot_pressure_of_each_shoe(
     axes = matplotlib_axes_itself_or_new(axes)
     surface = response.surface
     top = axes.get_ylim()[1] if axes.has_data() else 0.0
+    styles = LINE_STYLES_OF_SHOES
     for number, shoe in enumerate(response.shoes):
         top = max(top, TOP_OVER_PEAK * shoe.peak_pressure * 1e-6)
         ends = shoe.theta[:: shoe.order]
@@ -196,7 +200,7 @@ def plot_pressure_of_each_shoe(
             shoe.pressure_at(theta) * 1e-6,
             label=f"{prefix}{shoe.name}",
             color=color,
-            linestyle="-" if color is None else LINE_STYLES_OF_SHOES[number % 4],
+            linestyle="-" if color is None else styles[number % len(styles)],
         )
     axes.set(
         xlabel=surface.axis_label_in_python,

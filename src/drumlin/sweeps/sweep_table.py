@@ -262,8 +262,7 @@ class SweepTable(Sequence[CaseResultsByName]):
         """A line of text that explains the headings of the shown statistics."""
         return (
             "spread: standard deviation; 5 % and 95 %: share of the cases with less; least and "
-            "most: of these cases alone (random draws mostly miss the corners, where all keys are "
-            "at their ends)"
+            "most: of the solved cases, not of all possible ones"
         )
 
     def text_lines_on_outcome_of_cases(self) -> list[str]:
@@ -276,7 +275,7 @@ class SweepTable(Sequence[CaseResultsByName]):
         return [*lines, *self.notes]
 
     def _lines_on_stated_errors(self) -> list[str]:
-        """A line on the largest errors that the solved cases state; none if no case states any."""
+        """A line on the largest errors that the solved cases state; else no line."""
         parts = []
         for key, words in (("error_torque", "torque"), ("error_pressure", "p (L2, worst shoe)")):
             solved = [row for row in self.rows if row["status"] == "solved"]

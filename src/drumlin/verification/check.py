@@ -141,13 +141,10 @@ def read_pressure_curves(path: Path, brake: Brake) -> dict[str, PressureCurveOfS
             for key in wanted
         ]
         points[name].append(point)
-    if not any(points.values()):
+    measured = [shoe for shoe in brake.shoes if points[shoe.name]]
+    if not measured:
         raise BadInput(f"{path}: has no points below its heading")
-    return {
-        shoe.name: _sorted_pressure_curve(path, shoe, points[shoe.name])
-        for shoe in brake.shoes
-        if points[shoe.name]
-    }
+    return {shoe.name: _sorted_pressure_curve(path, shoe, points[shoe.name]) for shoe in measured}
 
 
 class _PositionAndSiFactorOfColumn(NamedTuple):

@@ -379,7 +379,9 @@ def _text_line_of_times_in_default_solves(brake: Brake, found: TimesAndMemoryOfS
         "further load case": found.further,
     }
     texts = [f"{name} {seconds / unit:.2g}" for name, seconds in ratios.items()]
-    return f"default solve {unit * 1e3:.1f} ms; in default solves: {', '.join(texts)}"
+    return (
+        f"default solve {unit * 1e3:.1f} ms; the times above in default solves: {', '.join(texts)}"
+    )
 
 
 def _median_seconds_of_call(call: Callable[[], object], repeats: int) -> float:

@@ -13,7 +13,7 @@ import numpy as np
 
 from drumlin.base.arrays import Floats
 from drumlin.base.lapack import block_diag
-from drumlin.brake.brake import Brake
+from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.support import SENSE_VALUE_OF_ABUTMENT_THAT_DOES_NOT_ACT
 from drumlin.contact import equations
 from drumlin.contact.stick_slip import StickSlipProblem
@@ -128,11 +128,6 @@ def _matrices_of_tractions_on_lining(group: ShoeGroup, k: int) -> _TractionMatri
     along = contact_node_displacements_in_rigid_body_motions(
         body, shoe, group.rigid_motion_along_friction_surface[None]
     )
-    bearing = np.zeros(n)
-    if shoe.abutment is not None:
-        nodal = T.reshape(n, -1, 2).sum(axis=1)
-        nodal = shoe.frame.convert_vectors_from_shoe_to_brake_frame(nodal)
-        bearing = -nodal @ shoe.unit_vector_of_smooth_abutment_force
     effects = group.contact_effects_of_each_actuation_force(0.0)[k]
     return _TractionMatrices(
         # Displacements u of the contact nodes close the weighted gaps by N u. The nodal forces of
@@ -147,11 +142,23 @@ def _matrices_of_tractions_on_lining(group: ShoeGroup, k: int) -> _TractionMatri
         effects=effects._replace(
             gap_by_force=-tip,
             load_point_travel_by_pressure=tip,
-            foot_force_by_pressure=bearing,
+            foot_force_by_pressure=_foot_force_by_tractions(shoe, T),
             gap_by_surface_motion=-(T @ along)[:, 0],
         ),
         load_travel=dragged.T @ loaded,
     )
+
+
+def _foot_force_by_tractions(shoe: Shoe, T: Floats) -> Floats:
+    """The force (n,) along the strut that the foot transmits, per nodal traction on the lining.
+
+    T (n, 2n) has the nodal forces of the tractions. The force is 0 for a shoe without an abutment.
+    """
+    if shoe.abutment is None:
+        return np.zeros(len(T))
+    nodal = T.reshape(len(T), -1, 2).sum(axis=1)
+    nodal = shoe.frame.convert_vectors_from_shoe_to_brake_frame(nodal)
+    return np.asarray(-nodal @ shoe.unit_vector_of_smooth_abutment_force)
 
 
 def _stick_slip_problem_without_abutments(

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from functools import cached_property
 from itertools import product
+from typing import NamedTuple
 
 import numpy as np
 
@@ -48,6 +49,19 @@ COMPLIANCE_ROWS_ASSEMBLED_AT_A_TIME = 64
 With more rows the parts of a large matrix do not fit into the processor's cache; fewer rows take
 more calls of numpy. The number changes no result.
 """
+
+
+class _FootOfShoe(NamedTuple):
+    """What the foot of a shoe transmits, and how the shoe follows it.
+
+    `EffectsOfActuationForceOnShoe` describes the four values, of `foot_force_by_pressure` to
+    `surface_motion_by_foot_travel`.
+    """
+
+    force_by_pressure: Floats
+    force_by_actuation_force: float
+    force_by_further_loads: float
+    surface_motion_by_travel: float
 
 
 class ContactProblemsOfShoeGroup(ShoeGroupData):
@@ -206,31 +220,13 @@ class ContactProblemsOfShoeGroup(ShoeGroupData):
             drag * body.resultants_of_unit_nodal_pressures_and_tractions[1]
             - body.resultants_of_unit_nodal_pressures_and_tractions[0]
         )[:2].T  # (n, 2)
-        bearing, direct, borne, follows = np.zeros(len(tip)), 0.0, 0.0, 0.0
         further = np.zeros(len(load))
         if shoe.has_loads_besides_actuation:
             further = (
                 unit_load_factors_of_loads_besides_actuation(body, shoe)
                 / self.largest_actuation_force
             )
-        if shoe.abutment is not None:
-            bearing = (
-                -shoe.frame.convert_vectors_from_shoe_to_brake_frame(contact)
-                @ shoe.unit_vector_of_smooth_abutment_force
-            )
-            direct = -float(
-                shoe.unit_vector_of_smooth_abutment_force @ shoe.actuation.unit_vector_of_force
-            )
-            of_loads = (
-                shoe.unit_vector_of_smooth_abutment_force
-                @ shoe.resultant_of_loads_besides_actuation[:2]
-            )
-            borne = -float(of_loads) / self.largest_actuation_force
-            # The strut carries the foot against the force of a smooth abutment on it.
-            lever = self._work_on_motion_along_surface(
-                shoe.unit_vector_of_smooth_abutment_force, shoe.abutment.point.xy
-            )
-            follows = -1 / lever if lever else 0.0
+        foot = self._foot_of_shoe(shoe, contact)
         motion_by_load = body.flexibility.load_point_motion_by_load
         return EffectsOfActuationForceOnShoe(
             nodes=self.contact_node_slices_of_shoes[k],
@@ -241,14 +237,33 @@ class ContactProblemsOfShoeGroup(ShoeGroupData):
             load_point_travel_by_further_loads=float(load @ motion_by_load @ further),
             work=modes.actuation_work,
             load_point_travel_by_modes=modes.load_point_travel,
-            foot_force_by_pressure=bearing,
-            foot_force_by_force=direct,
-            foot_force_by_further_loads=borne,
-            surface_motion_by_foot_travel=follows,
+            foot_force_by_pressure=foot.force_by_pressure,
+            foot_force_by_force=foot.force_by_actuation_force,
+            foot_force_by_further_loads=foot.force_by_further_loads,
+            surface_motion_by_foot_travel=foot.surface_motion_by_travel,
             load_point_travel_by_surface_motion=self._work_on_motion_along_surface(
                 shoe.actuation.unit_vector_of_force, shoe.actuation.point.xy
             ),
             gap_by_surface_motion=np.zeros(len(tip)),
+        )
+
+    def _foot_of_shoe(self, shoe: Shoe, contact: Floats) -> _FootOfShoe:
+        """The force that the foot of a shoe transmits, and the motion that its travel causes.
+
+        `contact` (n, 2) is the force of pressure and friction on the lining, per nodal pressure.
+        All values are 0 for a shoe without an abutment.
+        """
+        if shoe.abutment is None:
+            return _FootOfShoe(np.zeros(len(contact)), 0.0, 0.0, 0.0)
+        along = shoe.unit_vector_of_smooth_abutment_force
+        by_loads = along @ shoe.resultant_of_loads_besides_actuation[:2]
+        # The strut carries the foot against the force of a smooth abutment on it.
+        lever = self._work_on_motion_along_surface(along, shoe.abutment.point.xy)
+        return _FootOfShoe(
+            force_by_pressure=-shoe.frame.convert_vectors_from_shoe_to_brake_frame(contact) @ along,
+            force_by_actuation_force=-float(along @ shoe.actuation.unit_vector_of_force),
+            force_by_further_loads=-float(by_loads) / self.largest_actuation_force,
+            surface_motion_by_travel=-1 / lever if lever else 0.0,
         )
 
     @property

@@ -234,7 +234,8 @@ def surface_motions_by_load_point_travels(
 
     The motion is a turn about the centre of the drum, or a slide along the plane. The columns stand
     for the travel of each shoe's point of actuation by its strain and its rigid-body modes.
-    `struts` are pairs of the pushing and the pushed shoe, each shoe pushes after it is pushed.
+    `struts` are pairs of the pushing and the pushed shoe. A strut that pushes a shoe comes before
+    the strut that this shoe pushes.
     """
     motions = np.zeros((len(effects), len(effects)))
     # The last strut comes first, because the pushed shoe itself may follow a further strut.

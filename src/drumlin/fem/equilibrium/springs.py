@@ -169,8 +169,8 @@ def find_spring_pulls_that_fit_shoe_motions(
     except AnswerBeyondModel:
         raise
     except NoAnswer:
-        # Springs that are stiffer than the brake: a pull by the motion under the preload is far too
-        # large, and may lift a shoe off.
+        # A spring is stiffer than the brake. Its pull by the motion under the preload is then far
+        # too large, and may lift a shoe off.
         return _find_spring_pulls_from_measured_compliance(brake, solve)
 
 

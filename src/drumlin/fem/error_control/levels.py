@@ -15,6 +15,7 @@ from drumlin.base.errors import AnswerLostToRoundOff, NoAnswer
 from drumlin.brake.brake import Brake
 from drumlin.fem.error_control.short_contact import (
     SHORTEST_CONTACT_WITH_KNOWN_PRESSURE,
+    TooShortContact,
     contacts_too_short_by_formula,
     response_with_ends_of_too_short_contacts,
     too_short_contacts_expected_of_rigid_shoes,
@@ -250,11 +251,7 @@ def solve_brake_on_finer_and_finer_mesh_levels(
     if prepare is None and len(levels) != 1 and not first_level_is_an_answer:
         end_motion = ALLOWED_END_MOTION_ON_FIRST_LEVEL
     prepare = prepare or partial(make_prepared_model, brake, alike=alike, cache=cache)
-    too_short = (
-        too_short_contacts_expected_of_rigid_shoes(brake)
-        if start is None
-        else contacts_too_short_by_formula(brake, start)
-    )
+    too_short = _too_short_contacts_before_first_pass(brake, start)
     for level in levels or REFINEMENT_LEVELS_FROM_COARSE_TO_FINE:
         solved: SolvedLevel | None = None
         error = level.pressure_error_due_to_column_size_ratio
@@ -289,6 +286,15 @@ def solve_brake_on_finer_and_finer_mesh_levels(
         end_motion = UNRESOLVED_LENGTH_OVER_CONTACT_LENGTH
         if solved is not None:
             yield solved
+
+
+def _too_short_contacts_before_first_pass(
+    brake: Brake, start: Response | None
+) -> tuple[TooShortContact | None, ...]:
+    """For each shoe the contact that is too short by an earlier response, or if it is rigid."""
+    if start is None:
+        return too_short_contacts_expected_of_rigid_shoes(brake)
+    return contacts_too_short_by_formula(brake, start)
 
 
 def _do_singular_points_repeat_earlier_pass(

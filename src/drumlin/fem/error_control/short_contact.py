@@ -4,8 +4,8 @@ A shoe that touches the drum at one place presses there with a force F per width
 the place rises steeply, the contact is so short that no division resolves its pressure. A pass of a
 solve leaves one pressed node on such a shoe, and does not show how short the contact is: the
 contact would become shorter with each finer division. The force F and the shape of the gap tell
-the length at once. The place and a small force are known before the first pass, from the rigid
-shoe, so that already the first division has columns that end at the place.
+the length at once. If the force is small, the rigid shoe gives place and force before the first
+pass, so that already the first division has columns that end at the place.
 
 The contact ends where the gap of the rigid shoe, which just touches the drum, is F/(k E'). Here E'
 is the modulus of the half-plane with the compliance of the lining's surface, and k depends on the

@@ -1144,12 +1144,11 @@ def _depths_and_parts_of_element_layers(
     shoe ("lining", "shoe", ...) each layer belongs.
 
     If the pressure is unbounded at a corner of the lining, the first layer at the lining's face is
-    divided once more, into layers that become smaller towards the face. The layers below it then
-    grow as the columns do. Layers that grew as fast as they do elsewhere (`layer_size_ratio`) from
-    the tiny first one had nearly equal depths on all levels, some of them with one element where
-    the stress under a short contact changes most. The first two levels then had nearly equal errors
-    of the torque: on 29 rigid shoes that pressed with a corner up to 1e-4, stated up to 16 times
-    too small. Now the errors are at most 4e-6, and none is stated more than 1.5 times too small.
+    divided once more, into layers that become smaller towards the face. The layers below it grow as
+    the columns do. If they grew by `layer_size_ratio`, as elsewhere, they would have nearly equal
+    depths on all levels, and the first two levels nearly equal errors of the torque: up to 1e-4 on
+    29 rigid shoes that press with a corner, stated up to 16 times too small. With the layers as
+    they are, the errors are at most 4e-6, and none is stated more than 1.5 times too small.
 
     Parameters
     ----------

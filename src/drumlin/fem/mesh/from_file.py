@@ -34,12 +34,12 @@ It is relative to the hole's radius. A drawing has the pin in the middle of its 
 LARGEST_HOLE_RADIUS_SCATTER = 0.02
 """Largest relative scatter of the distances from their centre of nodes that lie on a round hole.
 
-The nodes of a polygon with eight sides between two nodes of a circle scatter by 0.02.
+The middles of the sides of a regular polygon with 16 sides are nearer to its centre by 0.02.
 """
 LARGEST_ANGLE_BETWEEN_NODES_OF_HOLE = 2 * math.pi / 3
-"""Largest angle [rad] between two neighbouring nodes on a round hole, seen from its centre.
+"""Angle [rad] between two neighbouring nodes, seen from their centre, from which no hole is round.
 
-A triangle has this angle. The two ends of a straight line are half a turn apart.
+An equilateral triangle has this angle. The two ends of a straight line are half a turn apart.
 """
 LARGEST_FORCE_LINE_OFFSET_OVER_BRAKE_SIZE = 0.25
 """Distance of a force's line from its group of edges above which a note states the distance.
@@ -237,7 +237,7 @@ def _note_on_force_line_off_its_group(shoe: Shoe, mesh: Any, size: float) -> Ite
     if away > LARGEST_FORCE_LINE_OFFSET_OVER_BRAKE_SIZE * size:
         yield (
             f"the line of the force passes {1e3 * away:.3g} mm from the middle of the group "
-            "actuation, which also takes the moment"
+            "actuation, on which the force then acts together with its moment"
         )
 
 

@@ -11,6 +11,7 @@ the drum stay on the drum.
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -188,30 +189,8 @@ def _bisect_marked_and_touched_triangles(
     (m,) is True for the triangles that have to be bisected.
     """
     count = parts.xy.shape[1]
-
-    def unique_number_of_each_side(ends: Ints) -> Ints:
-        """A number for each side, equal for equal pairs of vertices; `ends` (..., 2) has the pairs.
-
-        The order of the two vertices does not matter.
-        """
-        a, b = ends[..., 0], ends[..., 1]
-        return np.asarray(np.minimum(a, b) * count + np.maximum(a, b))
-
-    # A triangle at a bisected side is first bisected across the side of its first two vertices.
-    while True:
-        ends = parts.t[marked, :2]
-        halved = np.unique(unique_number_of_each_side(ends))
-        # Only a triangle with two vertices at ends of halved sides can have such a side itself.
-        is_end = np.zeros(count, dtype=bool)
-        is_end[ends] = True
-        near = np.flatnonzero(is_end[parts.t].sum(axis=1) >= 2)
-        t = parts.t[near]
-        sides = unique_number_of_each_side(np.stack([t, np.roll(t, -1, axis=1)], axis=-1))
-        touched = np.zeros(len(marked), dtype=bool)
-        touched[near] = _which_values_are_in_sorted_array(sides, halved).any(axis=1)
-        if (touched <= marked).all():
-            break
-        marked = touched
+    unique_number_of_each_side = partial(_unique_number_of_each_side, count=count)
+    marked, halved = _triangles_to_bisect_and_halved_sides(parts, marked)
     xy = np.hstack([parts.xy, np.empty((2, len(halved)))])
     lines = {}
     for name, line in parts.lines.items():
@@ -246,6 +225,40 @@ def _bisect_marked_and_touched_triangles(
         lines,
     )
     return found, int(np.count_nonzero(~marked))
+
+
+def _unique_number_of_each_side(ends: Ints, count: int) -> Ints:
+    """A number (...) for each side, equal for equal pairs of vertices.
+
+    `ends` (..., 2) has the pairs of vertices, in any order, and `count` is the number of vertices.
+    """
+    a, b = ends[..., 0], ends[..., 1]
+    return np.asarray(np.minimum(a, b) * count + np.maximum(a, b))
+
+
+def _triangles_to_bisect_and_halved_sides(
+    parts: TrianglesOfSplitElements, marked: Bools
+) -> tuple[Bools, Ints]:
+    """The triangles (m,) that have to be bisected with the marked ones, and the sides halved there.
+
+    A triangle with a halved side is first bisected across the side of its first two vertices. The
+    sides are sorted numbers of `_unique_number_of_each_side`.
+    """
+    count = parts.xy.shape[1]
+    while True:
+        ends = parts.t[marked, :2]
+        halved = np.unique(_unique_number_of_each_side(ends, count))
+        # Only a triangle with two vertices at ends of halved sides can have such a side itself.
+        is_end = np.zeros(count, dtype=bool)
+        is_end[ends] = True
+        near = np.flatnonzero(is_end[parts.t].sum(axis=1) >= 2)
+        t = parts.t[near]
+        sides = _unique_number_of_each_side(np.stack([t, np.roll(t, -1, axis=1)], axis=-1), count)
+        touched = np.zeros(len(marked), dtype=bool)
+        touched[near] = _which_values_are_in_sorted_array(sides, halved).any(axis=1)
+        if (touched <= marked).all():
+            return marked, halved
+        marked = touched
 
 
 def _which_values_are_in_sorted_array(values: Ints, members: Ints) -> Bools:
@@ -316,9 +329,9 @@ def _positions_of_nodes_in_triangles(
 
 
 def _distinct_rows_with_number_of_each_row(rows: Floats) -> tuple[Floats, Ints]:
-    """The distinct rows (k, c) of an array, and for each row (m,) of it the index of its equal.
+    """The k distinct rows (k, c) of an array `rows` (m, c), and for each row its number (m,) there.
 
-    `rows` (m, c) is the array. numpy's unique of rows takes some ten times as long.
+    `numpy.unique` with an axis takes some ten times as long.
     """
     order = np.lexsort(rows.T)
     in_order = rows[order]

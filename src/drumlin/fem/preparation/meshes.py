@@ -95,12 +95,13 @@ nodes at degree 3: 9 s and 1.7 GB. With 348 304 nodes at degree 3 a solve takes 
 some 360 000 nodes of another mesh 2.8 GB.
 """
 MOST_NODES_WITHOUT_KEPT_FACTORS = 500_000
-"""As MOST_NODES_AT_RAISED_DEGREE, if no solve on the mesh keeps the factors of its stiffness.
+"""Largest number of nodes at degree 2 of a mesh whose sides all lie on the arcs of the outline.
 
-The factors are kept for the error by sides off the arcs of the outline, such as straight ones. They
-take most of the memory. A shoe of a drum of 300 mm, in triangles of 0.36 mm with curved sides, has
-358 556 nodes at degree 2: a solve takes 22 s of processor time and 1.2 GB. In triangles of 0.31 mm
-it has 475 614 nodes: 40 s and 1.7 GB.
+Sides off the arcs, such as straight ones, cause an error whose estimate needs the factors of the
+stiffness, which take most of the memory: MOST_NODES_AT_RAISED_DEGREE is the limit of such meshes. A
+shoe of a drum of 300 mm, in triangles of 0.36 mm with curved sides, has 358 556 nodes at degree 2:
+a solve takes 22 s of processor time and 1.2 GB. In triangles of 0.31 mm it has 475 614 nodes: 40 s
+and 1.7 GB.
 """
 
 

@@ -377,15 +377,9 @@ def _factorise_front_of_each_region(
         if len(later):
             # The complement is added to the front of the earliest region of its unknowns.
             next_region = regions if later[0] >= inner else int(region[later[0]])
-            # Only the lower triangle of a complement is right, and only it is ever used.
-            complement = dsyrk(
-                -1.0,
-                rows_of_later_unknowns,
-                beta=1.0,
-                c=np.array(F[own:, own:], order="F"),
-                lower=1,
-                overwrite_c=1,
-            )
+            # Only the lower triangle of a complement is computed, and no other entry is used.
+            kept = np.array(F[own:, own:], order="F")
+            complement = dsyrk(-1.0, rows_of_later_unknowns, 1.0, kept, lower=1, overwrite_c=1)
             complements[next_region].append((later, complement))
         yield CholeskyFactorOfFront(slice(start, end), later, L, rows_of_later_unknowns)
 

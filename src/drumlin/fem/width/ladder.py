@@ -550,13 +550,6 @@ def solve_brake_with_widths_and_keep_model(
     )
     adaptive = across is None and has_shoe_with_parts_of_different_widths(brake)
     most_bytes = MOST_BYTES_OF_SOLID if adaptive and not must else math.inf
-
-    def fits_into_memory(choice: SolidChoice) -> bool:
-        """Whether a choice takes at most the memory that is allowed."""
-        return math.isinf(most_bytes) or most_bytes >= memory_bytes_of_condensation_on_divisions(
-            brake, choice.section.divisions, choice.width.functions_of_shoe
-        )
-
     if adaptive:
         errors = errors_of_finer_pieces_across_width(
             brake,
@@ -578,7 +571,12 @@ def solve_brake_with_widths_and_keep_model(
         errors = errors_of_degrees_across_width(
             brake, sections.plane, compared, degrees, penalty=penalty, cache=cache
         )
-    choice = cheapest_choice_within_tolerance(sections.errors, errors, tolerance, fits_into_memory)
+    choice = cheapest_choice_within_tolerance(
+        sections.errors,
+        errors,
+        tolerance,
+        partial(_does_choice_fit_into_memory, brake, most_bytes),
+    )
     if must and not choice.error.is_within_error_tolerance(tolerance):
         raise NoAnswer(_message_on_unreached_error_tolerance(tolerance, choice))
     try:
@@ -593,6 +591,13 @@ def solve_brake_with_widths_and_keep_model(
     if not choice.error.is_within_error_tolerance(tolerance):
         warning = _message_on_unreached_error_tolerance(tolerance, choice)
     return _solved_level_with_errors_and_notes(solved, choice, warning)
+
+
+def _does_choice_fit_into_memory(brake: Brake, most_bytes: float, choice: SolidChoice) -> bool:
+    """Whether the matrices of a choice take at most `most_bytes`, which may be inf."""
+    return math.isinf(most_bytes) or most_bytes >= memory_bytes_of_condensation_on_divisions(
+        brake, choice.section.divisions, choice.width.functions_of_shoe
+    )
 
 
 def _solved_level_of_choice(
@@ -726,13 +731,13 @@ def cheapest_choice_within_tolerance(
     choices: list[SolidChoice] = []
     for width in widths:
         of_width = [SolidChoice(section, width) for section in sections]
-        small = [of_width[0], *filter(may_be_solved, of_width[1:])]
-        for choice in small:
+        allowed = [of_width[0], *filter(may_be_solved, of_width[1:])]
+        for choice in allowed:
             if choice.error.is_within_error_tolerance(tolerance):
                 return choice
         if width.provisional:
             continue
-        choices += small
+        choices += allowed
         falls = best is None or (
             width.error.largest_pressure_error < LEAST_FALL * best.error.largest_pressure_error
         )
@@ -1131,11 +1136,10 @@ def errors_of_finer_pieces_across_width(
             brake, steps[-1][0], [solved.response for _, solved in steps[-2:]], allowed
         )
         # The steps that give the error of the first step are always allowed.
+        parts = brake, section.divisions, pieces
         if are_limited and (
-            largest_number_of_unknowns_on_divisions(brake, section.divisions, pieces)
-            > most_unknowns
-            or memory_bytes_of_condensation_on_divisions(brake, section.divisions, pieces)
-            > most_bytes
+            largest_number_of_unknowns_on_divisions(*parts) > most_unknowns
+            or memory_bytes_of_condensation_on_divisions(*parts) > most_bytes
         ):
             raise NoAnswer("the next pieces across the width take too much memory")
         scene = prepare_model_with_widths_on_given_elements(

@@ -80,10 +80,10 @@ MATRICES_OF_CONTACT_NODES = 8.0
 """Memory of a shoe's condensation to n contact nodes, divided by the memory of a matrix (n, n).
 
 The Cholesky factor of the contact stiffness makes up four such matrices, the displacements under
-unit pressures two, and both matrices of gap closure two. The stiffness and its factor are eight as
-well. On "free" 510080 of `drumlin_studies.solid_error`, with 1892 nodes, the memory of the process
-grew by 8.9 such matrices until the contact was solved, and on the second level of "built" 510060,
-with 1638 nodes, by 7.1.
+unit pressures two, and both matrices of gap closure two. Earlier, the stiffness and its factor take
+eight, too. On "free" 510080 of `drumlin_studies.solid_error`, with 1892 nodes, the memory of the
+process grew by 8.9 such matrices until the contact was solved, and on the second level of "built"
+510060, with 1638 nodes, by 7.1.
 """
 MATRICES_OF_JOINED_COLUMNS = 4.2
 """Memory of the joins of a shoe's columns, divided by the memory of a stretch with two sides.
