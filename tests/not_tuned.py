@@ -281,7 +281,25 @@ NOT_TUNED: dict[str, dict[str, str]] = {
     ),
     "mesh_files/inp_deck.py": {"MOST_MEMBERS_OF_ALL_DECK_SETS": MEMORY},
     "mesh_files/inp_parts.py": {"IDENTITY_PLACEMENT": DEFINITION},
+    "mesh_files/labelled_mesh.py": {"MOST_MEMBERS_OF_GROUP_RANGES": MEMORY},
+    "mesh_files/med.py": {
+        "NODES_PER_MED_CELL": FORMAT,
+        "CARTESIAN_MED_COORDINATES": FORMAT,
+        "MOST_NUMBERS_IN_MED_ARRAY": MEMORY,
+    },
     "mesh_files/msh4.py": {"CELL_NAME_AND_NODE_COUNT_OF_GMSH_TYPE": FORMAT},
+    "mesh_files/nastran.py": dict.fromkeys(
+        (
+            "CORNERS_OF_NASTRAN_CARD",
+            "NODES_OF_NASTRAN_LINE_CARD",
+            "MESHIO_CELL_OF_CORNERS_AND_NODES",
+        ),
+        FORMAT,
+    ),
+    "mesh_files/nastran_cards.py": dict.fromkeys(
+        ("COLUMNS_OF_SMALL_FIELD", "COLUMNS_OF_LARGE_FIELD", "FIELDS_OF_CARD_LINE"), FORMAT
+    ),
+    "mesh_files/nastran_systems.py": {"BASIC_NASTRAN_SYSTEM": DEFINITION},
     "mesh_files/of_meshio.py": {"MOST_GROUP_NUMBERS_IN_ARRAY": MEMORY},
     "mesh_files/plane_cells.py": {
         "CIRCULAR_EDGE_RADIUS_TOLERANCE": "judgement; edges along circles and all others are "
@@ -349,6 +367,27 @@ NOT_TUNED: dict[str, dict[str, str]] = {
         "MOST_QUADRATIC_LAYERS_BEHIND_LINING": MEMORY,
         "MOST_LINEAR_LAYERS_BEHIND_LINING": MEMORY,
     },
+    "mesh_files/unv.py": dict.fromkeys(
+        (
+            "NODE_DATASETS",
+            "ELEMENT_DATASET",
+            "GROUP_DATASETS_AND_NUMBERS_PER_MEMBER",
+            "SYSTEM_DATASETS",
+            "UNITS_DATASET",
+            "REFUSED_UNV_DATASETS",
+            "LINE_FE_DESCRIPTORS",
+            "PLANE_FE_DESCRIPTOR_TENS",
+            "AXISYMMETRIC_FE_DESCRIPTOR_TENS",
+            "LAST_SHELL_FE_DESCRIPTOR",
+            "FIRST_SPRING_FE_DESCRIPTOR",
+            "CELL_AND_ORDER_OF_UNV_NODES",
+            "NODES_OF_ROD",
+            "NODES_PER_UNV_LINE",
+            "UNV_NODE_TYPE",
+            "UNV_ELEMENT_TYPE",
+        ),
+        FORMAT,
+    ),
     "mesh_files/vtu.py": {
         "LARGEST_UNPACKED_VTU_SIZE": MEMORY,
         "MOST_VTU_ARRAYS": MEMORY,

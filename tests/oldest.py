@@ -17,7 +17,7 @@ def oldest(data: dict[str, Any]) -> list[str]:
     extras = data["project"]["optional-dependencies"]
     used = [
         line
-        for name in ("distributed", "fields", "manual", "parquet", "dev")
+        for name in ("distributed", "fields", "manual", "med", "parquet", "dev")
         for line in extras[name]
     ]
     wanted = dict.fromkeys([*data["project"]["dependencies"], *used])

@@ -63,7 +63,8 @@ _KEY_MEANINGS_OF_SHOE = {
     "force": "the tables `[[shoe.force]]`: further forces on the shoe",
     "mass": "the mass of shoe and lining, on which weight and rotation act",
     "pattern": "repeats the shoe at equal steps, see below",
-    "mesh": "a mesh file in place of the parametric mesh",
+    "mesh": "a mesh file, of Gmsh, Abaqus, Nastran, Salome or VTK for example, in place of the "
+    "parametric mesh",
     "mesh_unit": "unit of the coordinates in the mesh file",
     "mesh_frame": "whether the mesh has the coordinates of the brake or the shoe's own coordinates",
     "groups": "names or numbers of the groups in the mesh file: `{ lining = 1, contact = "

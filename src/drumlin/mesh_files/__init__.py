@@ -1,4 +1,4 @@
-"""Mesh files: the readers and writers of Gmsh, Abaqus, CalculiX and VTU files.
+"""Mesh files: the readers of Gmsh, Abaqus, VTK, Nastran, MED and universal files, and writers.
 
 The input of this package is a mesh file. Its output is the content of the file: nodes, plane cells
 of one kind, named groups, and notes on what was ignored. The package knows nothing about shoes,

@@ -95,7 +95,7 @@ def _node_groups_by_name(raw: Any) -> dict[str, Ints]:
 def _is_array_marking_group_members(values: Any) -> bool:
     """Whether an array marks the members of one group of cells or nodes: 1 inside, 0 outside."""
     values = np.asarray(values)
-    return values.ndim == 1 and bool(np.isin(values, (0, 1)).all())
+    return _has_one_number_per_member(values) and bool(np.isin(values, (0, 1)).all())
 
 
 def _is_array_of_group_numbers(values: Any) -> bool:
@@ -106,10 +106,18 @@ def _is_array_of_group_numbers(values: Any) -> bool:
     """
     values = np.asarray(values)
     if (
-        values.ndim != 1
+        not _has_one_number_per_member(values)
         or not np.issubdtype(values.dtype, np.number)
         or _is_array_marking_group_members(values)
     ):
         return False
     whole = np.isfinite(values).all() and np.array_equal(values, np.round(values))
     return bool(whole) and len(np.unique(values)) <= MOST_GROUP_NUMBERS_IN_ARRAY
+
+
+def _has_one_number_per_member(values: Any) -> bool:
+    """Whether an array has one number for each cell or node, as a row (n,) or a column (n, 1).
+
+    meshio makes columns of the scalars in legacy VTK files.
+    """
+    return values.ndim == 1 or values.shape[1:] == (1,)

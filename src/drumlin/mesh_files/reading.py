@@ -1,4 +1,4 @@
-"""The reading of mesh files of all formats: Gmsh, Abaqus/CalculiX and VTU."""
+"""The reading of mesh files of all formats: Gmsh, Abaqus, VTK, Nastran, MED and universal files."""
 
 import contextlib
 import io
@@ -15,13 +15,19 @@ from drumlin.base.errors import BadInput, system_message_of_error
 from drumlin.mesh_files.content import read_bytes_of_mesh_file
 from drumlin.mesh_files.content_of_file import MeshFileContent
 from drumlin.mesh_files.inp import read_mesh_from_inp_text
+from drumlin.mesh_files.med import read_mesh_in_med_file
 from drumlin.mesh_files.msh4 import is_text_in_gmsh_format_4, read_mesh_in_gmsh_format_4
+from drumlin.mesh_files.nastran import read_mesh_in_nastran_bulk_data
 from drumlin.mesh_files.of_meshio import content_of_meshio_mesh
 from drumlin.mesh_files.plane_cells import CELL_TYPES_BESIDES_PLANE_CELLS
+from drumlin.mesh_files.unv import read_mesh_in_universal_file
+from drumlin.mesh_files.vtk import check_vtk_file_is_unstructured_and_fits_memory
 from drumlin.mesh_files.vtu import check_decompressed_vtu_size_fits_memory
 
-MESH_FILE_SUFFIXES = (".msh", ".inp", ".vtu")
-"""The suffixes of mesh files that drumlin reads and writes."""
+NASTRAN_FILE_SUFFIXES = (".bdf", ".nas", ".dat")
+"""The suffixes of Nastran bulk data files."""
+MESH_FILE_SUFFIXES = (".msh", ".inp", ".vtu", ".vtk", *NASTRAN_FILE_SUFFIXES, ".med", ".unv")
+"""The suffixes of mesh files that drumlin reads."""
 MOST_NODES_IN_MESH_FILE = 1_000_000
 """Largest number of nodes of a mesh in a file; a file with more nodes is refused to save memory."""
 LARGEST_NODE_NUMBER_IN_FILE = 10_000_000
@@ -50,18 +56,7 @@ def read_content_of_mesh_file(
     BadInput
         for a file that cannot be read, or has too many nodes
     """
-    try:
-        regular = stat.S_ISREG(path.stat().st_mode)
-    except (OSError, ValueError) as error:
-        is_absent = isinstance(error, FileNotFoundError)
-        reason = "" if is_absent else f" ({system_message_of_error(error)})"
-        raise BadInput(f"{fault}: no such file{reason}") from error
-    suffix = path.suffix.lower()
-    if not regular or suffix not in MESH_FILE_SUFFIXES:
-        raise BadInput(
-            f"{fault}: is not a mesh: must be a file whose name ends in "
-            f"{', '.join(MESH_FILE_SUFFIXES)}"
-        )
+    suffix = _suffix_of_mesh_file(path, fault)
     data = read_bytes_of_mesh_file(path)
     if suffix == ".msh":
         _check_node_numbers_fit_memory(path, fault)
@@ -82,6 +77,8 @@ def read_content_of_mesh_file(
         raise BadInput(
             f"{fault}: is not a mesh that can be read (it needs more memory than there is)"
         ) from error
+    except ImportError as error:
+        raise BadInput(f"{fault}: {error}") from error
     # meshio's readers raise errors of many kinds, even SystemExit, which would end the program.
     except (Exception, SystemExit) as error:
         reason = f"{type(error).__name__}: {error}"
@@ -100,6 +97,23 @@ def read_content_of_mesh_file(
     return content
 
 
+def _suffix_of_mesh_file(path: Path, fault: str) -> str:
+    """The suffix of a mesh file in lower case; BadInput for a path that is no mesh file."""
+    try:
+        regular = stat.S_ISREG(path.stat().st_mode)
+    except (OSError, ValueError) as error:
+        is_absent = isinstance(error, FileNotFoundError)
+        reason = "" if is_absent else f" ({system_message_of_error(error)})"
+        raise BadInput(f"{fault}: no such file{reason}") from error
+    suffix = path.suffix.lower()
+    if not regular or suffix not in MESH_FILE_SUFFIXES:
+        raise BadInput(
+            f"{fault}: is not a mesh: must be a file whose name ends in "
+            f"{', '.join(MESH_FILE_SUFFIXES)}"
+        )
+    return suffix
+
+
 def _read_mesh_file_by_its_format(
     path: Path, suffix: str, data: bytes, wanted: Collection[str]
 ) -> MeshFileContent:
@@ -113,9 +127,18 @@ def _read_mesh_file_by_its_format(
         return read_mesh_from_inp_text(data.decode(errors="replace"), path.parent, wanted)
     if suffix == ".msh" and is_text_in_gmsh_format_4(data):
         return read_mesh_in_gmsh_format_4(data.decode(errors="replace"))
+    if suffix in NASTRAN_FILE_SUFFIXES:
+        return read_mesh_in_nastran_bulk_data(data.decode(errors="replace"))
+    if suffix == ".unv":
+        return read_mesh_in_universal_file(data.decode(errors="replace"))
+    if suffix == ".med":
+        return read_mesh_in_med_file(data)
     if suffix == ".vtu":
         check_decompressed_vtu_size_fits_memory(data)
-    return content_of_meshio_mesh(meshio.read(path, "vtu" if suffix == ".vtu" else "gmsh"))
+    if suffix == ".vtk":
+        check_vtk_file_is_unstructured_and_fits_memory(data)
+    format_of_meshio = {".vtu": "vtu", ".vtk": "vtk"}.get(suffix, "gmsh")
+    return content_of_meshio_mesh(meshio.read(path, format_of_meshio))
 
 
 def _check_node_numbers_fit_memory(path: Path, fault: str) -> None:

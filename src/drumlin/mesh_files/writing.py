@@ -10,8 +10,9 @@ from drumlin.base.arrays import Floats, Ints
 from drumlin.base.errors import BadInput
 from drumlin.base.files import temporary_file_replacing_output
 from drumlin.mesh_files.abaqus import write_mesh_as_inp_file
-from drumlin.mesh_files.reading import MESH_FILE_SUFFIXES
 
+WRITTEN_MESH_FILE_SUFFIXES = (".msh", ".inp", ".vtu")
+"""The suffixes of mesh files that drumlin writes."""
 MESHIO_EDGE_OF_CELL = {
     "triangle": "line",
     "triangle6": "line3",
@@ -47,7 +48,7 @@ def write_mesh_to_file(
     BadInput
         for another suffix
     """
-    if path.suffix not in MESH_FILE_SUFFIXES:
+    if path.suffix not in WRITTEN_MESH_FILE_SUFFIXES:
         raise BadInput(
             f"--format = {path.suffix[1:]!r}: unknown format of a mesh; allowed: msh, inp, vtu"
         )

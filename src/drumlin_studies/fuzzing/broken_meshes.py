@@ -11,15 +11,24 @@ import tomllib
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import meshio
 import numpy as np
 
 from drumlin.brake.file import make_drum_brake_from_data
+from drumlin.fem.mesh.arc import mesh_kind_of_scikit_fem_mesh
+from drumlin.fem.mesh.degree import nodal_basis_of_mesh
+from drumlin.fem.mesh.edges import nodes_along_element_edges
 from drumlin.fem.mesh.file import write_shoe_mesh_to_file
 from drumlin.fem.preparation.prepare import make_prepared_model
-from drumlin.mesh_files.reading import MESH_FILE_SUFFIXES
+from drumlin.mesh_files.writing import WRITTEN_MESH_FILE_SUFFIXES
+from drumlin_studies.fuzzing.foreign_meshes import (
+    FIRST_SET_NUMBER_OF_NASTRAN_FILE,
+    mesh_as_nastran_text,
+    mesh_as_universal_text,
+    mesh_as_vtk_text,
+)
 from drumlin_studies.fuzzing.inputs import (
     NAMES_OF_VALID_BRAKE_FILES_TO_BREAK,
     FilesAndCommandLineOfBrokenInput,
@@ -27,8 +36,32 @@ from drumlin_studies.fuzzing.inputs import (
     data_as_toml,
 )
 
-SUFFIXES_OF_BROKEN_MESH_FILES = (".msh", ".inp", ".vtu")
-"""Suffixes of the mesh files that are broken: Gmsh, Abaqus and VTK."""
+SUFFIXES_OF_BROKEN_MESH_FILES = (".msh", ".inp", ".vtu", ".vtk", ".bdf", ".unv")
+"""Suffixes of the mesh files that are broken: Gmsh, Abaqus, both of VTK, Nastran and universal."""
+GROUPS_IN_NASTRAN_FILE = {
+    name: FIRST_SET_NUMBER_OF_NASTRAN_FILE + i
+    for i, name in enumerate(("contact", "hinge", "actuation"))
+}
+"""The key `groups` of a shoe with a Nastran file: the number of each set, by drumlin's name."""
+
+
+class PointsCellsAndGroupsOfMesh(NamedTuple):
+    """A mesh with its groups, as the functions that write mesh files take it.
+
+    Attributes
+    ----------
+    xy : (n, 2) coordinates of the nodes
+    cell : meshio's name of the cells' type
+    cells : (m, k) nodes of each cell in meshio's order
+    subdomains : indices of the cells of each group of cells, by the group's name
+    edges : (2 or 3, k) nodes of the edges of each group of edges, from end to end, by its name
+    """
+
+    xy: Any
+    cell: str
+    cells: Any
+    subdomains: dict[str, Any]
+    edges: dict[str, Any]
 
 
 @cache
@@ -39,10 +72,36 @@ def valid_mesh_files_by_suffix() -> dict[str, bytes]:
     brake = make_drum_brake_from_data(data, unit_required=True)
     mesh = make_prepared_model(brake, elements=6, kind="tri2").bodies[0].mesh
     with tempfile.TemporaryDirectory() as folder:
-        paths = [Path(folder) / f"shoe{suffix}" for suffix in MESH_FILE_SUFFIXES]
+        paths = [Path(folder) / f"shoe{suffix}" for suffix in WRITTEN_MESH_FILE_SUFFIXES]
         for path in paths:
             write_shoe_mesh_to_file(path, mesh, brake.shoes[0])
-        return {path.suffix: path.read_bytes() for path in paths} | {"brake": data_as_toml(data)}
+        files = {path.suffix: path.read_bytes() for path in paths}
+    parts = mesh_parts_in_brake_frame(mesh, brake.shoes[0])
+    files[".vtk"] = mesh_as_vtk_text(*parts).encode()
+    files[".bdf"] = mesh_as_nastran_text(*parts).encode()
+    files[".unv"] = mesh_as_universal_text(*parts).encode()
+    return files | {"brake": data_as_toml(data)}
+
+
+def mesh_parts_in_brake_frame(mesh: Any, shoe: Any) -> PointsCellsAndGroupsOfMesh:
+    """The parts of scikit-fem's mesh of a shoe, as the functions that write mesh files take them.
+
+    They are the nodes (n, 2) in the brake's frame [m], meshio's name of the cells, the nodes (m, k)
+    of the cells, and the elements and the edges of each group by its name. The groups of edges
+    stand in the order of GROUPS_IN_NASTRAN_FILE.
+    """
+    basis = nodal_basis_of_mesh(mesh)
+    edges = {
+        name: nodes_along_element_edges(basis, mesh.boundaries[name])
+        for name in GROUPS_IN_NASTRAN_FILE
+    }
+    return PointsCellsAndGroupsOfMesh(
+        shoe.convert_points_to_brake_frame(basis.doflocs).T,
+        mesh_kind_of_scikit_fem_mesh(mesh).cell,
+        basis.element_dofs.T,
+        mesh.subdomains,
+        edges,
+    )
 
 
 def files_of_brake_with_valid_mesh_file(suffix: str) -> dict[str, bytes]:
@@ -50,6 +109,8 @@ def files_of_brake_with_valid_mesh_file(suffix: str) -> dict[str, bytes]:
     files = valid_mesh_files_by_suffix()
     data = tomllib.loads(files["brake"].decode())
     data["shoe"][0]["mesh"] = f"m{suffix}"
+    if suffix == ".bdf":
+        data["shoe"][0]["groups"] = GROUPS_IN_NASTRAN_FILE
     return {"b.toml": data_as_toml(data), f"m{suffix}": files[suffix]}
 
 

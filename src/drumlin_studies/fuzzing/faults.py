@@ -19,6 +19,7 @@ from drumlin.brake.brake import Brake
 from drumlin.brake.plane_brake import read_drum_or_plane_brake
 from drumlin.studies import FOLDER_OF_INSTALLED_OR_SOURCE_STUDIES_AND_MESHES
 from drumlin_studies.fuzzing.broken_meshes import (
+    SUFFIXES_OF_BROKEN_MESH_FILES,
     files_of_brake_with_valid_mesh_file,
     input_with_mesh_file,
     valid_mesh_files_by_suffix,
@@ -169,14 +170,14 @@ def make_input_with_broken_mesh(rng: random.Random) -> FilesAndCommandLineOfBrok
     lines, or broken bytes. A file .inp may also have lines of WRONG_LINES_APPENDED_TO_INP_FILE.
     """
     files = valid_mesh_files_by_suffix()
-    suffix = rng.choice([".msh", ".inp", ".vtu"])
+    suffix = rng.choice(SUFFIXES_OF_BROKEN_MESH_FILES)
     data = files[suffix]
     undamaged_files: dict[str, bytes] = {}
     what = rng.randrange(6)
     if what == 0:
         data = data[: rng.randrange(len(data))]
     elif what == 1:
-        suffix_of_content = rng.choice([".msh", ".inp", ".vtu"])
+        suffix_of_content = rng.choice(SUFFIXES_OF_BROKEN_MESH_FILES)
         data = files[suffix_of_content]
         undamaged_files = files_of_brake_with_valid_mesh_file(suffix_of_content)
     elif what == 2:

@@ -1,10 +1,10 @@
-"""A shoe's mesh in a file: Gmsh, Abaqus/CalculiX or VTU, with named groups.
+"""A shoe's mesh in a file of a mesher, with named groups.
 
-A named group is a set of cells or edges (Gmsh's physical names, ELSET, SURFACE), a set of nodes
-(NSET), or an array of cells or points that is 1 on the members and 0 elsewhere (VTU). A set of
-nodes stands for those outer edges whose nodes all belong to the set. Names may be in upper or lower
-case. If the file has other names for the groups, or numbers, the key `groups` of a shoe in the
-brake's file tells which name or number stands for which group.
+A named group is a set of cells or edges (Gmsh's physical names, ELSET, SURFACE, a group of MED), a
+set of nodes (NSET, SET1), or an array of cells or points that is 1 on the members and 0 elsewhere
+(VTK). A set of nodes stands for those outer edges whose nodes all belong to the set. Names may be
+in upper or lower case. If the file has other names for the groups, or numbers, the key `groups` of
+a shoe in the brake's file tells which name or number stands for which group.
 """
 
 import dataclasses
