@@ -54,6 +54,9 @@ NOT_TUNED: dict[str, dict[str, str]] = {
         "MAX_NEWTON_STEPS_FOR_STICK_SLIP_STATES": PASSES,
         "MAX_STICK_SLIP_CHANGES_PER_NODE": PASSES,
         "ROUND_OFF_OF_STICK_SLIP_CONDITIONS": ROUND_OFF,
+        "LARGEST_FACTOR_OF_RAISED_FRICTION": PASSES,
+        "FIRST_RATIO_OF_RAISED_FRICTION_FACTORS": "step of a search that adapts",
+        "SMALLEST_RATIO_OF_RAISED_FRICTION_FACTORS": PASSES,
     },
     "fem/preparation/cache.py": {"MOST_BYTES_OF_CACHED_BODIES": MEMORY},
     "fem/preparation/meshes.py": {

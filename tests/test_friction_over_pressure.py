@@ -27,8 +27,12 @@ from drumlin.fem.solve import solve
 from drumlin.peers.peer import mesh_shoes_for_peer_program
 from drumlin.response.balance import relative_imbalance_of_shoe
 from drumlin.response.resultants import integral_of_piecewise_polynomial
+from drumlin.verification.check import PressureCurveOfShoe, compare_curves_with_reference
 from drumlin.verification.reference import (
     MESHES_OF_PUBLISHED_REFERENCE_VALUES,
+    ReferenceValuesOfBrake,
+    ReferenceValuesOfShoe,
+    UncertainValue,
     compute_reference_values,
     solve_brake_for_reference_values,
 )
@@ -597,7 +601,6 @@ def test_a_speed_without_a_table_over_speed_is_refused(brake):
 
 
 REFUSED = {
-    "check": lambda brake: drumlin.check(brake, "no.csv"),
     "explore": SliderSolver,
     "finite width": lambda brake: drumlin.solve(brake, finite_width=True),
     "sine": lambda brake: drumlin.solve(brake, "sine"),
@@ -612,6 +615,47 @@ def test_what_takes_no_friction_over_pressure_names_the_key(brake, name):
     with pytest.raises(BadInput, match=r"friction\.pressure: .* takes no friction") as refused:
         REFUSED[name](over_pressure(brake))
     assert "\n" not in str(refused.value)
+
+
+def test_check_takes_the_friction_at_each_pressure(brake):
+    """A pressure curve is judged by the torque of its friction stress mu(p) p."""
+    table = over_pressure(brake)
+    table = table.model_copy(update={"shoes": table.shoes[:1]})
+    (shoe,) = drumlin.solve(table, elements=12).shoes
+    lining, unknown = table.shoes[0].lining, UncertainValue(0.0, 0.0)
+    theta = np.linspace(lining.start, lining.end, 2001)
+    p = shoe.pressure_at(theta)
+    known = ReferenceValuesOfShoe(
+        name=shoe.name,
+        torque=UncertainValue(shoe.torque, 0.0),
+        contact_force=unknown,
+        hinge_reaction=unknown,
+        peak_pressure=UncertainValue(float(p.max()), 0.0),
+        contact_arcs=unknown,
+        ends=(lining.start, lining.end),
+        edge=0.0,
+        theta=theta,
+        pressure=p,
+        uncertainty=0 * p,
+        distance=0.0,
+    )
+    text = brake_file_text(table)
+    brake_known = ReferenceValuesOfBrake("", text, "", "", {}, known.torque, (known,))
+    (same,) = compare_curves_with_reference(
+        table, brake_known, {shoe.name: PressureCurveOfShoe(theta, p)}
+    )
+    # The solver interpolates the friction stress between the nodes of its coarse elements.
+    assert same.torque == pytest.approx(shoe.torque, rel=1e-3)
+    assert same.torque_error == 0
+    (more,) = compare_curves_with_reference(
+        table, brake_known, {shoe.name: PressureCurveOfShoe(theta, 1.2 * p)}
+    )
+    columns = [0.0, 1e6], FALLING["mu"]
+    added = 1.2 * p * np.interp(1.2 * p, *columns) - p * np.interp(p, *columns)
+    expected = lining.width * table.size**2 * np.trapezoid(added, theta) / shoe.torque
+    # The comparison leaves out the last of the 2001 angles, at the end of the lining.
+    assert more.torque_error == pytest.approx(expected, rel=1e-3)
+    assert more.torque_error < 0.19
 
 
 def test_solve_compare_and_size_say_what_they_leave_out(brake):

@@ -20,7 +20,9 @@ from anchored_shoes import (
     shoe_equations,
 )
 from drumlin.base.errors import BadInput, NoAnswer
+from drumlin.brake.brake import Brake
 from drumlin.brake.file import make_drum_brake_from_data, vary
+from drumlin.contact import stick_slip
 from drumlin.fem.analysis import holding
 from drumlin.fem.analysis.prepared import prepared_model_for_hold_wear_or_sensitivity
 from drumlin.fem.analysis.self_locking import (
@@ -220,6 +222,89 @@ def test_a_shoe_that_no_support_holds_is_refused() -> None:
         options = {"elements": 12} if model == "fem" else {}
         with pytest.raises(NoAnswer, match="on no choice of its one-sided supports do pushes"):
             drumlin.solve(brake, model, **options)
+
+
+def duo_servo_with_clearances(
+    spin: int, mu: float, half: tuple[float, float], right: float, left: float, order: int = 1
+) -> Brake:
+    """A duo-servo brake whose anchors have clearances [m] to the right and to the left shoe."""
+    clearances = {"shoe.right.anchor[0].clearance": right, "shoe.left.anchor[0].clearance": left}
+    return vary(duo_servo(spin, mu, half, order=order), clearances)
+
+
+FLOATING_DUO_SERVO = duo_servo_with_clearances(1, 0.228, (0.503, 0.631), 2e-5, 1.5e-4)
+
+
+@pytest.mark.parametrize(
+    ("brake", "elements", "steps"),
+    [
+        (duo_servo_with_clearances(1, 0.078, (0.913, 0.582), 0.0, 5e-5, -1), 9, 1),
+        (duo_servo_with_clearances(-1, 0.2, (0.73, 0.8), 1.5e-4, 1.5e-4), 8, 2),
+        (FLOATING_DUO_SERVO, 10, 13),
+    ],
+)
+def test_shoes_that_float_at_rest_hold_with_the_torque_of_solve(
+    brake: Brake, elements: int, steps: int
+) -> None:
+    """At rest only friction keeps the shoes from turning about the drum's centre.
+
+    Cylinder and strut push both shoes alike, so that no anchor bears and the moment is zero.
+    """
+    states = drumlin.hold(brake, elements=elements, steps=steps).states
+    torque = drumlin.solve(brake, elements=elements).torque
+    assert states[-1].torque == pytest.approx(torque, rel=1e-7)
+    assert states[-1].sticking == 0
+    assert states[0].torque == pytest.approx(0.0, abs=1e-9 * torque)
+    assert states[0].sticking > 0
+
+
+@pytest.mark.parametrize("clearance", (0.0, 1e-4))
+def test_a_rigid_duo_servo_holds_as_it_slides(clearance: float) -> None:
+    brake = duo_servo_with_clearances(1, 0.1, FULL, clearance, clearance)
+    rigid_limit = {"penalty": 1e-10, "elements": 6}
+    expected = drumlin.solve(brake, model_error=False, **rigid_limit).torque
+    for steps in (1, 3):
+        end = drumlin.hold(brake, steps=steps, **rigid_limit).states[-1]
+        assert end.torque == pytest.approx(expected, rel=1e-9)
+
+
+def test_a_path_of_solutions_ends_in_a_solution_or_is_refused(monkeypatch) -> None:
+    """One path led to a shoe inside its anchor, or to a slip against the friction."""
+    ends = []
+    follow = stick_slip._follow_stick_slip_states_to_true_load
+
+    def refuse(*_):
+        raise NoAnswer("not converged")
+
+    def follow_and_keep_violations(system, state, *, from_wide_gaps):
+        ends.append(None)
+        end = follow(system, state, from_wide_gaps=from_wide_gaps)
+        _, violated = stick_slip._solution_and_violated_conditions(system, end.state)
+        ends[-1] = int(np.count_nonzero(violated))
+        return end
+
+    for method in ("newton", "lowering_friction", "slowed_newton"):
+        monkeypatch.setattr(stick_slip, f"_find_stick_slip_states_by_{method}", refuse)
+    monkeypatch.setattr(
+        stick_slip, "_follow_stick_slip_states_to_true_load", follow_and_keep_violations
+    )
+    brake = duo_servo_with_clearances(1, 0.12, (0.693, 0.51), 5e-5, 0.0)
+    with pytest.raises(NoAnswer, match="the drum at rest"):
+        drumlin.hold(brake, elements=8, steps=1)
+    assert ends
+    assert set(ends) <= {None, 0}
+
+
+def test_most_states_up_to_the_default_rotation_lie_before_full_slip() -> None:
+    """The moment does not grow before the drum has carried the shoes to the anchor.
+
+    The extrapolation of the moment went to 11 times the rotation to full slip.
+    """
+    brake = duo_servo_with_clearances(-1, 0.2, (0.73, 0.8), 1.5e-4, 1.5e-4)
+    states = drumlin.hold(brake, elements=8, steps=10).states
+    sticking = [at.sticking > 0 for at in states]
+    assert sticking[-1] is False
+    assert sticking[:8] == [True] * 8
 
 
 @pytest.mark.parametrize("increments", (5, 10))

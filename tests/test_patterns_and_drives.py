@@ -150,6 +150,14 @@ def test_wedge_return_spring_threshold_and_efficiency() -> None:
     assert cylinder == pytest.approx(0.96 * 4.8e6 * math.pi * 1e-4, rel=1e-12)
 
 
+def test_an_efficiency_above_one_is_asked_about() -> None:
+    with pytest.raises(BadInput, match=r"efficiency = 75: must be less.*; did you mean '75 %'\?"):
+        force_of_drive(pressure=5e6, diameter=0.02, efficiency=75)
+    for wrong in (750, "much", True, [1]):
+        with pytest.raises(BadInput, match=r"efficiency.*: must be (?!.*did you mean)"):
+            force_of_drive(pressure=5e6, diameter=0.02, efficiency=wrong)
+
+
 @pytest.mark.parametrize(
     ("drive", "text"),
     [

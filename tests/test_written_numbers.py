@@ -11,7 +11,7 @@ from drumlin.base.written_numbers import number_from_text_as_people_write_it
 from drumlin.brake.drum_brake import DrumBrake
 from drumlin.brake.file import make_drum_brake_from_data, read_brake, vary
 from drumlin.brake.schema import PATTERN_OF_QUANTITY_TEXT
-from drumlin.brake.units import quantity_in_si
+from drumlin.brake.units import quantity_in_si, quantity_with_usual_unit
 from drumlin.sweeps.file import sweep_from_file_data
 from drumlin.verification.check import read_pressure_curves
 
@@ -100,11 +100,24 @@ def test_quantities_are_read_as_people_write_them(si, text, value):
         ("rad", "55 Grad", "'Grad' may be degrees or gons; write 'deg' or 'gon'"),
         ("m", "2 Nm", "must be a length"),
         ("N m", "2 N/m", "must be a torque"),
+        ("rad/s", "10 1/s", "must be an angular speed such as '1500 rpm'"),
     ],
 )
 def test_quantities_in_doubt_are_refused_with_their_cause(si, text, words):
     with pytest.raises(ValueError, match=re.escape(words)):
         quantity_in_si(text, si, unit_required=True)
+
+
+@pytest.mark.parametrize(
+    "text", ["600 1/min", "600 1 / min", "600 min^-1", "600 min⁻¹", "600 U/min", "10 Hz", "600 rpm"]
+)
+def test_rotational_speeds_are_read_as_revolutions(text):
+    speed = quantity_in_si(text, "rad/s", unit_required=True)
+    assert speed == pytest.approx(2 * math.pi * 10, rel=1e-15)
+
+
+def test_spring_rates_are_printed_in_the_unit_of_brake_files():
+    assert quantity_with_usual_unit(20e3, "N/m") == "20 N/mm"
 
 
 def test_pure_numbers_are_read_as_text_and_in_per_cent(brake):

@@ -1213,7 +1213,6 @@ def check(
     ...     print(fault)
     tolerance = 2: must be greater than 0 and less than 1
     """
-    from drumlin.brake.friction import require_friction_independent_of_pressure
     from drumlin.studies import FOLDER_OF_INSTALLED_OR_SOURCE_STUDIES_AND_MESHES
     from drumlin.verification.check import compare_curves_with_reference as verdicts_on
     from drumlin.verification.check import read_pressure_curves
@@ -1227,8 +1226,6 @@ def check(
     if not 0 < allowed < 1:
         raise BadInput(f"--tolerance = {allowed:g}: must be greater than 0 and less than 1")
     source = _brake_with_text_of_its_file(brake)
-    # A missing reference takes minutes, so that the refusal comes before it.
-    require_friction_independent_of_pressure(source.brake, "check")
     curves = read_pressure_curves(Path(result), source.brake)
     # Stored values are searched in the brake file's folder, in the reports of the current folder
     # and among drumlin's own values, in this order.

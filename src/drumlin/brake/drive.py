@@ -12,7 +12,7 @@ import math
 from collections.abc import Collection
 from typing import Annotated, Any, Self
 
-from pydantic import Field, model_validator
+from pydantic import BeforeValidator, Field, model_validator
 
 from drumlin.brake.components import Actuation
 from drumlin.brake.fields import (
@@ -28,7 +28,20 @@ from drumlin.brake.fields import (
 )
 from drumlin.brake.support import SupportedShoe
 
-DriveEfficiency = Annotated[float, Field(gt=0, le=1, strict=True), PURE_NUMBER_VALIDATOR]
+
+def _check_efficiency_is_no_number_of_percent(efficiency: object) -> object:
+    """Raise ValueError for an efficiency of up to 100, which may be meant in per cent."""
+    if isinstance(efficiency, int | float) and 1 < efficiency <= 100:
+        raise ValueError(f"must be less than or equal to 1; did you mean '{efficiency:g} %'?")
+    return efficiency
+
+
+DriveEfficiency = Annotated[
+    float,
+    Field(gt=0, le=1, strict=True),
+    BeforeValidator(_check_efficiency_is_no_number_of_percent),
+    PURE_NUMBER_VALIDATOR,
+]
 """The type of the efficiency of a drive, a number above 0 and up to 1."""
 
 

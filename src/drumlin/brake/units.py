@@ -106,10 +106,25 @@ FACTORS_OF_COMMON_UNITS_BY_SI_UNIT = {
     "1/K": {"1/K": 1.0, "1/degC": 1.0, "1/°C": 1.0, "um/(m K)": 1e-6},
 }
 
+_RADIANS_PER_SECOND_BY_UNIT_OF_REVOLUTIONS = {
+    "1/min": math.pi / 30,
+    "min^-1": math.pi / 30,
+    "U/min": math.pi / 30,
+    "rev/min": math.pi / 30,
+    "Hz": 2 * math.pi,
+}
+"""Angular speeds [rad/s] of one revolution per minute or second, by units without blanks.
+
+European data sheets state rotational speeds in these units (ISO 80000-3, rotational frequency). The
+package pint would take them for angular speeds of one radian. The unit 1/s is refused, because it
+may be a revolution or a radian per second.
+"""
+
 PRINTED_UNIT_AND_FACTOR_BY_SI_UNIT = {
     "m": ("mm", 1e3),
     "rad": ("deg", math.degrees(1)),
     "Pa": ("MPa", 1e-6),
+    "N/m": ("N/mm", 1e-3),
 }
 """Units in which quantities are printed, by SI unit, each with the factor from the SI unit."""
 
@@ -148,6 +163,10 @@ def _si_factor_of_unit(unit: str, si: str) -> float:
     Raises ValueError if `unit` is unknown or has another dimension than `si`.
     """
     common = FACTORS_OF_COMMON_UNITS_BY_SI_UNIT.get(si, {}).get(unit.strip())
+    if common is None and si == "rad/s":
+        common = _RADIANS_PER_SECOND_BY_UNIT_OF_REVOLUTIONS.get(
+            unit.replace(" ", "").replace("**", "^")
+        )
     return _si_factor_of_unit_by_pint(unit.strip(), si) if common is None else common
 
 

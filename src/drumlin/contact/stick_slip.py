@@ -26,14 +26,17 @@ In a step of Newton's method an open node that closes may also stick at once.
 
 An increment is therefore one piecewise linear equation (Klarbring 1986; Alart & Curnier 1991).
 Newton's method solves this equation; in each step all nodes that violate a condition change their
-state. If Newton's method cycles, a path of solutions is followed (a continuation method): the load
-changes from one that the present states balance to the true load, and one node changes at a time
-(Lemke 1965; Eaves 1976).
+state. If Newton's method cycles, it solves the increment at raised friction first, where fewer
+nodes slip, and then at friction that is lowered to its true value. If this method fails too, a path
+of solutions is followed (a continuation method): the load changes from one that the present states
+balance to the true load, and one node changes at a time (Lemke 1965; Eaves 1976).
 
 The history (t_0, s_0) is an input. The functions of this module do not change the history. The
 caller passes the converged increment on as the history of the next one.
 """
 
+import math
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -71,6 +74,27 @@ ROUND_OFF_OF_STICK_SLIP_CONDITIONS = 1e-10
 The state is open, stick or slip. Each condition says that some quantity is positive, for example mu
 p - t at a sticking node. The amount covers round-off; it is relative to the largest pressure or
 traction, or the largest gap or slip, of all nodes.
+"""
+
+LARGEST_FACTOR_OF_RAISED_FRICTION = 256.0
+"""Largest factor by which friction is raised in the search for the states of an increment.
+
+The search first raises the friction coefficients of all nodes until Newton's method converges, and
+then lowers them to their true values. For 884 increments of duo-servo brakes whose anchors have
+clearances, factors up to 8 were enough. With a larger limit, an increment without a solution is
+only refused later.
+"""
+
+FIRST_RATIO_OF_RAISED_FRICTION_FACTORS = math.sqrt(2)
+"""Ratio of two successive factors by which friction is raised and then lowered.
+
+If Newton's method does not converge at the lower friction, the square root of the ratio is tried.
+"""
+
+SMALLEST_RATIO_OF_RAISED_FRICTION_FACTORS = 1.001
+"""Ratio of two successive factors of raised friction below which the search for states fails.
+
+With a smaller ratio, an increment without a solution is only refused later.
 """
 
 
@@ -157,13 +181,14 @@ def solve_stick_slip_load_increment(
     Raises
     ------
     NoAnswer
-        if neither Newton's method nor a path of solutions converges; the paths begin at the given
-        states and at wide gaps
+        if neither Newton's method nor a path of solutions converges; the friction is raised and
+        lowered, and the paths begin at the given states and at wide gaps
     """
     system, scales = _scaled_increment_equations_and_factors(problem, mu, history)
     # The methods are tried in this order, the fastest first, until one converges.
     for method in (
         _find_stick_slip_states_by_newton,
+        _find_stick_slip_states_by_lowering_friction,
         _find_stick_slip_states_from_balanced_load,
         _find_stick_slip_states_from_widened_gaps,
         _find_stick_slip_states_by_slowed_newton,
@@ -334,11 +359,20 @@ def _solution_and_violated_conditions(
     """
     equations = _IncrementEquationsForGivenStates(system, state)
     point = equations.solve_increment_under_loads(system.q, system.h)
+    return point, _conditions_violated_beyond_round_off(system, equations, point)
+
+
+def _conditions_violated_beyond_round_off(
+    system: _ScaledIncrementEquations,
+    equations: _IncrementEquationsForGivenStates,
+    solution: _ScaledIncrementSolution,
+) -> Bools:
+    """The conditions (2, n) of the nodes' states that a solution violates beyond round-off."""
     round_off = (
         ROUND_OFF_OF_STICK_SLIP_CONDITIONS
-        * _sizes_to_which_round_off_of_margins_is_relative(system, equations, point)
+        * _sizes_to_which_round_off_of_margins_is_relative(system, equations, solution)
     )
-    return point, equations.distances_of_nodes_from_their_two_state_changes(point) < -round_off
+    return equations.distances_of_nodes_from_their_two_state_changes(solution) < -round_off
 
 
 def _find_stick_slip_states_by_slowed_newton(
@@ -348,9 +382,8 @@ def _find_stick_slip_states_by_slowed_newton(
 
     While the number of wrong states does not fall, only the wrong node with the highest number
     changes its state in a step (block principal pivoting, Judice and Pires 1994, Computers and
-    Operations Research 21, page 587, with the single changes of Murty). Shoes on anchors need this:
-    where all nodes change at once, they may all slip, and the shoes turn with the drum until an
-    anchor stops them.
+    Operations Research 21, page 587, with the single changes of Murty). A drum that is turned in a
+    few increments by many times the rotation to full slip needs this method.
     """
     state, fewest = start, 3 * len(start)
     for step in range(1, MAX_STICK_SLIP_CHANGES_PER_NODE * len(start) + 1):
@@ -387,6 +420,62 @@ def _find_stick_slip_states_by_newton(
         if patience < 0:
             break
         state = _next_stick_slip_states_by_newton(system, state, point, outside)
+    raise NoAnswer("not converged: stick and slip do not settle")
+
+
+class _StatesAtRaisedFriction(NamedTuple):
+    """The factor by which the friction of all nodes is raised, and the states found with it."""
+
+    factor: float
+    found: _StickSlipStatesAndSolutionOfIncrement
+
+
+def _find_stick_slip_states_by_lowering_friction(
+    system: _ScaledIncrementEquations, start: Ints
+) -> _StickSlipStatesAndSolutionOfIncrement:
+    """Find the states of the nodes at raised friction, and follow them down to the true friction.
+
+    The shoes of a resting duo-servo brake that have not come to an anchor need this method: only
+    the sticking nodes keep the shoes from turning with the drum. If Newton's method changes all
+    nodes at once, it may let all of them slip, and no equilibrium is left.
+
+    `start` (n,) are the states of the first step. Raises NoAnswer if Newton's method converges at
+    no raised friction, or if it loses the states on the way down.
+    """
+    factor, found = _states_at_lowest_raised_friction_at_which_newton_converges(system, start)
+    ratio, steps = FIRST_RATIO_OF_RAISED_FRICTION_FACTORS, found.steps
+    while factor > 1:
+        lower = max(1.0, factor / ratio)
+        try:
+            found = _find_stick_slip_states_by_newton(
+                system._replace(mu=lower * system.mu), found.state
+            )
+        except NoAnswer:
+            ratio = math.sqrt(ratio)
+            if ratio < SMALLEST_RATIO_OF_RAISED_FRICTION_FACTORS:
+                raise
+            continue
+        factor, steps = lower, steps + found.steps
+    return found._replace(steps=steps)
+
+
+def _states_at_lowest_raised_friction_at_which_newton_converges(
+    system: _ScaledIncrementEquations, start: Ints
+) -> _StatesAtRaisedFriction:
+    """The lowest raised friction at which Newton's method converges, and the states found there.
+
+    Newton's method begins with all nodes sticking that have friction, or with the states `start`
+    (n,). Raises NoAnswer if it does not converge up to LARGEST_FACTOR_OF_RAISED_FRICTION.
+    """
+    all_stick = np.where(system.mu > 0, STICK, start)
+    factor = FIRST_RATIO_OF_RAISED_FRICTION_FACTORS
+    while factor < LARGEST_FACTOR_OF_RAISED_FRICTION:
+        raised = system._replace(mu=factor * system.mu)
+        for first in (all_stick, start):
+            with suppress(NoAnswer):
+                found = _find_stick_slip_states_by_newton(raised, first)
+                return _StatesAtRaisedFriction(factor, found)
+        factor *= FIRST_RATIO_OF_RAISED_FRICTION_FACTORS
     raise NoAnswer("not converged: stick and slip do not settle")
 
 
@@ -498,7 +587,8 @@ def _follow_stick_slip_states_to_true_load(
     a margin. With `from_wide_gaps` the gap of each open node is widened by such a margin. Between
     two changes of state the solution is linear in r. One node changes at a time. The path may turn,
     so that r grows again. Returns the states at r = 0 with their solution. Raises NoAnswer if the
-    path does not reach r = 0 within MAX_STICK_SLIP_CHANGES_PER_NODE changes per node.
+    path does not reach r = 0 within MAX_STICK_SLIP_CHANGES_PER_NODE changes per node, or if the
+    solution at r = 0 violates the conditions of the states.
     """
     state, r, direction, node, edge = state.copy(), 1.0, -1.0, -1, 0
     equations = _IncrementEquationsForGivenStates(system, state)
@@ -519,6 +609,10 @@ def _follow_stick_slip_states_to_true_load(
         met = _next_stick_slip_state_change_on_path(value, change, r, direction)
         node, edge = met.node, met.number_of_reached_condition
         if direction < 0 and met.load_change >= r:
+            # Where the equations were nearly singular on the way, the path may end in states whose
+            # conditions the solution violates.
+            if _conditions_violated_beyond_round_off(system, equations, point).any():
+                break
             return _StickSlipStatesAndSolutionOfIncrement(state, point, passed)
         if not np.isfinite(met.load_change):
             break

@@ -19,7 +19,6 @@ from drumlin.base.tables import (
 from drumlin.base.texts import error_text_in_percent, number_as_text
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.brake.file import first_key_in_which_two_brakes_differ
-from drumlin.brake.friction import require_friction_independent_of_pressure
 from drumlin.brake.plane_brake import read_drum_or_plane_brake
 from drumlin.brake.surface import FRICTION_SURFACE_OF_DRUM, FrictionSurface
 from drumlin.brake.units import LARGEST_ALLOWED_NUMBER_IN_SI, quantity_in_si
@@ -356,13 +355,16 @@ def _deviation_of_pressure_curve_from_reference(
     # The curve is interpolated linearly to the angles of the reference.
     off = np.interp(theta, *curve) - p
     worst = int(np.abs(off).argmax())
-    require_friction_independent_of_pressure(brake, "check")
-    # The torque is mu b R^2 times the integral of p over theta; `lever` is the factor mu b R^2.
-    mu = brake.friction_coefficient_of_shoe_at_zero_pressure(spec)
-    lever = mu * spec.lining.width * brake.length_per_surface_coordinate**2
+    # The torque is b R^2 times the integral of the friction stress mu(p) p over theta; `lever` is
+    # the factor b R^2.
+    lever = spec.lining.width * brake.length_per_surface_coordinate**2
+    stress_off = _friction_stress_of_shoe(brake, spec, p + off) - _friction_stress_of_shoe(
+        brake, spec, p
+    )
     pieces = _slices_of_angles_on_each_lining(spec, theta)
-    force_off = math.fsum(float(np.trapezoid(off[own], theta[own])) for own in pieces)
+    force_off = math.fsum(float(np.trapezoid(stress_off[own], theta[own])) for own in pieces)
     torque_off, torque = abs(lever * force_off), known.torque.value
+    stress = curve._replace(p=_friction_stress_of_shoe(brake, spec, curve.p))
     return DeviationOfCurveFromReference(
         shoe=known.name,
         distance=_difference_over_size_or_infinity(
@@ -372,11 +374,17 @@ def _deviation_of_pressure_curve_from_reference(
             abs(float(off[worst])), known.peak_pressure.value
         ),
         at=_angle_or_place_in_words_with_unit(spec, float(theta[worst])),
-        torque=lever * _integral_of_pressure_over_theta_on_linings(spec, curve),
+        torque=lever * _integral_of_stress_over_theta_on_linings(spec, stress),
         torque_error=torque_off / torque if torque else 0.0,
         reference_pressure_uncertainty=known.distance,
         reference_torque_uncertainty=known.torque.relative_uncertainty,
     )
+
+
+def _friction_stress_of_shoe(brake: Brake, shoe: Shoe, p: Floats) -> Floats:
+    """The friction stress mu(p) p [Pa] of a sliding shoe at pressures p (n,) on its lining."""
+    curve = brake.friction_coefficient_curve_of_shoe(shoe)
+    return curve.friction_coefficients_at_pressures(p) * p
 
 
 def _difference_over_size_or_infinity(difference: float, size: float) -> float:
@@ -393,18 +401,20 @@ def _slices_of_angles_on_each_lining(shoe: Shoe, theta: Floats) -> list[slice]:
     return slices
 
 
-def _integral_of_pressure_over_theta_on_linings(shoe: Shoe, curve: PressureCurveOfShoe) -> float:
-    """The integral of p over theta along all linings [Pa rad], by the trapezoidal rule.
+def _integral_of_stress_over_theta_on_linings(shoe: Shoe, curve: PressureCurveOfShoe) -> float:
+    """The integral of a stress over theta along all linings [Pa rad], by the trapezoidal rule.
+
+    `curve` has the friction stress in place of the pressure.
 
     The points of the rule are the curve's points inside each lining, and the two ends of the
-    lining. At an end beside a slot the pressure is that of the lining's nearest point. A lining
-    without a point counts as a lining without pressure.
+    lining. At an end beside a slot the stress is that of the lining's nearest point. A lining
+    without a point counts as a lining without stress.
     """
     total = 0.0
     slots = shoe.lining.slots
     slices = _slices_of_angles_on_each_lining(shoe, curve.theta)
     for k, ((start, end), own) in enumerate(zip(shoe.lining.arcs, slices, strict=True)):
-        # Points beyond the outer ends of all linings help to interpolate the pressure at the ends.
+        # Points beyond the outer ends of all linings help to interpolate the stress at the ends.
         near = slice(own.start if k else 0, own.stop if k < len(slots) else None)
         at, p = curve.theta[near], curve.p[near]
         if len(at):

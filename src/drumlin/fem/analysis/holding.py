@@ -100,7 +100,8 @@ The rotation at which all nodes slip depends on the increments, and may be large
 computation with other increments. With half of this fraction some linings on a pivot then still
 stick at a few nodes. With a larger fraction, a table of states up to this rotation has fewer rows
 before full slip. Each increment of the search is between MARGIN_OF_FULL_SLIP_ROTATION and
-1/MARGIN_OF_FULL_SLIP_ROTATION times the rotation reached so far.
+1/MARGIN_OF_FULL_SLIP_ROTATION times the rotation reached so far. The search then narrows the
+rotation down to this fraction above a rotation without full slip.
 """
 MOST_INCREMENTS_OF_FULL_SLIP_SEARCH = 100
 """Number of increments of rotation after which the search for full slip fails as not converged."""
@@ -959,24 +960,19 @@ def _find_drum_rotation_of_full_slip_of_group(
     increment, reached = held.rest, 0.0
     step, n = FIRST_ROTATION_OF_FULL_SLIP_SEARCH, held.number_of_lining_nodes
     for _ in range(MOST_INCREMENTS_OF_FULL_SLIP_SEARCH):
-        before = held.torque(increment)
-        *_, increment = held.turn_drum_from_start_to_end_rotation(
-            increment, reached, reached + step
-        )
-        torque, reached = held.torque(increment), reached + step
-        if np.isin(increment.state[:n], [OPEN, slipping]).all():
-            # The friction of a sticking foot depends on whether the force is applied before the
-            # drum turns, so that the moment may differ from the target.
-            springs = 0 if held.springs is None else len(held.springs.numbers)
-            has_feet = len(increment.state) > n + springs
-            if has_feet or math.isclose(
-                torque, target, rel_tol=LARGEST_TORQUE_DIFFERENCE_OF_SAME_EQUILIBRIUM
-            ):
-                return reached
+        last, before = increment, held.torque(increment)
+        *_, increment = held.turn_drum_from_start_to_end_rotation(last, reached, reached + step)
+        torque = held.torque(increment)
+        if _do_touching_nodes_of_linings_slip(held, increment, slipping):
+            if _is_moment_of_full_slip_as_by_solve(held, increment, target):
+                return _narrow_rotation_of_full_slip(
+                    held, last, (reached, reached + step), target, slipping
+                )
             raise NoAnswer(
                 f"more than one answer: held it comes to slip everywhere at {torque:.5g} N m, "
                 f"at once it slides at {target:.5g} N m"
             )
+        reached += step
         # By linear extrapolation the missing moment needs another rotation of `lacking` times the
         # last step.
         lacking = (target - torque) / (torque - before) if torque > before else math.inf
@@ -990,6 +986,63 @@ def _find_drum_rotation_of_full_slip_of_group(
         f"{sticking} of {n} nodes still stick, "
         f"at {torque:.5g} of the sliding drum's {target:.5g} N m"
     )
+
+
+def _do_touching_nodes_of_linings_slip(
+    held: _LoadedGroupAtRest, increment: StickSlipIncrementSolution, slipping: int
+) -> bool:
+    """Whether all touching nodes of the linings have the state `slipping`, FORWARD or BACKWARD."""
+    states = increment.state[: held.number_of_lining_nodes]
+    return bool(np.isin(states, [OPEN, slipping]).all())
+
+
+def _is_moment_of_full_slip_as_by_solve(
+    held: _LoadedGroupAtRest, increment: StickSlipIncrementSolution, target: float
+) -> bool:
+    """Whether the moment at full slip is the moment `target` [N m] by `solve`, or may differ.
+
+    The friction of a sticking foot depends on whether the force is applied before the drum turns,
+    so that the moment of a brake with rough abutments may differ.
+    """
+    springs = 0 if held.springs is None else len(held.springs.numbers)
+    has_feet = len(increment.state) > held.number_of_lining_nodes + springs
+    return has_feet or math.isclose(
+        held.torque(increment), target, rel_tol=LARGEST_TORQUE_DIFFERENCE_OF_SAME_EQUILIBRIUM
+    )
+
+
+def _narrow_rotation_of_full_slip(
+    held: _LoadedGroupAtRest,
+    increment: StickSlipIncrementSolution,
+    rotations: tuple[float, float],
+    target: float,
+    slipping: int,
+) -> float:
+    """Find a rotation of the drum [rad] at which the touching nodes have just come to slip.
+
+    It is larger than a rotation without full slip by a fraction MARGIN_OF_FULL_SLIP_ROTATION at
+    most. While a shoe moves through the clearance of its anchor, the moment hardly grows. The
+    extrapolation of the moment then leads far beyond the rotation to full slip.
+
+    Parameters
+    ----------
+    held : the group under the full force
+    increment : the converged increment at the first of two `rotations` [rad]
+    rotations : a rotation before full slip, and a larger one at full slip
+    target, slipping : moment [N m] and state of the nodes at full slip
+    """
+    before, full = rotations
+    # The small addition keeps round-off from asking for a narrower range than the search leaves.
+    while full - before > MARGIN_OF_FULL_SLIP_ROTATION * before * (1 + 1e-9) and before > 0:
+        middle = math.sqrt(before * full)
+        *_, found = held.turn_drum_from_start_to_end_rotation(increment, before, middle)
+        if _do_touching_nodes_of_linings_slip(
+            held, found, slipping
+        ) and _is_moment_of_full_slip_as_by_solve(held, found, target):
+            full = middle
+        else:
+            before, increment = middle, found
+    return full
 
 
 # The following functions convert the states to plain data for JSON.
