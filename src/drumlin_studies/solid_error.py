@@ -117,6 +117,13 @@ CUTS_OF_FIRST_PIECE_ACROSS_TRUTH_WIDTH = 3
 All other pieces are divided into three. On three random brakes ("free" 510030, 510032, 510038) the
 steps of finer pieces of a solve come within 0.08 to 0.17 % of the pressures of these pieces.
 """
+MOST_CONTACT_NODES_OF_TRUTH = 6500
+"""Largest number of nodes of a shoe's contact face in the solves of a truth.
+
+By `prepare.MATRICES_OF_CONTACT_NODES` a shoe with so many nodes takes 2.7 GB while it is condensed.
+With the smaller limit of other solves (`prepare.MOST_NODES_OF_CONTACT_FACE`) those brakes would
+have no truth that need the finest elements.
+"""
 STEEL_DATA_OF_TABLES_AND_WEBS = {"E": 210e9, "nu": 0.3}
 """Material of tables and webs of the "built" shoes: Young's modulus [Pa] and Poisson's ratio."""
 RANGE_OF_TABLE_THICKNESS_OVER_LINING_WIDTH = (1 / 30, 1 / 8)
@@ -331,7 +338,9 @@ def response_with_fine_pieces_across_width(
     degree : degree of the functions across the width, in each of their pieces
     """
     fine = partial(functions_across_width_on_fine_pieces, degree=degree)
-    return solve_cross_section_mesh_with_width_degree(brake, level, fine, solve(brake)).response
+    return solve_cross_section_mesh_with_width_degree(
+        brake, level, fine, solve(brake), most_contact_nodes=MOST_CONTACT_NODES_OF_TRUTH
+    ).response
 
 
 def response_plus_difference_of_two_others(
@@ -398,16 +407,19 @@ def reference_solution_for_solid_solve(
     finer = REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[
         min(number + 1, len(REFINEMENT_LEVELS_FROM_COARSE_TO_FINE) - 1)
     ]
+    answer = partial(
+        solve_cross_section_mesh_with_width_degree,
+        brake,
+        most_contact_nodes=MOST_CONTACT_NODES_OF_TRUTH,
+    )
     steps = []
     for degree in (
         DEGREE_ACROSS_WIDTH_IN_SECOND_PART_OF_TRUTH,
         DEGREE_ACROSS_WIDTH_IN_SECOND_PART_OF_TRUTH - 1,
     ):
         once = partial(functions_across_width_on_fine_pieces, degree=degree, cuts=1)
-        start = solve_cross_section_mesh_with_width_degree(
-            brake, REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[0], once, found
-        ).response
-        end = solve_cross_section_mesh_with_width_degree(brake, finer, once, start).response
+        start = answer(REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[0], once, found).response
+        end = answer(finer, once, start).response
         steps.append((start, end))
     fine, lower = (
         response_with_fine_pieces_across_width(
