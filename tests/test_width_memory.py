@@ -13,6 +13,7 @@ import drumlin.fem.hp.element as hp_element
 import drumlin.fem.width.columns as width_columns
 import drumlin.fem.width.prepare as width_prepare
 import drumlin.fem.width.shoe as width_shoe
+from drumlin.base.errors import NoAnswer
 from drumlin.fem.error_control.levels import REFINEMENT_LEVELS_FROM_COARSE_TO_FINE
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.width.functions import (
@@ -20,6 +21,7 @@ from drumlin.fem.width.functions import (
     functions_across_width_of_shoe,
     piece_ends_across_half_width_of_shoe,
 )
+from drumlin.fem.width.ladder import solve_cross_section_mesh_with_width_degree
 from drumlin.fem.width.prepare import (
     memory_bytes_of_condensation_on_divisions,
     prepare_model_with_shoe_widths,
@@ -139,6 +141,18 @@ def test_a_face_with_too_many_nodes_would_take_any_memory(monkeypatch):
         monkeypatch.setattr(width_prepare, "MOST_NODES_OF_CONTACT_FACE", most)
         found = memory_bytes_of_condensation_on_divisions(brake, wide.divisions, degree)
         assert math.isfinite(found) == fits
+
+
+def test_a_face_may_have_as_many_nodes_as_the_caller_allows():
+    brake = HELD["T-section"]()
+    level = REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[0]
+    nodes = len(prepared(brake).bodies[0].line.nodes)
+    start = solve_prepared_model(prepared(brake), brake)
+    answer = partial(solve_cross_section_mesh_with_width_degree, brake, level, 2, start)
+    allowed = answer(most_contact_nodes=nodes).prepared_model.bodies
+    assert max(len(body.line.nodes) for body in allowed) == nodes
+    with pytest.raises(NoAnswer, match=f"its {nodes} contact nodes are more than the {nodes - 1}"):
+        answer(most_contact_nodes=nodes - 1)
 
 
 def test_the_stated_memory_of_a_body_is_that_of_its_matrices(large):

@@ -117,6 +117,7 @@ from drumlin.fem.width.pieces import (
 )
 from drumlin.fem.width.prepare import (
     LARGEST_WIDTH_DEGREE,
+    MOST_NODES_OF_CONTACT_FACE,
     MakeWidthFunctionsOfShoe,
     largest_number_of_unknowns_on_divisions,
     memory_bytes_of_condensation_on_divisions,
@@ -784,6 +785,7 @@ def solve_cross_section_mesh_with_width_degree(
     *,
     penalty: float = DEFAULT_PENALTY_FACTOR,
     cache: CacheOfCondensedBodies | None = None,
+    most_contact_nodes: int = MOST_NODES_OF_CONTACT_FACE,
 ) -> SolvedLevel:
     """Solve a brake with widths on one level of hp elements, with a degree across the width.
 
@@ -797,6 +799,7 @@ def solve_cross_section_mesh_with_width_degree(
     start : an earlier answer; the first division has small elements at the ends of its contact
     penalty : factor alpha of the contact stiffness alpha E/t (lining modulus E, thickness t)
     cache : substructures of earlier solves
+    most_contact_nodes : largest number of nodes of a shoe's contact face
 
     Raises
     ------
@@ -808,7 +811,9 @@ def solve_cross_section_mesh_with_width_degree(
         divided: RefinementLevel, points: SingularPointsByShoeShape
     ) -> PreparedModel:
         """The prepared model of the brake, with small elements at the singular points."""
-        return prepare_model_with_shoe_widths(brake, divided, degree, points, cache=cache)
+        return prepare_model_with_shoe_widths(
+            brake, divided, degree, points, cache=cache, most_contact_nodes=most_contact_nodes
+        )
 
     answer = partial(solve_prepared_model, penalty=penalty)
     steps = solve_brake_on_finer_and_finer_mesh_levels(

@@ -70,7 +70,7 @@ MOST_BYTES_OF_KEPT_CHOLESKY_FACTOR = 10_000_000
 A larger factor is computed again when it is needed.
 """
 MOST_NODES_OF_CONTACT_FACE = 3200
-"""Largest number of nodes of a contact face; a shoe with more is refused.
+"""Largest number of nodes of a contact face; a shoe with more is refused unless more are allowed.
 
 The limit is one of memory. By MATRICES_OF_CONTACT_NODES a shoe with so many nodes takes 0.66 GB
 while it is condensed. With 2822 nodes a solve to a tolerance took 0.81 GB in all ("free" 510080 of
@@ -176,6 +176,7 @@ def prepare_model_with_shoe_widths(
     points: SingularPointsByShoeShape | None = None,
     *,
     cache: CacheOfCondensedBodies | None = None,
+    most_contact_nodes: int = MOST_NODES_OF_CONTACT_FACE,
 ) -> PreparedModel:
     """Make the prepared model of a brake with widths: condense and couple its shoes.
 
@@ -189,14 +190,14 @@ def prepare_model_with_shoe_widths(
         is plane stress
     points : singular points of the pressure, by the index of the first shoe of each shape
     cache : cache of condensed bodies; bodies found in it are used again, and new ones are added
+    most_contact_nodes : largest number of nodes of a contact face
 
     Raises
     ------
     BadInput
         if the model does not apply to the brake, or if the degree is out of range
     NoAnswer
-        for a singular stiffness, and for more than MOST_NODES_OF_CONTACT_FACE nodes of a contact
-        face
+        for a singular stiffness, and for more than `most_contact_nodes` nodes of a contact face
     """
     alike = indices_of_first_shoes_of_equal_shape(brake)
     tip = brake.actuation is not None and brake.actuation.is_cam_or_wedge
@@ -215,7 +216,9 @@ def prepare_model_with_shoe_widths(
         raise BadInput(f"--across = {degree}: must be from 0 to {LARGEST_WIDTH_DEGREE}")
     level = refinement_level_for_narrow_shoes(brake, level)
     divisions = {i: hp_element_division_of_shoe(i) for i in dict.fromkeys(alike)}
-    return prepare_model_with_widths_on_given_elements(brake, divisions, degree, cache=cache)
+    return prepare_model_with_widths_on_given_elements(
+        brake, divisions, degree, cache=cache, most_contact_nodes=most_contact_nodes
+    )
 
 
 def refinement_level_for_narrow_shoes(brake: Brake, level: RefinementLevel) -> RefinementLevel:
@@ -240,6 +243,7 @@ def prepare_model_with_widths_on_given_elements(
     degree: int | MakeWidthFunctionsOfShoe,
     *,
     cache: CacheOfCondensedBodies | None = None,
+    most_contact_nodes: int = MOST_NODES_OF_CONTACT_FACE,
 ) -> PreparedModel:
     """Make the prepared model of a brake with widths, on given hp elements of the shoes' sections.
 
@@ -251,12 +255,12 @@ def prepare_model_with_widths_on_given_elements(
         shape
     degree : degree across the width, or a function from a shoe to its functions across the width
     cache : cache of condensed bodies, to which new ones are added
+    most_contact_nodes : largest number of nodes of a contact face
 
     Raises
     ------
     NoAnswer
-        for a singular stiffness, and for more than MOST_NODES_OF_CONTACT_FACE nodes of a contact
-        face
+        for a singular stiffness, and for more than `most_contact_nodes` nodes of a contact face
     """
     make = degree if callable(degree) else partial(functions_across_width_of_shoe, degree=degree)
     seconds: SecondsOfEachPhase = {}
@@ -267,7 +271,7 @@ def prepare_model_with_widths_on_given_elements(
     for i in dict.fromkeys(alike):
         shoe, division = brake.shoes[i], divisions[i]
         functions = make(shoe)
-        _require_few_nodes_of_contact_face(shoe, division, functions)
+        _require_few_nodes_of_contact_face(shoe, division, functions, most_contact_nodes)
         friction = brake.friction > 0
         shape = shoe_without_loads_and_clearances(shoe), brake.size, friction
         key = ("width", *shape, division.dictionary_key_of_division, functions)
@@ -292,15 +296,12 @@ def prepare_model_with_widths_on_given_elements(
 
 
 def _require_few_nodes_of_contact_face(
-    shoe: Shoe, division: ShoeElementDivision, functions: FunctionsAcrossWidth
+    shoe: Shoe, division: ShoeElementDivision, functions: FunctionsAcrossWidth, most: int
 ) -> None:
-    """Raise NoAnswer if the contact face of a shoe has too many nodes."""
+    """Raise NoAnswer if the contact face of a shoe has more than `most` nodes."""
     nodes = _number_of_contact_face_nodes(shoe, division, functions)
-    if nodes > MOST_NODES_OF_CONTACT_FACE:
-        raise NoAnswer(
-            f"its {nodes} contact nodes are more than the {MOST_NODES_OF_CONTACT_FACE} that "
-            f"are allowed"
-        )
+    if nodes > most:
+        raise NoAnswer(f"its {nodes} contact nodes are more than the {most} that are allowed")
 
 
 def memory_bytes_of_condensed_solid_shoe(body: ShoeSubstructure) -> int:
