@@ -170,7 +170,7 @@ def _real_numbers_returned_by_shape(
 
 
 def _place_in_code_of_user(error: Exception) -> str:
-    """The last line of the user's own code that led to an exception, as " (toe.py, line 3)".
+    """The last line of the user's own code that led to an exception, as " (FILE, line 3)".
 
     The lines of Python's and of installed packages, in which the exception may arise, do not help
     to find the fault. The text is "" if no line of the user's led to the exception.
