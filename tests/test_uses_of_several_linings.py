@@ -35,7 +35,7 @@ from drumlin.lining_wear.worn_in import post_brake_with_worn_in_clearances
 from drumlin.verification import triangles
 from drumlin.verification.check import (
     PressureCurveOfShoe,
-    _integral_of_pressure_over_theta_on_linings,
+    _integral_of_stress_over_theta_on_linings,
 )
 from drumlin.verification.reference import (
     MeshesOfReferenceValues,
@@ -209,7 +209,7 @@ def test_the_integral_of_a_table_leaves_out_the_slot() -> None:
     theta = np.radians(np.arange(-55.5, 56.0))
     # What a table says between the linings means nothing.
     curve = PressureCurveOfShoe(theta, np.where(np.abs(theta) < math.radians(5), 50.0, 2.0))
-    assert _integral_of_pressure_over_theta_on_linings(shoe, curve) == pytest.approx(
+    assert _integral_of_stress_over_theta_on_linings(shoe, curve) == pytest.approx(
         2 * math.radians(102)
     )
 
