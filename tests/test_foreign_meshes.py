@@ -54,7 +54,7 @@ def written(alone, folder, name, kind):
     mesh = parametric_mesh_of_shoe(shoe, alone.drum.radius, ELEMENTS, kind)
     parts = mesh_parts_in_brake_frame(mesh, shoe)
     parts = parts._replace(xy=1e3 * parts.xy)
-    changes = {"shoe[0].mesh": str(path), "shoe[0].mesh_unit": "mm"}
+    changes: dict[str, object] = {"shoe[0].mesh": str(path), "shoe[0].mesh_unit": "mm"}
     if name in FORMS:
         changes["shoe[0].groups"] = GROUPS_IN_NASTRAN_FILE
         path.write_text(mesh_as_nastran_text(*parts, FORMS[name]))
