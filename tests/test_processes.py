@@ -70,7 +70,7 @@ def test_a_usage_error_is_one_line_with_status_2(tmp_path):
         ["solve", "a", "b"],
     ):
         one_line(drumlin(*words, cwd=tmp_path), 2)
-    for option, word in (("--elements", "x"), ("--elements", "2.5"), ("--tolerance", "5%")):
+    for option, word in (("--elements", "x"), ("--elements", "2.5"), ("--tolerance", "5 m")):
         said = one_line(drumlin("solve", BRAKE, option, word, cwd=tmp_path), 2)
         assert option in said and repr(word) in said
 

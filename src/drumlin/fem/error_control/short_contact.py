@@ -159,7 +159,8 @@ def too_short_contacts_expected_of_rigid_shoes(brake: Brake) -> tuple[TooShortCo
 
 def _too_short_contact_expected_of_rigid_shoe(brake: Brake, shoe: Shoe) -> TooShortContact | None:
     """The contact of a hinged shoe that is too short if the shoe is rigid, or None."""
-    if len(shoe.arcs) > 1 or shoe.mesh is not None:
+    # A lining without material is rigid, which the finite elements refuse by themselves.
+    if len(shoe.arcs) > 1 or shoe.mesh is not None or shoe.lining.material is None:
         return None
     moment = shoe.moment_of_all_loads_about_point(shoe.pin)
     # No lever of the contact force about the pin is longer than the diameter of the drum.
