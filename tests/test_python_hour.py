@@ -283,6 +283,10 @@ def test_a_plot_of_a_comparison_has_a_colour_for_each_model(brake):
     assert colors == ["C0", "C0", "C1", "C1", "C2", "C2"]
     assert styles == ["-", "--"] * 3
     assert axes.get_legend().get_title().get_text() == "cut at the top: p at sharp edges"
+    # The legend stands beside the curves, and within the picture.
+    axes.figure.canvas.draw()
+    legend, picture = axes.get_legend().get_window_extent(), axes.figure.bbox
+    assert axes.bbox.x1 < legend.x0 and legend.x1 < picture.x1 and legend.y0 > picture.y0
     uncut = drumlin.solve(brake, "sine").plot()
     assert uncut.get_legend().get_title().get_text() == ""
     assert len({line.get_color() for line in uncut.lines}) == 2

@@ -362,6 +362,10 @@ def table_as_csv_text(table: Sequence[dict[str, Any]]) -> str:
     return text.getvalue()
 
 
+WIDTH_AND_HEIGHT_OF_FIGURE_WITH_LEGEND_BESIDE_AXES = (9.0, 4.8)
+"""Size [inch] of the figure of a comparison, with room for the legend beside the axes."""
+
+
 @dataclass(frozen=True, repr=False)
 class ModelComparison(Generic[BrakeTypeVariable]):
     """A brake and its results by every model that applies; the finite elements come first.
@@ -460,13 +464,21 @@ class ModelComparison(Generic[BrakeTypeVariable]):
         matplotlib `axes`, or into new axes if it is None. The method returns the axes. Raises
         BadInput for a value that is no axes of matplotlib.
         """
-        axes = None if axes is None else matplotlib_axes_itself_or_new(axes)
+        has_own_figure = axes is None
+        if axes is not None:
+            axes = matplotlib_axes_itself_or_new(axes)
         for number, (model, response) in enumerate(self.responses.items()):
             axes = plot_pressure_of_each_shoe(
                 response, axes, prefix=f"{model}, ", color=f"C{number}"
             )
         if axes is not None:
             axes.set_title(self.case)
+            if has_own_figure:
+                # So many entries would cover the curves. The layout makes room beside the axes.
+                axes.figure.set_size_inches(WIDTH_AND_HEIGHT_OF_FIGURE_WITH_LEGEND_BESIDE_AXES)
+                axes.figure.set_layout_engine("constrained")
+                title = axes.get_legend().get_title().get_text()
+                axes.legend(title=title, loc="upper left", bbox_to_anchor=(1.02, 1.0))
         return axes
 
 
