@@ -87,6 +87,8 @@ TUNED: dict[str, dict[str, Guard]] = {
         "LARGEST_OVERHANG_WITHOUT_WIDTH_BREAKPOINT": Guard("up", (BREAKS,), slow=True),
     },
     "fem/width/factors.json": {
+        "two_levels_pressure": Guard("down", (FITTED_WIDTHS,)),
+        "two_levels_force": Guard("down", (FITTED_WIDTHS,)),
         "section_pressure": Guard("down", (FITTED_WIDTHS,)),
         "section_force": Guard("down", (FITTED_WIDTHS,)),
         "pressure": Guard("down", (FITTED_WIDTHS,)),

@@ -50,6 +50,7 @@ def test_the_factors_are_those_of_the_kept_rows(kept):
     brakes = {(row.part, row.kind, row.seed) for row in kept}
     for part, kinds in (
         ("width", SEEDS_FOR_FIT_TO_ERRORS_OF_WIDTH_DEGREE),
+        ("two levels", SEEDS_FOR_FIT_TO_ERRORS_OF_SECTION_MESH),
         ("section", SEEDS_FOR_FIT_TO_ERRORS_OF_SECTION_MESH),
     ):
         for kind, seeds in kinds.items():
@@ -70,6 +71,11 @@ def test_the_errors_that_were_observed_are_stated(kept):
             "pieces",
             SAFETY_FACTORS_OF_SOLID_ERRORS.pieces_pressure,
             SAFETY_FACTORS_OF_SOLID_ERRORS.pieces_force,
+        ),
+        (
+            "two levels",
+            SAFETY_FACTORS_OF_SOLID_ERRORS.two_levels_pressure,
+            SAFETY_FACTORS_OF_SOLID_ERRORS.two_levels_force,
         ),
         (
             "section",
@@ -144,11 +150,14 @@ def test_the_file_that_the_code_reads_was_written_by_the_command(kept):
     assert written["commit"] and written["date"]
 
 
-def test_what_is_observed_today_is_what_was_kept(kept, tmp_path):
+@pytest.mark.parametrize(
+    ("observed", "parts"), [("width", ["width"]), ("section", ["two levels", "section"])]
+)
+def test_what_is_observed_today_is_what_was_kept(kept, tmp_path, observed, parts):
     (kind, seed) = ("free", 1002)
-    rows = width_error_rows_of_random_brake("width", kind, seed)
+    rows = width_error_rows_of_random_brake(observed, kind, seed)
     (tmp_path / "rows.csv").write_text(width_error_rows_as_csv_text(rows), encoding="utf-8")
-    old = [row for row in kept if (row.part, row.kind, row.seed) == ("width", kind, seed)]
+    old = [row for row in kept if row.part in parts and (row.kind, row.seed) == (kind, seed)]
     assert len(old) == len(rows) > 0
     for one, two in zip(read_width_error_rows_from_csv(tmp_path / "rows.csv"), old, strict=True):
         assert one[:5] == two[:5]

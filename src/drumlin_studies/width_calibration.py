@@ -32,6 +32,7 @@ from drumlin.fem.width.error import relative_distance_of_plane_stress_from_width
 from drumlin.fem.width.functions import (
     SAME_HALF_WIDTH_TOLERANCE,
     FunctionsAcrossWidth,
+    functions_across_width_of_shoe,
     half_widths_of_parts,
     has_parts_of_different_widths,
     piece_ends_across_half_width_of_shoe,
@@ -41,8 +42,8 @@ from drumlin.fem.width.ladder import (
     MOST_LEVELS_FOR_SECTION_ERROR_ESTIMATE,
     NUMBER_OF_COMPARED_HIGHER_WIDTH_DEGREES,
     PressureAndForceErrorFactors,
-    RelativeErrorsOfSolidModel,
     SafetyFactorsOfSolidErrors,
+    SectionLevelWithItsError,
     error_divided_by_distance_to_next_degrees,
     error_factors_of_steps,
     errors_of_finer_pieces_across_width,
@@ -51,6 +52,7 @@ from drumlin.fem.width.ladder import (
     refine_cross_section_mesh_until_tolerance_is_met,
     solve_cross_section_mesh_with_width_degree,
 )
+from drumlin.fem.width.levels import REFINEMENT_LEVELS_OF_SHOES_WITH_SEVERAL_WIDTHS
 from drumlin.fem.width.prepare import (
     MakeWidthFunctionsOfShoe,
     largest_number_of_unknowns_on_divisions,
@@ -65,6 +67,7 @@ from drumlin_studies.calibration import (
 from drumlin_studies.solid_error import (
     DEGREE_OF_POLYNOMIAL_PIECES_ACROSS_TRUTH_WIDTH,
     FUNCTIONS_THAT_DRAW_BRAKES_BY_SOLID_KIND,
+    MOST_CONTACT_NODES_OF_TRUTH,
     functions_across_width_on_fine_pieces,
 )
 
@@ -103,10 +106,11 @@ TOLERANCE_OF_SOLVES_IN_FIT_TO_STEPS = 0.01
 
 It is the tolerance of a solve with `--model solid` if no other is asked for.
 """
-MOST_UNKNOWNS_IN_FIT_TO_STEPS = 40_000
-"""Largest number of unknowns of a shoe in a step of the fit.
+MOST_BYTES_IN_FIT_TO_STEPS = 120_000_000
+"""Largest memory [bytes] of the matrices of the shoes in a step of the fit.
 
-With larger values the fit takes more time and memory; with smaller values it has fewer steps.
+The memory is that of `prepare.memory_bytes_of_condensation_on_divisions`. With larger values the
+fit takes more time and memory; with smaller values it has fewer steps.
 """
 MOST_UNKNOWNS_OF_TRUTH_IN_FIT_TO_STEPS = 100_000
 """Largest number of unknowns of a shoe in the truth of the fit to the errors of steps.
@@ -126,11 +130,17 @@ few, because such a brake takes up to 22 s.
 DEGREES_ACROSS_WIDTH_IN_FIT = (2, 3, 4, 5)
 """Degrees across the width to whose errors the safety factors are fitted."""
 DEGREE_ACROSS_WIDTH_FOR_TRUE_SECTION_ERROR = 2
-"""Degree across the width with which the true error of the section's mesh is measured.
+"""Degree across the width with which the true errors of the section's mesh are measured.
 
-The true error of the first level of the mesh is its distance from the second level. With degree 3
-the second level has up to 180 000 unknowns. On a brake with a wide overhang ("built" 3104) the
-distance is 0.40 % of the pressure with degree 2 and with degree 3.
+With degree 3 the meshes have up to half a million unknowns. On a brake with a wide overhang
+("built" 3104) the distance of the first two meshes is 0.40 % of the pressure with degree 2 and with
+degree 3.
+"""
+MOST_UNKNOWNS_OF_TRUTH_IN_FIT_TO_SECTION = 100_000
+"""Largest number of unknowns of a shoe on the third level for which this level is the truth.
+
+A truth with 100 000 unknowns takes up to a minute. With larger values the fit has more rows of the
+second level, and takes more time.
 """
 FRACTION_COVERED_BY_STATED_WIDTH_ERROR = 0.99
 """Fraction of the solves in the fit whose stated errors must be at least as large as the true
@@ -175,15 +185,24 @@ MEANINGS_OF_SOLID_SAFETY_FACTORS = {
     "pieces_force": "Multiplies the estimated error of a torque or a reaction that is due to the "
     "pieces across the width. If the factor is too small, stated errors of forces are too small. "
     "If it is too large, they are needlessly large.",
+    "two_levels_pressure": "Multiplies the estimated error of p (L2 norm) that is due to the hp "
+    "elements in the section, the x-y plane of the brake, if parts of a shoe have several widths, "
+    "and if the estimate follows from two levels of these elements. The estimate is made with the "
+    "low degree WIDTH_DEGREE_FOR_HP_ELEMENT_ERROR_ESTIMATE across the width. If the factor is too "
+    "small, stated errors of p are too small. If it is too large, solves take a third level that "
+    "they do not need.",
+    "two_levels_force": "Multiplies the estimated error of a torque or a reaction that is due to "
+    "the hp elements in the section, if parts of a shoe have several widths, and if the estimate "
+    "follows from two levels of these elements. If the factor is too small, stated errors of "
+    "forces are too small. If it is too large, they are needlessly large.",
     "section_pressure": "Multiplies the estimated error of p (L2 norm) that is due to the hp "
-    "elements in the section, the x-y plane of the brake, if parts of a shoe have several widths. "
-    "The estimate is made with the low degree "
-    "WIDTH_DEGREE_FOR_HP_ELEMENT_ERROR_ESTIMATE across the width, from two levels of "
-    "these elements. If the factor is too small, stated errors of p are too small. If it is too "
-    "large, solves take a finer section than they need.",
+    "elements in the section, if parts of a shoe have several widths, and if the estimate follows "
+    "from three levels of these elements. If the factor is too small, stated errors of p are too "
+    "small. If it is too large, solves take a finer section than they need.",
     "section_force": "Multiplies the estimated error of a torque or a reaction that is due to the "
-    "hp elements in the section, if parts of a shoe have several widths. If the factor is too "
-    "small, stated errors of forces are too small. If it is too large, they are needlessly large.",
+    "hp elements in the section, if parts of a shoe have several widths, and if the estimate "
+    "follows from three levels of these elements. If the factor is too small, stated errors of "
+    "forces are too small. If it is too large, they are needlessly large.",
 }
 """The meaning of each safety factor, as the file of the factors states it."""
 
@@ -196,12 +215,14 @@ class EstimatedAndTrueErrorOfSolidShoe(NamedTuple):
     kind, seed : kind in `solid_error.FUNCTIONS_THAT_DRAW_BRAKES_BY_SOLID_KIND` and seed of the
         random brake
     part : "width" for the error of the degree across the width, "pieces" for the error of a step of
-        finer pieces across the width, "section" for the error of the mesh in the section
-    degree : degree across the width; for "pieces" the number of the step, counted from 0
+        finer pieces across the width, "two levels" and "section" for the error of the mesh in the
+        section that is estimated from two and from three levels
+    degree : degree across the width; for "pieces" the number of the step, and for the mesh in the
+        section the number of the level, both counted from 0
     quantity : "pressure", "torque" or "reaction"
     estimate : the estimated relative error without its safety factor
     true : the true relative error
-    unsure : uncertainty of the true error; 0 for the part "section"
+    unsure : uncertainty of the true error; 0 for the mesh in the section
     """
 
     kind: str
@@ -240,7 +261,7 @@ def width_error_rows_of_random_brake(
     observe = {
         "width": error_rows_of_degrees_across_width,
         "pieces": error_rows_of_steps_of_finer_pieces,
-        "section": error_rows_of_coarsest_cross_section_mesh,
+        "section": error_rows_of_cross_section_levels,
     }[part]
     try:
         brake = FUNCTIONS_THAT_DRAW_BRAKES_BY_SOLID_KIND[kind](seed)
@@ -329,13 +350,11 @@ def error_rows_of_steps_of_finer_pieces(
     """Rows with estimated and true errors of the steps of finer pieces across the width.
 
     All steps have the same mesh in the section. The true error of a step is the distance of its
-    answer from the truth, which has fine pieces across the width. The distance of the last step
-    from the truth serves as the uncertainty of the true errors. The steps end before the unknowns
-    exceed MOST_UNKNOWNS_IN_FIT_TO_STEPS. If the errors fall slowly from step to step, the
-    uncertainty is large, and the fit leaves the rows out. On "free" 510092, which states 0.76 of
-    the true error of its reaction, the fit would leave out all rows. The distance between two
-    truths with the degrees 2 and 3 is a smaller uncertainty there, 0.026 % in place of 0.21 %; with
-    it the brake would need factors of 1.19.
+    answer from the truth, which has fine pieces across the width. The distance between this truth
+    and the one of the next lower degree serves as the uncertainty of the true errors. The steps end
+    before their memory exceeds MOST_BYTES_IN_FIT_TO_STEPS. Earlier, the uncertainty was the
+    distance of the last step from the truth. Where errors fall slowly from step to step, it is
+    large, and the fit left out the brakes that need the largest factors of forces.
 
     The list is empty if all shoes have one width, or if the truth has more unknowns than
     MOST_UNKNOWNS_OF_TRUTH_IN_FIT_TO_STEPS. `plane` is the response by plane stress.
@@ -354,19 +373,29 @@ def error_rows_of_steps_of_finer_pieces(
         plane,
         section,
         TOLERANCE_OF_SOLVES_IN_FIT_TO_STEPS,
-        MOST_UNKNOWNS_IN_FIT_TO_STEPS,
+        most_bytes=MOST_BYTES_IN_FIT_TO_STEPS,
         cache=cache,
     )
     known = [step for step in steps if not step.provisional]
-    scene = prepare_model_with_widths_on_given_elements(
-        brake, section.divisions, functions_across_width_on_fine_pieces, cache=cache
-    )
-    truth = solve_prepared_model(scene, brake, start=plane)
+
+    def truth_of_degree(degree: int) -> Response:
+        """The response with polynomials of a degree on fine pieces across the width."""
+        scene = prepare_model_with_widths_on_given_elements(
+            brake,
+            section.divisions,
+            partial(functions_across_width_on_fine_pieces, degree=degree),
+            cache=cache,
+            most_contact_nodes=MOST_CONTACT_NODES_OF_TRUTH,
+        )
+        return solve_prepared_model(scene, brake, start=plane)
+
+    truth = truth_of_degree(DEGREE_OF_POLYNOMIAL_PIECES_ACROSS_TRUTH_WIDTH)
+    lower = truth_of_degree(DEGREE_OF_POLYNOMIAL_PIECES_ACROSS_TRUTH_WIDTH - 1)
     distance_of = partial(relative_distance_of_plane_stress_from_width_solution, brake)
-    unsure = distance_of(known[-1].solved.response, truth).brake
+    unsure = distance_of(lower, truth).brake
     factors, rows = error_factors_of_steps(), []
     ratio = 1 / (1 - ASSUMED_FALL_OF_ERROR_IN_TWO_STEPS)
-    for number, step in enumerate(known[:-1]):
+    for number, step in enumerate(known):
         true = distance_of(step.solved.response, truth).brake
         for name in LEAST_TRUE_ERROR_IN_FIT_BY_QUANTITY:
             factor = factors.pressure if name == "pressure" else factors.force
@@ -379,22 +408,24 @@ def error_rows_of_steps_of_finer_pieces(
     return rows
 
 
-def error_rows_of_coarsest_cross_section_mesh(
+def error_rows_of_cross_section_levels(
     brake: Brake, plane: Response
 ) -> list[EstimatedAndTrueErrorOfSolidShoe]:
-    """Rows with the estimated and true errors due to the coarsest mesh in the section.
+    """Rows with the estimated and true errors due to the first two levels of the section's mesh.
 
-    A solve estimates the error from two or from three levels of this mesh. The rows have the
-    smaller one of both estimates, with the degree
-    `ladder.WIDTH_DEGREE_FOR_HP_ELEMENT_ERROR_ESTIMATE` across the width. The true error is the
-    distance between the answers on the first two levels, with the degree
-    DEGREE_ACROSS_WIDTH_FOR_TRUE_SECTION_ERROR. `plane` is the response by plane stress.
+    A solve estimates the errors from two or from three levels, with the degree
+    `ladder.WIDTH_DEGREE_FOR_HP_ELEMENT_ERROR_ESTIMATE` across the width. There are rows of both
+    estimates. A true error is the distance of the answer on a level from the truth, both with the
+    degree DEGREE_ACROSS_WIDTH_FOR_TRUE_SECTION_ERROR. The truth has the third level of plane
+    stress, with its small layers of elements at the interfaces of parts. If that takes more than
+    MOST_UNKNOWNS_OF_TRUTH_IN_FIT_TO_SECTION unknowns, the truth has the second level, and there are
+    rows of the first level only. `plane` is the response by plane stress.
     """
-    levels = REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[:MOST_LEVELS_FOR_SECTION_ERROR_ESTIMATE]
+    levels = REFINEMENT_LEVELS_OF_SHOES_WITH_SEVERAL_WIDTHS[:MOST_LEVELS_FOR_SECTION_ERROR_ESTIMATE]
     cache = CacheOfCondensedBodies(room=0)
 
-    def estimated_errors_of_first_level(tolerance: float) -> RelativeErrorsOfSolidModel:
-        """The estimate from as many levels as a solve to the relative `tolerance` needs."""
+    def estimated_errors_of_levels(tolerance: float) -> list[SectionLevelWithItsError]:
+        """The estimates from as many levels as a solve to the relative `tolerance` needs."""
         climb = refine_cross_section_mesh_until_tolerance_is_met(
             brake,
             TolerancesOfPressureAndTorque(tolerance, tolerance),
@@ -405,32 +436,39 @@ def error_rows_of_coarsest_cross_section_mesh(
         )
         return errors_of_solved_cross_section_meshes(
             brake, climb, PressureAndForceErrorFactors(1.0, 1.0)
-        )[0].error
+        )
 
     # A loose tolerance is met on the second level, and a tight one on no level.
-    estimates = [estimated_errors_of_first_level(tolerance) for tolerance in (1.0, 1e-9)]
-    first, second = (
+    loose, tight = (estimated_errors_of_levels(tolerance) for tolerance in (1.0, 1e-9))
+    unknowns = largest_number_of_unknowns_on_divisions(
+        brake,
+        tight[-1].divisions,
+        partial(functions_across_width_of_shoe, degree=DEGREE_ACROSS_WIDTH_FOR_TRUE_SECTION_ERROR),
+    )
+    compared = 2 if unknowns <= MOST_UNKNOWNS_OF_TRUTH_IN_FIT_TO_SECTION else 1
+    answers = [
         solve_cross_section_mesh_with_width_degree(
             brake, level, DEGREE_ACROSS_WIDTH_FOR_TRUE_SECTION_ERROR, plane, cache=cache
         ).response
-        for level in levels[:2]
-    )
-    true = relative_distance_of_plane_stress_from_width_solution(brake, first, second).brake
+        for level in (*levels[:compared], REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[compared])
+    ]
     rows = []
-    for name in LEAST_TRUE_ERROR_IN_FIT_BY_QUANTITY:
-        stated = min(estimate.largest_error_by_name(name) for estimate in estimates)
-        rows.append(
-            EstimatedAndTrueErrorOfSolidShoe(
-                "",
-                0,
-                "section",
-                DEGREE_ACROSS_WIDTH_FOR_TRUE_SECTION_ERROR,
-                name,
-                stated,
-                true[name],
-                0.0,
-            )
-        )
+    for number in range(compared):
+        true = relative_distance_of_plane_stress_from_width_solution(
+            brake, answers[number], answers[-1]
+        ).brake
+        for part, levels_of_estimate in (("two levels", loose), ("section", tight)):
+            # A brake whose second level has no answer has no estimate from two levels.
+            if part == "two levels" and len(levels_of_estimate) > 2:
+                continue
+            error = levels_of_estimate[number].error
+            for name in LEAST_TRUE_ERROR_IN_FIT_BY_QUANTITY:
+                stated = error.largest_error_by_name(name)
+                rows.append(
+                    EstimatedAndTrueErrorOfSolidShoe(
+                        "", 0, part, number, name, stated, true[name], 0.0
+                    )
+                )
     return rows
 
 
@@ -466,7 +504,7 @@ def fit_safety_factors_of_width_errors(
 ) -> SafetyFactorsOfSolidErrors:
     """Fit the safety factors of the stated errors of solid shoes to rows of observed errors."""
     factors = []
-    for part in ("width", "pieces", "section"):
+    for part in ("width", "pieces", "two levels", "section"):
         for of_pressure in (True, False):
             own = [
                 row

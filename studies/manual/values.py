@@ -99,6 +99,8 @@ def quoted_values() -> dict[str, str]:
         "solid_poisson": f"{LARGEST_POISSON_RATIO_OF_WIDTH_MODEL:g}",
         "solid_tolerance": f"{100 * DEFAULT_ERROR_TOLERANCE_OF_SOLID_MODEL:g} %",
         "solid_degree": str(LARGEST_WIDTH_DEGREE_WITH_STATED_ERROR),
+        "two_levels_safety": f"{SAFETY_FACTORS_OF_SOLID_ERRORS.two_levels_pressure:g}",
+        "two_levels_force_safety": f"{SAFETY_FACTORS_OF_SOLID_ERRORS.two_levels_force:g}",
         "section_safety": f"{SAFETY_FACTORS_OF_SOLID_ERRORS.section_pressure:g}",
         "section_force_safety": f"{SAFETY_FACTORS_OF_SOLID_ERRORS.section_force:g}",
         "analysis_degree": str(DEGREE_ACROSS_WIDTH_FOR_ANALYSES),

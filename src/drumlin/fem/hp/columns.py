@@ -404,6 +404,45 @@ def _order_of_joins_of_row(
     return list(joins.values())
 
 
+def matrix_entries_while_columns_are_joined(
+    columns: int, side: int, contact: int, shared: int
+) -> int:
+    """The largest number of matrix entries that exist at once while large columns are joined.
+
+    The columns are joined in the order of `assemble_and_condense_row_of_element_columns`. All have
+    different stiffness, and each is made when it is joined. The outer sides of the first and of the
+    last column have no unknowns.
+
+    Parameters
+    ----------
+    columns : number of columns in the row, at least one
+    side : number of unknowns on each side of a column
+    contact : number of unknowns of a column's contact
+    shared : number of contact unknowns that neighbours share
+    """
+    sizes = [_SizeOfSubstructure(2 * side + contact, side) for _ in range(columns)]
+    sizes[0] = _SizeOfSubstructure(side + contact, side if columns > 1 else 0)
+    sizes[-1] = _SizeOfSubstructure(side + contact, 0)
+    unknowns = [size.unknowns for size in sizes]
+    waiting: dict[int, int] = {}
+    largest = max(unknowns) ** 2
+    joins = _order_of_joins_of_row(range(columns), sizes, shared, 0)
+    unknowns += [0] * len(joins)
+    for join in joins:
+        unknowns[join.joined] = unknowns[join.left] + unknowns[join.right] - 2 * side - shared
+    for join in _joins_in_depth_first_order(joins):
+        A, B, n = (unknowns[number] for number in join)
+        for number in (join.left, join.right):
+            waiting.pop(number, None)
+        # The coupling C with the eliminated line, and the stiffness on this line, exist from the
+        # beginning to the end of a join. A exists until its own block is copied, and B until all
+        # entries of the joined stiffness are written.
+        own = B**2 + side * (side + n) + max(A**2 + (A - side) ** 2, n**2)
+        largest = max(largest, own + sum(size**2 for size in waiting.values()))
+        waiting[join.joined] = n
+    return largest
+
+
 def eliminate_nodes_on_column_side(
     piece: AnyColumnSubstructure, end: Floats | None = None, part: int = 0, *, right: bool = False
 ) -> ColumnSubstructure:

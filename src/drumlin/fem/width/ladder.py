@@ -10,10 +10,10 @@ difference.
 - For the section's error the brake is solved with a low degree across the width on finer and finer
   levels, until the error is at most SECTION_ERROR_SHARE_OF_TOLERANCE of the tolerance. If all parts
   of each shoe have one width, the degree is 0, which is plane stress. If parts have several widths,
-  the degree is WIDTH_DEGREE_FOR_HP_ELEMENT_ERROR_ESTIMATE, and the error is multiplied by the
-  safety factors `section_pressure` and `section_force`. The error of a coarser level is the
-  distance of its answer from the answer on the last level, plus the stated error of this last
-  answer.
+  the levels are those of `levels`, the degree is WIDTH_DEGREE_FOR_HP_ELEMENT_ERROR_ESTIMATE, and
+  the error is multiplied by the safety factors of `section_error_factors`. The error of a coarser
+  level is the distance of its answer from the answer on the last level, plus the stated error of
+  this last answer.
 - For the width's error answers with different functions across the width are compared on the same
   hp elements. If all parts of each shoe have one width, the functions are polynomials of higher and
   higher degree over the whole width, and the elements are coarse, which takes little time. If parts
@@ -110,6 +110,7 @@ from drumlin.fem.width.functions import (
     has_parts_of_different_widths,
     piece_ends_across_half_width_of_shoe,
 )
+from drumlin.fem.width.levels import REFINEMENT_LEVELS_OF_SHOES_WITH_SEVERAL_WIDTHS
 from drumlin.fem.width.pieces import (
     PiecesAcrossWidthsOfShoes,
     coarsest_pieces_across_widths,
@@ -119,7 +120,6 @@ from drumlin.fem.width.prepare import (
     LARGEST_WIDTH_DEGREE,
     MOST_NODES_OF_CONTACT_FACE,
     MakeWidthFunctionsOfShoe,
-    largest_number_of_unknowns_on_divisions,
     memory_bytes_of_condensation_on_divisions,
     memory_bytes_of_condensed_solid_shoe,
     prepare_model_with_shoe_widths,
@@ -253,15 +253,18 @@ class SafetyFactorsOfSolidErrors(NamedTuple):
         error due to the degree across the width
     pieces_pressure, pieces_force : factors on the extrapolated distance between steps of finer
         pieces, which give the stated error due to the pieces of the width
-    section_pressure, section_force : factors on the error of the section's hp elements that is
-        estimated with WIDTH_DEGREE_FOR_HP_ELEMENT_ERROR_ESTIMATE across the width, if parts have
-        several widths
+    two_levels_pressure, two_levels_force : factors on the error of the section's hp elements that
+        is estimated from two levels with WIDTH_DEGREE_FOR_HP_ELEMENT_ERROR_ESTIMATE across the
+        width, if parts have several widths
+    section_pressure, section_force : factors on the same error if it is estimated from three levels
     """
 
     pressure: float
     force: float
     pieces_pressure: float
     pieces_force: float
+    two_levels_pressure: float
+    two_levels_force: float
     section_pressure: float
     section_force: float
 
@@ -688,8 +691,8 @@ def _cross_section_meshes_with_errors(
         brake, answer, cache, REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[:1]
     )
     plane = next(iter(first)).response
-    fitted = SAFETY_FACTORS_OF_SOLID_ERRORS
-    factors = PressureAndForceErrorFactors(fitted.section_pressure, fitted.section_force)
+    # The solve ends after two levels if their estimate meets the share, and else after three.
+    factors = section_error_factors(LEAST_LEVELS_FOR_SECTION_ERROR_ESTIMATE)
     asked = TolerancesOfPressureAndTorque(
         share.pressure / factors.pressure, share.torque / factors.force
     )
@@ -698,11 +701,24 @@ def _cross_section_meshes_with_errors(
         asked,
         answer,
         cache,
-        REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[:MOST_LEVELS_FOR_SECTION_ERROR_ESTIMATE],
+        REFINEMENT_LEVELS_OF_SHOES_WITH_SEVERAL_WIDTHS[:MOST_LEVELS_FOR_SECTION_ERROR_ESTIMATE],
         plane,
         must=must,
     )
+    factors = section_error_factors(len(climb.levels))
     return SectionErrors(errors_of_solved_cross_section_meshes(brake, climb, factors), plane)
+
+
+def section_error_factors(levels: int) -> PressureAndForceErrorFactors:
+    """The safety factors of the section's errors that are estimated from a number of levels.
+
+    The layers at interfaces become smaller from the second level to the third only, so that the
+    estimate from two levels does not show the effect of these layers.
+    """
+    fitted = SAFETY_FACTORS_OF_SOLID_ERRORS
+    if levels <= LEAST_LEVELS_FOR_SECTION_ERROR_ESTIMATE:
+        return PressureAndForceErrorFactors(fitted.two_levels_pressure, fitted.two_levels_force)
+    return PressureAndForceErrorFactors(fitted.section_pressure, fitted.section_force)
 
 
 def cheapest_choice_within_tolerance(
@@ -935,7 +951,12 @@ def errors_of_solved_cross_section_meshes(
     stated = RelativeErrorsOfSolidModel(
         (last.error or {})["torque"], tuple(dict(shoe.error or {}) for shoe in last.shoes)
     )
-    by_degree = {level.degree: level for level in REFINEMENT_LEVELS_FROM_COARSE_TO_FINE}
+    levels = (
+        REFINEMENT_LEVELS_OF_SHOES_WITH_SEVERAL_WIDTHS
+        if has_shoe_with_parts_of_different_widths(brake)
+        else REFINEMENT_LEVELS_FROM_COARSE_TO_FINE
+    )
+    by_degree = {level.degree: level for level in levels}
     sections = []
     for step in climb.levels:
         moved = _relative_differences_from_better_response(brake, step.response, last)
@@ -1094,7 +1115,6 @@ def errors_of_finer_pieces_across_width(
     plane: Response,
     section: HpElementsForComparingWidthDegrees,
     tolerance: float,
-    most_unknowns: float = math.inf,
     *,
     most_bytes: float = math.inf,
     penalty: float = DEFAULT_PENALTY_FACTOR,
@@ -1105,7 +1125,7 @@ def errors_of_finer_pieces_across_width(
     The steps are those of `pieces`. The error of a step follows from its distances from the next
     NUMBER_OF_COMPARED_STEPS steps. Where most of each lining overhangs its web, a provisional error
     of the first step comes first, which follows from the second step alone. The errors end where
-    the next step has no answer, or more unknowns than are allowed.
+    the next step has no answer, or takes more memory than is allowed.
 
     Parameters
     ----------
@@ -1114,7 +1134,6 @@ def errors_of_finer_pieces_across_width(
     section : hp elements of the shoes on which the steps are compared, see
         `hp_elements_to_compare_width_degrees`
     tolerance : relative error of p that is allowed
-    most_unknowns : largest number of unknowns of a shoe
     most_bytes : largest memory [bytes] of the matrices of the shoes, see
         `prepare.memory_bytes_of_condensation_on_divisions`
     penalty : factor alpha of the contact stiffness alpha E/t (lining modulus E, thickness t)
@@ -1135,16 +1154,14 @@ def errors_of_finer_pieces_across_width(
         Raises
         ------
         NoAnswer
-            if the step has no answer, or too many unknowns
+            if the step has no answer, or takes too much memory
         """
         pieces = pieces_of_next_step(
             brake, steps[-1][0], [solved.response for _, solved in steps[-2:]], allowed
         )
         # The steps that give the error of the first step are always allowed.
-        parts = brake, section.divisions, pieces
-        if are_limited and (
-            largest_number_of_unknowns_on_divisions(*parts) > most_unknowns
-            or memory_bytes_of_condensation_on_divisions(*parts) > most_bytes
+        if are_limited and most_bytes < memory_bytes_of_condensation_on_divisions(
+            brake, section.divisions, pieces
         ):
             raise NoAnswer("the next pieces across the width take too much memory")
         scene = prepare_model_with_widths_on_given_elements(

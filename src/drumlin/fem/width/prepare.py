@@ -19,6 +19,7 @@ from drumlin.fem.hp.body import (
     condensed_body_with_cholesky_factor,
     contact_line_of_lining_face_nodes,
 )
+from drumlin.fem.hp.columns import matrix_entries_while_columns_are_joined
 from drumlin.fem.hp.division import (
     RefinementLevel,
     ShoeElementDivision,
@@ -84,14 +85,6 @@ unit pressures two, and both matrices of gap closure two. Earlier, the stiffness
 eight, too. On "free" 510080 of `drumlin_studies.solid_error`, with 1892 nodes, the memory of the
 process grew by 8.9 such matrices until the contact was solved, and on the second level of "built"
 510060, with 1638 nodes, by 7.1.
-"""
-MATRICES_OF_JOINED_COLUMNS = 4.2
-"""Memory of the joins of a shoe's columns, divided by the memory of a stretch with two sides.
-
-Near the end of the joins a stretch has the unknowns of its two sides and a quarter of those of the
-contact. Its stiffness, those of both joined stretches, and the coupling with the eliminated
-unknowns exist at once. On three models of "free" 510031 of `drumlin_studies.solid_error`, with 968
-to 1456 unknowns on a side, the memory grew by 3.4 to 4.2 such matrices.
 """
 NO_INTERIOR_RESULTS_MESSAGE = "interior fields: recovered only for a file or a picture"
 """Message which says that a prepared model of solid shoes has no stresses inside the bodies."""
@@ -463,14 +456,19 @@ def _memory_bytes_of_condensation(
     """The approximate memory [bytes] of a shoe's matrices while it is condensed to `nodes` nodes.
 
     The larger one of two numbers counts: the memory of the matrices of the contact nodes, and the
-    memory of the matrices of joined columns, which depends on the unknowns on a column's side.
+    memory of the matrices of the columns under the lining while these are joined.
     """
     layers = layers_with_width_functions(shoe, division, functions)
     stack = layers.layers_of_element_column_from_given_layer(
         division.degree, 0, contact=True, back=ConditionAtEdgeFarthestFromContact.FREE
     )
-    stretch = 2 * stack.number_of_unknowns_on_each_side + nodes / 2
-    entries = max(MATRICES_OF_CONTACT_NODES * nodes**2, MATRICES_OF_JOINED_COLUMNS * stretch**2)
+    of_joins = matrix_entries_while_columns_are_joined(
+        len(division.angles) - 1,
+        stack.number_of_unknowns_on_each_side,
+        stack.number_of_unknowns_of_contact,
+        stack.number_of_unknowns_of_contact // (division.degree + 1),
+    )
+    entries = max(MATRICES_OF_CONTACT_NODES * nodes**2, of_joins)
     return entries * np.dtype(float).itemsize
 
 
