@@ -138,6 +138,10 @@ NOT_TUNED: dict[str, dict[str, str]] = {
         "are stated",
         "ASSUMED_WIDTH_ERROR_EXPONENT": "power for the strongest singularity at a corner",
     },
+    "fem/width/levels.py": {
+        "REFINEMENT_LEVELS_OF_SHOES_WITH_SEVERAL_WIDTHS": "the levels of plane stress, with "
+        "interface layers of the level before",
+    },
     "fem/width/pieces.py": {
         "DEGREES_ON_EQUAL_PIECES": "the lowest two degrees that show the error of plane stress",
         "PLACE_OF_CUT_IN_FIRST_PIECE": "more or less work for the same error, which is stated",

@@ -32,11 +32,15 @@ REFINEMENT_LEVELS_OF_SHOES_WITH_SEVERAL_WIDTHS = (
 """The levels of shoes whose parts have several widths, from coarse to fine.
 
 From the second level on, the layers of elements at the interfaces of two parts, and at hinges, have
-the sizes of the level before. Every layer has as many rows of nodes as the degree, each with all
-functions of z, so that layers cost more than in plane stress. But the pressure depends on the
-sizes of elements at interfaces only by the compliance of the shoe. On 21 random brakes with degree
-1 across the width, 17 of them "built" or "free" from 2000 and 3100 of `drumlin_studies.solid_error`
-and nine that missed 1 %, the second level has 0.68 times as many unknowns on the side of a column
-as with its own layers at interfaces, and takes 0.46 times as long; the error of p is 1.31 times as
-large in the geometric mean (median 1.04, at most 3.5 times).
+the sizes of the level before. A layer has all functions of z at each of its rows of nodes, so that
+it costs more than in plane stress. But p depends on the elements at interfaces mostly by the
+compliance of the shoe. On 21 random brakes with degree 1 across the width ("built" 3100 to 3107,
+"free" 2000, 2004, 2008 and 2012, and nine brakes that missed 1 %, of
+`drumlin_studies.solid_error`) a column's side has 0.68 times as many unknowns on the second level
+as with interface layers of its own size, and the level takes 0.46 times as long. The error of p is
+1.31 times as large in the geometric mean (median 1.04), and 3.5 times in the worst case.
+
+The first two levels have the same layers at interfaces, so that their distance does not show the
+error due to these layers. Estimates from two levels therefore have larger safety factors than
+estimates from three levels (`ladder.section_error_factors`).
 """
