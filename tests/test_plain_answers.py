@@ -18,6 +18,7 @@ from drumlin.report.mesh_check import (
     text_lines_about_mesh_to_be_solved,
 )
 from drumlin.response.shoe_stiffness import (
+    ShoeStiffnessAndLiningCompression,
     lines_on_stiff_shoes_and_fitting_linings,
     stiffness_and_compression_of_shoes,
 )
@@ -147,6 +148,15 @@ def test_stiffness_and_compression_are_those_of_hand_formulas(brake):
     assert all(f"stiff, S = {ratio:.2g} (stiff from 0.15 on)" in line for line in lines)
     thin = drumlin.vary(brake, {"shoe.body.thickness": "6 mm"})
     assert "flexible, S = 0.0024" in next(lines_on_stiff_shoes_and_fitting_linings(thin, response))
+
+
+@pytest.mark.parametrize(
+    ("ratio", "text"),
+    [(0.148, "flexible, S = 0.148"), (0.15, "stiff, S = 0.15"), (0.142, "flexible, S = 0.14")],
+)
+def test_a_flexible_shoe_near_the_limit_is_not_printed_with_the_limit(ratio, text):
+    line = ShoeStiffnessAndLiningCompression("shoe", ratio, 0.0, 0.0).as_text()
+    assert line == f"{text} (stiff from 0.15 on)"
 
 
 def test_heat_and_a_drum_out_of_round_are_not_counted_where_a_lining_fits(brake):

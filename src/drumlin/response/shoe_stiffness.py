@@ -51,7 +51,10 @@ class ShoeStiffnessAndLiningCompression(NamedTuple):
         S = self.stiffness_ratio
         least = SMALLEST_STIFFNESS_RATIO_OF_STIFF_SHOE
         kind = "stiff" if least <= S else "flexible"
-        shoe = "rigid" if math.isinf(S) else f"{kind}, S = {S:.2g} (stiff from {least:g} on)"
+        # Two digits would print 0.148 as 0.15, the limit itself.
+        texts = [f"{S:.{digits}g}" for digits in (2, 3, 17)]
+        ratio = next(text for text in texts if (least <= float(text)) == (least <= S))
+        shoe = "rigid" if math.isinf(S) else f"{kind}, S = {ratio} (stiff from {least:g} on)"
         if not self.mean_compression:
             return shoe
         off = abs(self.radius_difference)
