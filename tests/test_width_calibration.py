@@ -151,10 +151,11 @@ def test_the_file_that_the_code_reads_was_written_by_the_command(kept):
 
 
 @pytest.mark.parametrize(
-    ("observed", "parts"), [("width", ["width"]), ("section", ["two levels", "section"])]
+    ("observed", "parts", "seed"),
+    [("width", ["width"], 1002), ("section", ["two levels", "section"], 1014)],
 )
-def test_what_is_observed_today_is_what_was_kept(kept, tmp_path, observed, parts):
-    (kind, seed) = ("free", 1002)
+def test_what_is_observed_today_is_what_was_kept(kept, tmp_path, observed, parts, seed):
+    kind = "free"
     rows = width_error_rows_of_random_brake(observed, kind, seed)
     (tmp_path / "rows.csv").write_text(width_error_rows_as_csv_text(rows), encoding="utf-8")
     old = [row for row in kept if row.part in parts and (row.kind, row.seed) == (kind, seed)]

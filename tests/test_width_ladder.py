@@ -25,7 +25,6 @@ from drumlin.fem.width.error import relative_distance_of_plane_stress_from_width
 from drumlin.fem.width.functions import FunctionsAcrossWidth
 from drumlin.fem.width.ladder import (
     SAFETY_FACTORS_OF_SOLID_ERRORS,
-    PressureAndForceErrorFactors,
     RelativeErrorsOfSolidModel,
     SectionLevelWithItsError,
     SolvedFunctionsAcrossWidth,
@@ -38,6 +37,7 @@ from drumlin.fem.width.ladder import (
     solve_brake_with_widths_to_tolerance,
     solve_cross_section_mesh_with_width_degree,
 )
+from drumlin.fem.width.levels import REFINEMENT_LEVELS_OF_SHOES_WITH_SEVERAL_WIDTHS
 from drumlin.fem.width.prepare import (
     prepare_model_with_shoe_widths,
     prepare_model_with_widths_on_given_elements,
@@ -196,13 +196,10 @@ def test_the_error_of_the_section_beside_a_web_covers_that_of_a_higher_degree():
         loose,
         answer,
         CacheOfCondensedBodies(),
-        REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[:2],
+        REFINEMENT_LEVELS_OF_SHOES_WITH_SEVERAL_WIDTHS[:2],
         plane,
     )
-    factors = PressureAndForceErrorFactors(
-        SAFETY_FACTORS_OF_SOLID_ERRORS.section_pressure,
-        SAFETY_FACTORS_OF_SOLID_ERRORS.section_force,
-    )
+    factors = ladder.section_error_factors(2)
     section = errors_of_solved_cross_section_meshes(brake, climb, factors)[0]
     first, second = (
         solve_cross_section_mesh_with_width_degree(brake, level, 3, plane).response
@@ -464,13 +461,49 @@ def test_a_missed_tolerance_says_which_part_of_the_error_is_larger():
         assert text.endswith(f"most of it due to the {part}")
 
 
+@pytest.mark.parametrize("count", [2, 3])
+def test_a_solve_takes_the_factors_of_its_number_of_section_levels(monkeypatch, count):
+    asked = []
+
+    def solve_levels(brake, tolerance, answer, cache, levels, start, *, must):
+        asked.append(tolerance)
+        assert levels == REFINEMENT_LEVELS_OF_SHOES_WITH_SEVERAL_WIDTHS[:3]
+        return ladder.SolvedLevelsWithLastResponse([None] * count, start)
+
+    monkeypatch.setattr(ladder, "refine_cross_section_mesh_until_tolerance_is_met", solve_levels)
+    monkeypatch.setattr(
+        ladder, "errors_of_solved_cross_section_meshes", lambda brake, climb, factors: factors
+    )
+    found = ladder._cross_section_meshes_with_errors(
+        FUNCTIONS_THAT_DRAW_BRAKES_BY_SOLID_KIND["built"](3100),
+        TolerancesOfPressureAndTorque(0.02, 0.02),
+        must=False,
+        penalty=DEFAULT_PENALTY_FACTOR,
+        cache=CacheOfCondensedBodies(),
+    )
+    fitted = SAFETY_FACTORS_OF_SOLID_ERRORS
+    two = fitted.two_levels_pressure, fitted.two_levels_force
+    three = fitted.section_pressure, fitted.section_force
+    assert found.errors == (two if count == 2 else three)
+    # Each part of the error may take half of the tolerance.
+    assert asked == [(0.01 / two[0], 0.01 / two[1])]
+
+
+def test_interface_layers_are_one_level_behind_those_of_plane_stress():
+    layers = {"interface_layer_size", "hinge_column_size", "layer_size_ratio"}
+    for k, own in enumerate(REFINEMENT_LEVELS_OF_SHOES_WITH_SEVERAL_WIDTHS):
+        plane, coarser = (REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[max(i, 0)] for i in (k, k - 1))
+        for name, value in vars(own).items():
+            assert value == getattr(coarser if name in layers else plane, name)
+
+
 @pytest.mark.slow
 def test_a_small_section_has_one_more_level_than_a_large_one(flexible, monkeypatch):
     table, exact = t_section(flexible), TolerancesOfPressureAndTorque(1e-9, 1e-9)
 
     def number_of_levels(largest, *, must):
         monkeypatch.setattr(ladder, "MOST_UNKNOWNS_FOR_FURTHER_SECTION_LEVEL", largest)
-        levels = REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[
+        levels = REFINEMENT_LEVELS_OF_SHOES_WITH_SEVERAL_WIDTHS[
             : ladder.MOST_LEVELS_FOR_SECTION_ERROR_ESTIMATE
         ]
         climb = ladder.refine_cross_section_mesh_until_tolerance_is_met(

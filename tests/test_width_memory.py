@@ -15,6 +15,12 @@ import drumlin.fem.width.prepare as width_prepare
 import drumlin.fem.width.shoe as width_shoe
 from drumlin.base.errors import NoAnswer
 from drumlin.fem.error_control.levels import REFINEMENT_LEVELS_FROM_COARSE_TO_FINE
+from drumlin.fem.hp.columns import (
+    ColumnSubstructure,
+    ColumnSubstructureMadeWhenNeeded,
+    assemble_and_condense_row_of_element_columns,
+    matrix_entries_while_columns_are_joined,
+)
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.width.functions import (
     FunctionsAcrossWidth,
@@ -130,6 +136,30 @@ def test_the_memory_of_a_condensation_is_known_before_it_is_made(degree, pieces,
     tracemalloc.stop()
     stated = memory_bytes_of_condensation_on_divisions(brake, wide.divisions, functions)
     assert 0.5 < stated / (peak - before) < 1.5
+
+
+@pytest.mark.parametrize("columns", [3, 13])
+def test_the_entries_of_joined_columns_are_counted_before_they_are_joined(columns):
+    side, contact, shared = 200, 40, 10
+
+    def column(left, right):
+        K = np.full((left + right + contact, left + right + contact), 0.01)
+        np.fill_diagonal(K, 1e3)
+        return ColumnSubstructure(K, left, right)
+
+    inner = [
+        ColumnSubstructureMadeWhenNeeded(
+            2 * side + contact, side, side, partial(column, side, side)
+        )
+        for _ in range(columns - 2)
+    ]
+    tracemalloc.start()
+    row = [column(0, side), *inner, column(side, 0)]
+    assemble_and_condense_row_of_element_columns(row, shared)
+    peak = tracemalloc.get_traced_memory()[1] / 8
+    tracemalloc.stop()
+    counted = matrix_entries_while_columns_are_joined(columns, side, contact, shared)
+    assert counted == pytest.approx(peak, rel=0.06)
 
 
 def test_a_face_with_too_many_nodes_would_take_any_memory(monkeypatch):

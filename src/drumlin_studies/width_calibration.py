@@ -1,7 +1,8 @@
 """Fit the safety factors of the stated errors of solid shoes on random brakes.
 
-`width_error_rows_of_random_brake` solves a brake by several degrees across the width on one mesh of
-the section, or by one degree on two meshes of the section. Each row that it returns has an
+`width_error_rows_of_random_brake` solves a brake by several degrees, or by several steps of pieces
+across the width, on one mesh of the section, or by low degrees on two or three meshes of the
+section. Each row that it returns has an
 estimated error without its safety factor, and the true error. `fit_safety_factors_of_width_errors`
 finds the smallest factors with which the estimates are large enough. The command
 
@@ -98,15 +99,15 @@ fitted.
 The keys are kinds in `solid_error.FUNCTIONS_THAT_DRAW_BRAKES_BY_SOLID_KIND`. Of the seeds from 1400
 to 1421 those are listed whose brakes have rows. The other 28 brakes have no rows, for instance
 because they have one width, or a truth that is too large. The listed seeds were added to test the
-factors. They need larger ones than the other brakes: "free" 1412 needs 0.98 for pressures, and
-"free" 1403 needs 1.66 for forces.
+factors. Some of them need larger factors than all other brakes: "free" 1412 needs 0.98 for
+pressures, and "free" 1403 needs 1.66 for forces.
 """
 TOLERANCE_OF_SOLVES_IN_FIT_TO_STEPS = 0.01
 """Relative error of p up to which pieces are split in the fit to the errors of steps.
 
 It is the tolerance of a solve with `--model solid` if no other is asked for.
 """
-MOST_BYTES_IN_FIT_TO_STEPS = 120_000_000
+MOST_BYTES_IN_FIT_TO_STEPS = 160_000_000
 """Largest memory [bytes] of the matrices of the shoes in a step of the fit.
 
 The memory is that of `prepare.memory_bytes_of_condensation_on_divisions`. With larger values the
@@ -118,14 +119,15 @@ MOST_UNKNOWNS_OF_TRUTH_IN_FIT_TO_STEPS = 100_000
 A truth with 100 000 unknowns takes 30 s and 2 GB.
 """
 SEEDS_FOR_FIT_TO_ERRORS_OF_SECTION_MESH: dict[str, Sequence[int]] = {
-    "free": range(1000, 1021),
+    "free": (1000, 1001, *range(1003, 1010), *range(1011, 1015), 1016, 1017, 1019, 1020),
     "built": (3100, 3102, 3104, 3105, 3106, 3108, 3109, 3110, 3111, 3117),
 }
 """Seeds of the brakes to which the safety factors for errors of the mesh in the section (the plane
 of the drum) are fitted.
 
-The keys are kinds in `solid_error.FUNCTIONS_THAT_DRAW_BRAKES_BY_SOLID_KIND`. The "built" brakes are
-few, because such a brake takes up to 22 s.
+The keys are kinds in `solid_error.FUNCTIONS_THAT_DRAW_BRAKES_BY_SOLID_KIND`. The four "free" brakes
+between 1000 and 1020 that are not listed have one width, or no answer. The "built" brakes are few,
+because such a brake takes up to 22 s.
 """
 DEGREES_ACROSS_WIDTH_IN_FIT = (2, 3, 4, 5)
 """Degrees across the width to whose errors the safety factors are fitted."""
@@ -133,14 +135,15 @@ DEGREE_ACROSS_WIDTH_FOR_TRUE_SECTION_ERROR = 2
 """Degree across the width with which the true errors of the section's mesh are measured.
 
 With degree 3 the meshes have up to half a million unknowns. On a brake with a wide overhang
-("built" 3104) the distance of the first two meshes is 0.40 % of the pressure with degree 2 and with
-degree 3.
+("built" 3104) the distance of the first two meshes of plane stress was 0.40 % of the pressure with
+degree 2 and with degree 3.
 """
 MOST_UNKNOWNS_OF_TRUTH_IN_FIT_TO_SECTION = 100_000
-"""Largest number of unknowns of a shoe on the third level for which this level is the truth.
+"""Largest number of unknowns of a shoe on its third level with which the truth is of this number.
 
-A truth with 100 000 unknowns takes up to a minute. With larger values the fit has more rows of the
-second level, and takes more time.
+The unknowns are those of REFINEMENT_LEVELS_OF_SHOES_WITH_SEVERAL_WIDTHS. The truth has the third
+level of plane stress, with 1.2 to 1.3 times as many unknowns. With larger values the fit has more
+rows of the second level, and takes more time.
 """
 FRACTION_COVERED_BY_STATED_WIDTH_ERROR = 0.99
 """Fraction of the solves in the fit whose stated errors must be at least as large as the true
@@ -158,10 +161,11 @@ LEAST_TRUE_ERROR_IN_FIT_OVER_ITS_UNCERTAINTY = 2.0
 """Smallest true error with which a row enters the fit, relative to the uncertainty of the true
 error.
 
-True errors are measured against a reference solution, which has an error of its own. Its
-uncertainty is its distance from the solution with the highest degree across the width. On one brake
-with a wide overhang ("free" 1009) the torque of the reference is off by 1.5e-3, while the torque
-with degree 5 is off by only 3e-4. With a value of 2 to 2.5 the fitted safety factor of forces is
+True errors are measured against a reference solution, which has an error of its own. For degrees
+its uncertainty is its distance from the solution with the highest degree across the width, and for
+steps its distance from a reference of one degree less. On one brake with a wide overhang ("free"
+1009) the torque of the reference is off by 1.5e-3, while the torque with degree 5 is off by only
+3e-4. With a value of 2 to 2.5 the fitted safety factor of forces is
 1.2. With 1.5 it is 2.6 and with 0 it is 5.7, because errors of the reference are then taken for
 true errors. With 4 the fit loses all brakes whose errors fall slowly with the degree, by a factor
 of 3.5 from degree 2 to degree 7.
@@ -352,9 +356,9 @@ def error_rows_of_steps_of_finer_pieces(
     All steps have the same mesh in the section. The true error of a step is the distance of its
     answer from the truth, which has fine pieces across the width. The distance between this truth
     and the one of the next lower degree serves as the uncertainty of the true errors. The steps end
-    before their memory exceeds MOST_BYTES_IN_FIT_TO_STEPS. Earlier, the uncertainty was the
-    distance of the last step from the truth. Where errors fall slowly from step to step, it is
-    large, and the fit left out the brakes that need the largest factors of forces.
+    before their memory exceeds MOST_BYTES_IN_FIT_TO_STEPS. A distance of the last step from the
+    truth would be a larger uncertainty where errors fall slowly. The fit would then leave out the
+    brakes that need the largest factors of forces.
 
     The list is empty if all shoes have one width, or if the truth has more unknowns than
     MOST_UNKNOWNS_OF_TRUTH_IN_FIT_TO_STEPS. `plane` is the response by plane stress.
@@ -390,9 +394,9 @@ def error_rows_of_steps_of_finer_pieces(
         return solve_prepared_model(scene, brake, start=plane)
 
     truth = truth_of_degree(DEGREE_OF_POLYNOMIAL_PIECES_ACROSS_TRUTH_WIDTH)
-    lower = truth_of_degree(DEGREE_OF_POLYNOMIAL_PIECES_ACROSS_TRUTH_WIDTH - 1)
+    truth_of_lower_degree = truth_of_degree(DEGREE_OF_POLYNOMIAL_PIECES_ACROSS_TRUTH_WIDTH - 1)
     distance_of = partial(relative_distance_of_plane_stress_from_width_solution, brake)
-    unsure = distance_of(lower, truth).brake
+    unsure = distance_of(truth_of_lower_degree, truth).brake
     factors, rows = error_factors_of_steps(), []
     ratio = 1 / (1 - ASSUMED_FALL_OF_ERROR_IN_TWO_STEPS)
     for number, step in enumerate(known):
@@ -417,10 +421,13 @@ def error_rows_of_cross_section_levels(
     `ladder.WIDTH_DEGREE_FOR_HP_ELEMENT_ERROR_ESTIMATE` across the width. There are rows of both
     estimates. A true error is the distance of the answer on a level from the truth, both with the
     degree DEGREE_ACROSS_WIDTH_FOR_TRUE_SECTION_ERROR. The truth has the third level of plane
-    stress, with its small layers of elements at the interfaces of parts. If that takes more than
-    MOST_UNKNOWNS_OF_TRUTH_IN_FIT_TO_SECTION unknowns, the truth has the second level, and there are
-    rows of the first level only. `plane` is the response by plane stress.
+    stress, with its small layers of elements at the interfaces of parts. If the third level of the
+    solve has more than MOST_UNKNOWNS_OF_TRUTH_IN_FIT_TO_SECTION unknowns, the truth has the second
+    level of plane stress, and there are rows of the first level only. The list is empty if all
+    shoes have one width. `plane` is the response by plane stress.
     """
+    if not any(map(has_parts_of_different_widths, brake.shoes)):
+        return []
     levels = REFINEMENT_LEVELS_OF_SHOES_WITH_SEVERAL_WIDTHS[:MOST_LEVELS_FOR_SECTION_ERROR_ESTIMATE]
     cache = CacheOfCondensedBodies(room=0)
 
@@ -445,23 +452,23 @@ def error_rows_of_cross_section_levels(
         tight[-1].divisions,
         partial(functions_across_width_of_shoe, degree=DEGREE_ACROSS_WIDTH_FOR_TRUE_SECTION_ERROR),
     )
-    compared = 2 if unknowns <= MOST_UNKNOWNS_OF_TRUTH_IN_FIT_TO_SECTION else 1
+    judged_levels = 2 if unknowns <= MOST_UNKNOWNS_OF_TRUTH_IN_FIT_TO_SECTION else 1
     answers = [
         solve_cross_section_mesh_with_width_degree(
             brake, level, DEGREE_ACROSS_WIDTH_FOR_TRUE_SECTION_ERROR, plane, cache=cache
         ).response
-        for level in (*levels[:compared], REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[compared])
+        for level in (*levels[:judged_levels], REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[judged_levels])
     ]
     rows = []
-    for number in range(compared):
+    for number in range(judged_levels):
         true = relative_distance_of_plane_stress_from_width_solution(
             brake, answers[number], answers[-1]
         ).brake
-        for part, levels_of_estimate in (("two levels", loose), ("section", tight)):
-            # A brake whose second level has no answer has no estimate from two levels.
-            if part == "two levels" and len(levels_of_estimate) > 2:
+        for part, solved, count in (("two levels", loose, 2), ("section", tight, 3)):
+            # An estimate is used only if all its levels have answers.
+            if [own.level for own in solved] != list(levels[:count]):
                 continue
-            error = levels_of_estimate[number].error
+            error = solved[number].error
             for name in LEAST_TRUE_ERROR_IN_FIT_BY_QUANTITY:
                 stated = error.largest_error_by_name(name)
                 rows.append(

@@ -409,37 +409,38 @@ def matrix_entries_while_columns_are_joined(
 ) -> int:
     """The largest number of matrix entries that exist at once while large columns are joined.
 
-    The columns are joined in the order of `assemble_and_condense_row_of_element_columns`. All have
-    different stiffness, and each is made when it is joined. The outer sides of the first and of the
-    last column have no unknowns.
+    The columns are joined in the order of `assemble_and_condense_row_of_element_columns`. All
+    columns have different stiffness. Each inner column is made when it is joined. The first and the
+    last column have no unknowns on their outer sides; the row of the caller holds them until all
+    columns are joined.
 
     Parameters
     ----------
-    columns : number of columns in the row, at least one
+    columns : number of columns in the row, at least two
     side : number of unknowns on each side of a column
     contact : number of unknowns of a column's contact
     shared : number of contact unknowns that neighbours share
     """
     sizes = [_SizeOfSubstructure(2 * side + contact, side) for _ in range(columns)]
-    sizes[0] = _SizeOfSubstructure(side + contact, side if columns > 1 else 0)
+    sizes[0] = _SizeOfSubstructure(side + contact, side)
     sizes[-1] = _SizeOfSubstructure(side + contact, 0)
-    unknowns = [size.unknowns for size in sizes]
-    waiting: dict[int, int] = {}
-    largest = max(unknowns) ** 2
     joins = _order_of_joins_of_row(range(columns), sizes, shared, 0)
-    unknowns += [0] * len(joins)
+    unknowns = [*(size.unknowns for size in sizes), *([0] * len(joins))]
     for join in joins:
         unknowns[join.joined] = unknowns[join.left] + unknowns[join.right] - 2 * side - shared
+    existing = {number: unknowns[number] for number in (0, columns - 1)}
+    largest = 0
     for join in _joins_in_depth_first_order(joins):
-        A, B, n = (unknowns[number] for number in join)
         for number in (join.left, join.right):
-            waiting.pop(number, None)
-        # The coupling C with the eliminated line, and the stiffness on this line, exist from the
-        # beginning to the end of a join. A exists until its own block is copied, and B until all
-        # entries of the joined stiffness are written.
-        own = B**2 + side * (side + n) + max(A**2 + (A - side) ** 2, n**2)
-        largest = max(largest, own + sum(size**2 for size in waiting.values()))
-        waiting[join.joined] = n
+            if number >= columns:
+                existing.pop(number)
+        # Both stretches, the joined stiffness, the coupling with the eliminated line, and the
+        # stiffness on this line exist at once.
+        made_now = [number for number in (join.left, join.right) if number not in existing]
+        n = unknowns[join.joined]
+        entries = sum(unknowns[number] ** 2 for number in made_now) + n**2 + side * (side + n)
+        largest = max(largest, entries + sum(size**2 for size in existing.values()))
+        existing[join.joined] = n
     return largest
 
 

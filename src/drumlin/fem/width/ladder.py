@@ -157,7 +157,8 @@ fraction of their distance. On nine random brakes that missed 1 % ("built" 51004
 510073, "free" 510030, 510039, 510061, 510062, 510064 and 510078 of `drumlin_studies.solid_error`)
 the third level lowers the stated error of p on the second level on six, by 1.3 to 5.5 times, and
 raises it on three, by at most 1.2 times. With the degree 1 across the width it takes 0.3 to 5 s and
-at most 260 MB on these brakes. The answer itself needs a higher degree, and is computed on the
+at most 260 MB on these brakes. The figures are from levels with the interface layers of plane
+stress. The answer itself needs a higher degree, and is computed on the
 third level only if MOST_BYTES_OF_SOLID allows it.
 """
 LEAST_LEVELS_FOR_SECTION_ERROR_ESTIMATE = 2
@@ -166,18 +167,19 @@ MOST_UNKNOWNS_FOR_FURTHER_SECTION_LEVEL = 60_000
 """Largest number of unknowns of a shoe on the last level for which one more level is allowed.
 
 The unknowns are counted with the degree WIDTH_DEGREE_FOR_HP_ELEMENT_ERROR_ESTIMATE across the
-width. From the second level to the third they grow by 2.3 to 3 times, so that the third level has
-at most some 180 000 unknowns. With a larger limit solves take more memory; with a smaller limit the
+width. From the second level to the third they grow by 2.3 to 3.3 times, so that the third level has
+at most some 200 000 unknowns. With a larger limit solves take more memory; with a smaller limit the
 stated errors of long shoes are larger. If the tolerance must be met, there is no limit.
 """
-MOST_BYTES_OF_SOLID = 600_000_000
+MOST_BYTES_OF_SOLID = 750_000_000
 """Largest memory [bytes] of the matrices of solid shoes if a tolerance may be missed.
 
 The memory is that of `prepare.memory_bytes_of_condensation_on_divisions`. The number of unknowns
 does not tell it: with 190 000 unknowns solves took 0.55 to 1.3 GB, because unknowns on the contact
-face take more memory than unknowns inside a shoe. Besides these matrices a solve takes some 0.1 to
-0.4 GB: with a limit of 650 MB a solve took 1.06 GB in all ("free" 510031 of
-`drumlin_studies.solid_error`). If the tolerance must be met, there is no limit.
+face take more memory than unknowns inside a shoe. With this limit solves of seven random brakes
+took 0.5 to 0.95 GB in all ("built" 510112, 510114, 510115, "free" 510031, 510093, 510094 and 510102
+of `drumlin_studies.solid_error`). With 800 MB one of them took 1.07 GB, and no further one reached
+1 %; with 600 MB "built" 510114 misses 1 %. If the tolerance must be met, there is no limit.
 """
 MOST_BYTES_OF_KEPT_MODEL = 40_000_000
 """Largest memory [bytes] of the shoes of an answer whose prepared model is kept for later use.
@@ -692,7 +694,8 @@ def _cross_section_meshes_with_errors(
         brake, answer, cache, REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[:1]
     )
     plane = next(iter(first)).response
-    # The solve ends after two levels if their estimate meets the share, and else after three.
+    # The solve ends after two levels if their estimate meets the share, or if no third level is
+    # allowed.
     factors = section_error_factors(LEAST_LEVELS_FOR_SECTION_ERROR_ESTIMATE)
     asked = TolerancesOfPressureAndTorque(
         share.pressure / factors.pressure, share.torque / factors.force
@@ -711,7 +714,7 @@ def _cross_section_meshes_with_errors(
 
 
 def section_error_factors(levels: int) -> PressureAndForceErrorFactors:
-    """The safety factors of the section's errors that are estimated from a number of levels.
+    """The safety factors of the section's errors that are estimated from a number of solved levels.
 
     The layers at interfaces become smaller from the second level to the third only, so that the
     estimate from two levels does not show the effect of these layers.

@@ -12,7 +12,9 @@ def level_with_interface_layers_of_coarser_level(
 ) -> RefinementLevel:
     """A level whose layers of elements at interfaces and hinges have the sizes of a coarser level.
 
-    The degree, the columns and the layer of elements at the lining's face stay those of `level`.
+    The degree, the columns under the contact, and the layer of elements at the lining's face stay
+    those of `level`. Columns at hinges, at grips and at open ends of the lining, and the growth of
+    the layers away from the face, are those of `coarser`.
     """
     return replace(
         level,

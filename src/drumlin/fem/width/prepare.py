@@ -462,13 +462,13 @@ def _memory_bytes_of_condensation(
     stack = layers.layers_of_element_column_from_given_layer(
         division.degree, 0, contact=True, back=ConditionAtEdgeFarthestFromContact.FREE
     )
-    of_joins = matrix_entries_while_columns_are_joined(
-        len(division.angles) - 1,
+    entries_of_joins = matrix_entries_while_columns_are_joined(
+        max(2, len(division.angles) - 1),
         stack.number_of_unknowns_on_each_side,
         stack.number_of_unknowns_of_contact,
         stack.number_of_unknowns_of_contact // (division.degree + 1),
     )
-    entries = max(MATRICES_OF_CONTACT_NODES * nodes**2, of_joins)
+    entries = max(MATRICES_OF_CONTACT_NODES * nodes**2, entries_of_joins)
     return entries * np.dtype(float).itemsize
 
 
