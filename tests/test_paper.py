@@ -90,7 +90,10 @@ def test_its_numbers_are_those_of_the_kept_reports(text):
         f"of the sine law is wrong by {percent(errors[0], '.1%')} to {percent(errors[-1], '.0%')}"
         in text
     )
-    assert f"Over these {len(law)} brakes" in text
+    all_brakes = {row["brake"] for row in rows("error_vs_runtime/recommended.csv")}
+    # One brake has a friction that depends on the pressure, which the law does not take.
+    assert len(law) < len(all_brakes)
+    assert f"Over the {len(law)} of these {len(all_brakes)} brakes to which it applies" in text
     best = rows("error_vs_runtime/recommended.csv", family="law")
     for words, quantity, target in (
         ("5 % of the torque", "torque", "0.05"),
