@@ -468,7 +468,7 @@ def test_a_solve_takes_the_factors_of_its_number_of_section_levels(monkeypatch, 
     def solve_levels(brake, tolerance, answer, cache, levels, start, *, must):
         asked.append(tolerance)
         assert levels == REFINEMENT_LEVELS_OF_SHOES_WITH_SEVERAL_WIDTHS[:3]
-        return ladder.SolvedLevelsWithLastResponse([None] * count, start)
+        return ladder.SolvedLevelsWithLastResponse([None] * count, start, levels)
 
     monkeypatch.setattr(ladder, "refine_cross_section_mesh_until_tolerance_is_met", solve_levels)
     monkeypatch.setattr(

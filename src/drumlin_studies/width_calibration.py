@@ -2,9 +2,9 @@
 
 `width_error_rows_of_random_brake` solves a brake by several degrees, or by several steps of pieces
 across the width, on one mesh of the section, or by low degrees on two or three meshes of the
-section. Each row that it returns has an
-estimated error without its safety factor, and the true error. `fit_safety_factors_of_width_errors`
-finds the smallest factors with which the estimates are large enough. The command
+section. Each row that it returns has an estimated error without its safety factor, and the true
+error. `fit_safety_factors_of_width_errors` finds the smallest factors with which the estimates are
+large enough. The command
 
     make calibrate
 
@@ -99,7 +99,7 @@ fitted.
 The keys are kinds in `solid_error.FUNCTIONS_THAT_DRAW_BRAKES_BY_SOLID_KIND`. Of the seeds from 1400
 to 1421 those are listed whose brakes have rows. The other 28 brakes have no rows, for instance
 because they have one width, or a truth that is too large. The listed seeds were added to test the
-factors. Some of them need larger factors than all other brakes: "free" 1412 needs 0.98 for
+factors. Some of them need larger factors than all other brakes: "free" 1406 needs 1.41 for
 pressures, and "free" 1403 needs 1.66 for forces.
 """
 TOLERANCE_OF_SOLVES_IN_FIT_TO_STEPS = 0.01
@@ -139,7 +139,7 @@ With degree 3 the meshes have up to half a million unknowns. On a brake with a w
 degree 2 and with degree 3.
 """
 MOST_UNKNOWNS_OF_TRUTH_IN_FIT_TO_SECTION = 100_000
-"""Largest number of unknowns of a shoe on its third level with which the truth is of this number.
+"""Largest number of unknowns of a shoe on the third level with which this level gives the truth.
 
 The unknowns are those of REFINEMENT_LEVELS_OF_SHOES_WITH_SEVERAL_WIDTHS. The truth has the third
 level of plane stress, with 1.2 to 1.3 times as many unknowns. With larger values the fit has more
@@ -165,10 +165,10 @@ True errors are measured against a reference solution, which has an error of its
 its uncertainty is its distance from the solution with the highest degree across the width, and for
 steps its distance from a reference of one degree less. On one brake with a wide overhang ("free"
 1009) the torque of the reference is off by 1.5e-3, while the torque with degree 5 is off by only
-3e-4. With a value of 2 to 2.5 the fitted safety factor of forces is
-1.2. With 1.5 it is 2.6 and with 0 it is 5.7, because errors of the reference are then taken for
-true errors. With 4 the fit loses all brakes whose errors fall slowly with the degree, by a factor
-of 3.5 from degree 2 to degree 7.
+3e-4. With a value of 2 to 2.5 the fitted safety factor of forces is 1.2. With 1.5 it is 2.6 and
+with 0 it is 5.7, because errors of the reference are then taken for true errors. With 4 the fit
+loses all brakes whose errors fall slowly with the degree, by a factor of 3.5 from degree 2 to
+degree 7.
 """
 MEANINGS_OF_SOLID_SAFETY_FACTORS = {
     "pressure": "Multiplies the estimated error of p (L2 norm) that is due to the finite degree "

@@ -158,8 +158,8 @@ fraction of their distance. On nine random brakes that missed 1 % ("built" 51004
 the third level lowers the stated error of p on the second level on six, by 1.3 to 5.5 times, and
 raises it on three, by at most 1.2 times. With the degree 1 across the width it takes 0.3 to 5 s and
 at most 260 MB on these brakes. The figures are from levels with the interface layers of plane
-stress. The answer itself needs a higher degree, and is computed on the
-third level only if MOST_BYTES_OF_SOLID allows it.
+stress. The answer itself needs a higher degree, and is computed on the third level only if
+MOST_BYTES_OF_SOLID allows it.
 """
 LEAST_LEVELS_FOR_SECTION_ERROR_ESTIMATE = 2
 """Smallest number of levels that give the estimate of the hp elements' error."""
@@ -393,11 +393,13 @@ class SectionLevelWithItsError(NamedTuple):
 class SolvedLevelsWithLastResponse(NamedTuple):
     """The solved levels of a brake, from coarse to fine, and the answer with its stated errors.
 
-    `response` is the answer on the last level.
+    `response` is the answer on the last level. `family` has the levels from which the solved ones
+    were taken.
     """
 
     levels: list[SolvedLevel]
     response: Response
+    family: Sequence[RefinementLevel]
 
 
 class HpElementsForComparingWidthDegrees(NamedTuple):
@@ -937,7 +939,8 @@ def refine_cross_section_mesh_until_tolerance_is_met(
     last = solve_brake_to_tolerance(
         brake, tolerance, answer, must=False, levels=solve_levels_and_keep_each()
     )
-    return SolvedLevelsWithLastResponse(climbed, last.response)
+    family = levels or REFINEMENT_LEVELS_FROM_COARSE_TO_FINE
+    return SolvedLevelsWithLastResponse(climbed, last.response, family)
 
 
 def errors_of_solved_cross_section_meshes(
@@ -955,12 +958,7 @@ def errors_of_solved_cross_section_meshes(
     stated = RelativeErrorsOfSolidModel(
         (last.error or {})["torque"], tuple(dict(shoe.error or {}) for shoe in last.shoes)
     )
-    levels = (
-        REFINEMENT_LEVELS_OF_SHOES_WITH_SEVERAL_WIDTHS
-        if has_shoe_with_parts_of_different_widths(brake)
-        else REFINEMENT_LEVELS_FROM_COARSE_TO_FINE
-    )
-    by_degree = {level.degree: level for level in levels}
+    by_degree = {level.degree: level for level in climb.family}
     sections = []
     for step in climb.levels:
         moved = _relative_differences_from_better_response(brake, step.response, last)
