@@ -280,12 +280,12 @@ def test_elimination_of_contact_nodes_gives_the_flexibility_of_the_condensed_bod
     coupling = coupling_matrices_of_contact_line(
         line, 0.04, function_that_returns_drum_normals_and_tangents(1)
     )
-    T = coupling.T if friction else None
     known = condense_body_to_contact_and_hinge_face(K, ties, named, 2 * len(line.nodes))
     for keep_factors in (False, True):
         body = meshed_body_with_eliminated_contact(K, ties, named, keep_factors=keep_factors)
-        found = body.flexibility_under_contact_loads(coupling.N, T)
-        for name, right in known.flexibility_under_contact_loads(coupling.N, T)._asdict().items():
+        found = body.flexibility_under_contact_loads(coupling, friction=friction)
+        other = known.flexibility_under_contact_loads(coupling, friction=friction)
+        for name, right in other._asdict().items():
             mine = getattr(found, name)
             if right is None:
                 assert mine is None

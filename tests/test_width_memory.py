@@ -158,7 +158,7 @@ def test_the_entries_of_joined_columns_are_counted_before_they_are_joined(column
     assemble_and_condense_row_of_element_columns(row, shared)
     peak = tracemalloc.get_traced_memory()[1] / 8
     tracemalloc.stop()
-    counted = matrix_entries_while_columns_are_joined(columns, side, contact, shared)
+    counted = matrix_entries_while_columns_are_joined(side, [contact] * columns, shared)
     assert counted == pytest.approx(peak, rel=0.06)
 
 

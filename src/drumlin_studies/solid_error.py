@@ -137,7 +137,7 @@ steps of finer pieces of a solve come within 0.08 to 0.17 % of the pressures of 
 MOST_CONTACT_NODES_OF_TRUTH = 6500
 """Largest number of nodes of a shoe's contact face in the solves of a truth.
 
-By `prepare.MATRICES_OF_CONTACT_NODES` a shoe with so many nodes takes 2.7 GB while it is condensed.
+By `prepare.MATRICES_OF_CONTACT_NODES_WITH_FRICTION` a shoe with so many nodes takes up to 3.0 GB.
 With the smaller limit of other solves (`prepare.MOST_NODES_OF_CONTACT_FACE`) those brakes would
 have no truth that need the finest elements.
 """

@@ -283,6 +283,9 @@ def solve_brake_on_finer_and_finer_mesh_levels(
             # the contact that return to an earlier position would otherwise alternate for ever.
             if _do_singular_points_repeat_earlier_pass(brake, points_of_passes, points, end_motion):
                 break
+            # A shoe with a width takes hundreds of megabytes, which are free for the next pass.
+            del model, solved
+            solved = None
         end_motion = UNRESOLVED_LENGTH_OVER_CONTACT_LENGTH
         if solved is not None:
             yield solved

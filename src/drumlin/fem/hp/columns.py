@@ -215,7 +215,7 @@ class ColumnSubstructure(NamedTuple):
 
 
 def join_and_condense_neighbouring_substructures(
-    A: ColumnSubstructure, B: ColumnSubstructure, shared: int, extra: int = 0
+    A: "AnyColumnSubstructure", B: "AnyColumnSubstructure", shared: int, extra: int = 0
 ) -> ColumnSubstructure:
     """The stiffness of two neighbouring stretches of element columns, joined to one stretch.
 
@@ -227,32 +227,41 @@ def join_and_condense_neighbouring_substructures(
     shared : number of contact unknowns that belong to both: the last ones of A, the first ones of B
     extra : number of extra unknowns (factors of unit loads), which belong to both
     """
-    # The nodes between A and B, which are eliminated, begin at the unknown `before` in A and end at
-    # the unknown `beyond` in B.
+    # A stretch of wide shoes takes hundreds of megabytes. Its blocks are copied, and its memory is
+    # free before the other stretch is made, and before the joined stiffness is allocated.
     line, left, right = A.right, A.left, B.right
-    before, beyond = len(A.K) - line, extra + line
-    n = before - shared + len(B.K) - beyond
+    first = A.made
+    del A
+    before = len(first.K) - line
+    inner = first.K[before:, before:].copy()
+    left_coupling, left_rest = first.K[before:, :before].copy(), first.K[:before, :before].copy()
+    del first
+    # The nodes between A and B, which are eliminated, end at the unknown `beyond` in B.
+    second = B.made
+    del B
+    beyond = extra + line
+    n = before - shared + len(second.K) - beyond
     rest = slice(before - shared, None)
-    inner = A.K[before:, before:] + B.K[extra:beyond, extra:beyond]
+    inner += second.K[extra:beyond, extra:beyond]
     C = np.zeros((line, n))
-    C[:, :before] = A.K[before:, :before]
+    C[:, :before] = left_coupling
+    del left_coupling
     # The statement `C[...] += ...` would index the array twice, which takes longer.
     coupling = C[:, rest]
-    coupling += B.K[extra:beyond, beyond:]
+    coupling += second.K[extra:beyond, beyond:]
     if extra:
-        C[:, :extra] += B.K[extra:beyond, :extra]
-    # A stretch of wide shoes takes 200 MB. The memory of A and of B is free for the joined stretch
-    # as soon as their stiffness is copied, unless a caller needs them again.
+        C[:, :extra] += second.K[extra:beyond, :extra]
+    own = np.r_[:extra, beyond : len(second.K)]
+    right_rest = second.K[own[:, None], own] if extra else second.K[beyond:, beyond:].copy()
+    del second
     K = np.zeros((n, n))
-    K[:before, :before] = A.K[:before, :before]
-    del A
-    own = K[rest, rest]
-    own += B.K[beyond:, beyond:]
+    K[:before, :before] = left_rest
+    at = K[rest, rest]
+    at += right_rest[extra:, extra:]
     if extra:
-        K[:extra, :extra] += B.K[:extra, :extra]
-        K[:extra, rest] += B.K[:extra, beyond:]
-        K[rest, :extra] += B.K[beyond:, :extra]
-    del B
+        K[:extra, :extra] += right_rest[:extra, :extra]
+        K[:extra, rest] += right_rest[:extra, extra:]
+        K[rest, :extra] += right_rest[extra:, :extra]
     return ColumnSubstructure(replace_matrix_by_schur_complement(K, C, inner), left, right)
 
 
@@ -280,6 +289,34 @@ class ColumnSubstructureMadeWhenNeeded:
 
 AnyColumnSubstructure = ColumnSubstructure | ColumnSubstructureMadeWhenNeeded
 """A substructure of element columns, made already or when it is needed."""
+
+
+def column_with_contact_nodes_at_its_ends_only(
+    piece: AnyColumnSubstructure, shared: int
+) -> AnyColumnSubstructure:
+    """A column without the contact nodes between its two sides, which are eliminated.
+
+    No force acts on these nodes. A column that is made when needed is still made when needed.
+
+    Parameters
+    ----------
+    piece : the column, which shares contact unknowns with a neighbour on each side
+    shared : number of contact unknowns that the column shares with each neighbour
+    """
+    if isinstance(piece, ColumnSubstructureMadeWhenNeeded):
+        make = piece.make
+        return ColumnSubstructureMadeWhenNeeded(
+            piece.left + 2 * shared + piece.right,
+            piece.left,
+            piece.right,
+            lambda: column_with_contact_nodes_at_its_ends_only(make(), shared).made,
+        )
+    n = len(piece.K)
+    gone = slice(piece.left + shared, n - piece.right - shared)
+    kept = np.r_[: gone.start, gone.stop : n]
+    K, C = (np.ascontiguousarray(piece.K[rows][:, kept]) for rows in (kept, gone))
+    replace_matrix_by_schur_complement(K, C, piece.K[gone, gone].copy())
+    return ColumnSubstructure(K, piece.left, piece.right)
 
 
 class _JoinOfNeighbours(NamedTuple):
@@ -404,9 +441,7 @@ def _order_of_joins_of_row(
     return list(joins.values())
 
 
-def matrix_entries_while_columns_are_joined(
-    columns: int, side: int, contact: int, shared: int
-) -> int:
+def matrix_entries_while_columns_are_joined(side: int, contact: Sequence[int], shared: int) -> int:
     """The largest number of matrix entries that exist at once while large columns are joined.
 
     The columns are joined in the order of `assemble_and_condense_row_of_element_columns`. All
@@ -416,31 +451,43 @@ def matrix_entries_while_columns_are_joined(
 
     Parameters
     ----------
-    columns : number of columns in the row, at least two
     side : number of unknowns on each side of a column
-    contact : number of unknowns of a column's contact
+    contact : (columns,) number of unknowns of each column's contact; there are at least two columns
     shared : number of contact unknowns that neighbours share
     """
-    sizes = [_SizeOfSubstructure(2 * side + contact, side) for _ in range(columns)]
-    sizes[0] = _SizeOfSubstructure(side + contact, side)
-    sizes[-1] = _SizeOfSubstructure(side + contact, 0)
+    columns = len(contact)
+    sizes = [_SizeOfSubstructure(2 * side + own, side) for own in contact]
+    sizes[0] = _SizeOfSubstructure(side + contact[0], side)
+    sizes[-1] = _SizeOfSubstructure(side + contact[-1], 0)
     joins = _order_of_joins_of_row(range(columns), sizes, shared, 0)
     unknowns = [*(size.unknowns for size in sizes), *([0] * len(joins))]
     for join in joins:
         unknowns[join.joined] = unknowns[join.left] + unknowns[join.right] - 2 * side - shared
     existing = {number: unknowns[number] for number in (0, columns - 1)}
     largest = 0
+
+    def take_stretch(number: int) -> int:
+        """Make a stretch if it does not exist, and drop it unless the row of the caller holds it.
+
+        Returns the entries of all stretches just before it is dropped.
+        """
+        held = number < columns and number in existing
+        existing[number] = unknowns[number]
+        entries = sum(size**2 for size in existing.values())
+        if not held:
+            existing.pop(number)
+        return entries
+
     for join in _joins_in_depth_first_order(joins):
-        for number in (join.left, join.right):
-            if number >= columns:
-                existing.pop(number)
-        # Both stretches, the joined stiffness, the coupling with the eliminated line, and the
-        # stiffness on this line exist at once.
-        made_now = [number for number in (join.left, join.right) if number not in existing]
-        n = unknowns[join.joined]
-        entries = sum(unknowns[number] ** 2 for number in made_now) + n**2 + side * (side + n)
-        largest = max(largest, entries + sum(size**2 for size in existing.values()))
+        # The stretches are taken one after the other, and are copied in blocks: the stiffness on
+        # the eliminated line, its coupling with the remaining unknowns, and the remaining block.
+        n, line = unknowns[join.joined], side**2
+        left, right = (unknowns[number] - side for number in (join.left, join.right))
+        during_left = take_stretch(join.left) + line + side * left + left**2
+        during_right = take_stretch(join.right) + line + side * n + left**2 + right**2
         existing[join.joined] = n
+        joined = sum(size**2 for size in existing.values()) + line + side * n + left**2 + right**2
+        largest = max(largest, during_left, during_right, joined)
     return largest
 
 

@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drumlin.base.arrays import Floats
+from drumlin.base.arrays import Floats, Ints
 from drumlin.brake.beam_axis import make_beam_axis
 from drumlin.brake.brake import Shoe
 from drumlin.brake.components import BeamBody
@@ -239,6 +239,9 @@ class ShoeElementDivision:
         gap kink that points to the drum); inf if the pressure is bounded
     slots : for each slot between two linings, the indices of its first column, and of the first
         column behind the slot
+    open_columns : indices of columns under the lining whose face is expected to stay open. Of the
+        contact nodes of such a column, the condensation of a shoe with a width keeps only those at
+        its two ends.
     """
 
     degree: int
@@ -249,6 +252,7 @@ class ShoeElementDivision:
     part: tuple[str, ...]
     face_layer_size_at_unbounded_pressure: float = math.inf
     slots: tuple[tuple[int, int], ...] = ()
+    open_columns: tuple[int, ...] = ()
 
     @property
     def element_column_range_of_each_lining(self) -> list[tuple[int, int]]:
@@ -268,7 +272,9 @@ class ShoeElementDivision:
         ]
 
     @property
-    def dictionary_key_of_division(self) -> tuple[int, bytes, bytes, bytes, bytes]:
+    def dictionary_key_of_division(
+        self,
+    ) -> tuple[int, bytes, bytes, bytes, bytes, tuple[int, ...]]:
         """A dictionary key of the division, which only equal divisions of the shoe share."""
         return (
             self.degree,
@@ -276,6 +282,7 @@ class ShoeElementDivision:
             self.column_ends_before_lining.tobytes(),
             self.column_ends_behind_lining.tobytes(),
             self.depths.tobytes(),
+            self.open_columns,
         )
 
     @property
@@ -301,6 +308,17 @@ class ShoeElementDivision:
         return sum(
             (len(ends) - 1) * self.degree + 1 for ends in self.element_column_ends_on_each_lining
         )
+
+    @property
+    def indices_of_kept_contact_nodes(self) -> Ints:
+        """The indices of the contact nodes that are not within an open column.
+
+        A shoe with open columns has a single lining.
+        """
+        kept = np.ones(self.contact_nodes, dtype=bool)
+        for column in self.open_columns:
+            kept[column * self.degree + 1 : (column + 1) * self.degree] = False
+        return np.flatnonzero(kept)
 
 
 def element_sizes_growing_from_both_ends(

@@ -213,9 +213,7 @@ def _flexibility_of_coupled_body(
     condensed: CondensedBody | MeshedBody, coupling: ContactCouplingMatrices, *, friction: bool
 ) -> ContactFlexibility:
     """The flexibility of a body under the loads of its coupling with the drum or the plane."""
-    # A `MeshedBody` needs the entries of T. It has no width, so that its T is the matrix itself.
-    T: Any = coupling.tangential_coupling_for_products if friction else None
-    flexibility = condensed.flexibility_under_contact_loads(coupling.N, T)
+    flexibility = condensed.flexibility_under_contact_loads(coupling, friction=friction)
     # The nodal forces of free thermal strains have no resultant, and the frame alone supports the
     # body in a statically determinate way. So heat causes no reaction, and the computed reaction is
     # round-off, which is set to zero.

@@ -41,7 +41,7 @@ from drumlin.fem.substructure.flexibility import (
     EliminatedUnknownsInOrder,
     flexibility_under_contact_forces,
 )
-from drumlin.fem.substructure.interface import MatrixForProducts
+from drumlin.fem.substructure.interface import ContactCouplingMatrices, MatrixForProducts
 from drumlin.fem.substructure.loads import ColumnsOfUnitLoads, stack_nodal_loads_as_matrix_columns
 
 DEGREES_OF_FREEDOM_OF_BODY_FRAME = 3
@@ -321,26 +321,26 @@ class CondensedBody(BodyWithUnitLoads):
     load_work: Floats
 
     def flexibility_under_contact_loads(
-        self, N: Floats, T: MatrixForProducts | None
+        self, coupling: ContactCouplingMatrices, *, friction: bool
     ) -> ContactFlexibility:
         """How the body moves under unit loads, and under pressures and friction on its contact.
 
-        N and T (n, 2n) couple the contact nodes with the drum or the plane; T is None without
-        friction.
+        The matrices N and T of `coupling` couple the contact nodes with the drum or the plane. If
+        `friction` is False, T is not used.
 
         With the forces P of unit pressures and loads and the forces Q = T^T of unit friction, the
         matrices are P^T S_cc^-1 P = Y^T Y and Q^T S_cc^-1 P = T X, where Y = L_cc^-1 P is the half
         flexibility and X = L_cc^-T Y are displacements. X takes the place of Y. The half
         flexibility of the friction, which would be as large as Y, is not needed.
         """
-        n, end = len(N), len(N) + self.columns.number_of_load_columns
+        n = len(coupling.lever)
+        end = n + self.columns.number_of_load_columns
         pressed, loaded, held = slice(n), slice(n, end), slice(end, None)
         # The columns stand for pressures, unit loads and the three motions of the frame, in this
         # order. They lie column by column in memory, so that Y and X take the place of the forces.
         columns = np.empty((2 * n, end + len(self.L_fc)), order="F")
-        np.negative(N.T, out=columns[:, pressed])
-        # For a shoe with a width N is large, and no longer needed.
-        del N
+        coupling.write_normal_coupling(columns[:, pressed].T)
+        np.negative(columns[:, pressed], out=columns[:, pressed])
         columns[:, loaded] = self.load_on_contact
         Y = self.half_flexibility_under_nodal_forces(columns[:, :end], in_place=True)
         closure = Y[:, pressed].T @ Y
@@ -348,13 +348,17 @@ class CondensedBody(BodyWithUnitLoads):
         reaction = self.L_fc @ Y
         motion = Y[:, loaded].T @ Y[:, loaded] + self.load_work
         by_friction: Floats | None = None
-        if T is not None:
+        if friction:
             columns[:, held] = self.L_fc.T
             X = dtrsm(1.0, self.L_cc, columns, lower=1, trans_a=1, overwrite_b=1)
-            by_friction = _products_of_columns_with_matrix(X, T, n)
+            by_friction = _products_of_columns_with_matrix(
+                X, coupling.tangential_coupling_for_products, n
+            )
+            # The matrix is large for a shoe with a width, and is not copied.
+            np.negative(by_friction[pressed], out=by_friction[pressed])
         return ContactFlexibility(
             gap_closure_by_pressure=closure[:, pressed],
-            gap_closure_by_friction=None if by_friction is None else -by_friction[pressed],
+            gap_closure_by_friction=None if by_friction is None else by_friction[pressed],
             gap_closure_by_load=closure[:, loaded],
             load_point_motion_by_friction=None if by_friction is None else by_friction[loaded],
             load_point_motion_by_load=motion,
@@ -448,12 +452,17 @@ class MeshedBody(BodyWithUnitLoads):
 
     inner: UncondensedBodySystem
 
-    def flexibility_under_contact_loads(self, N: Floats, T: Floats | None) -> ContactFlexibility:
+    def flexibility_under_contact_loads(
+        self, coupling: ContactCouplingMatrices, *, friction: bool
+    ) -> ContactFlexibility:
         """How the body moves under unit loads, and under pressures and friction on its contact.
 
-        Parameters and errors are those of `UncondensedBodySystem.flexibility_under_contact_loads`.
+        Parameters and errors are those of `UncondensedBodySystem.flexibility_under_contact_loads`,
+        with the matrices N and T of `coupling`. If `friction` is False, T is not used.
         """
-        return self.inner.flexibility_under_contact_loads(N, T)
+        return self.inner.flexibility_under_contact_loads(
+            coupling.N, coupling.T if friction else None
+        )
 
     def contact_displacements_and_load_travel(self, column: slice) -> tuple[Floats, Floats]:
         """The motion of a body whose frame does not move, under some of its unit loads.

@@ -173,6 +173,10 @@ class ContactCouplingMatrices:
         """T in a form of which only the products with other matrices are used."""
         return self.T
 
+    def write_normal_coupling(self, out: Floats) -> None:
+        """Write the matrix N into an array (n, 2n) of the caller."""
+        out[:] = self.N
+
     @cached_property
     def areas_of_contact_nodes(self) -> Floats:
         """The areas (n,) [m^2] of the friction surface that the contact nodes stand for."""

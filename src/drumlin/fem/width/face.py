@@ -5,15 +5,19 @@ products of the line's shape functions and piecewise polynomials of z, the dista
 mid-plane. So every coupling matrix of the face is a Kronecker product: the matrix of a contact line
 of width 1, times the matrix m_kl = Int zeta_k zeta_l dz over the width. The piecewise polynomial
 zeta_k is 1 at the node k across the width and 0 at the other nodes.
+
+The face of a column that is expected to stay open has only the nodes at the ends of the column.
+Between these pressure and displacement are linear along the arc. As long as the face stays open,
+both are the same as with all nodes, because the pressure is zero.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 
-from drumlin.base.arrays import Floats
+from drumlin.base.arrays import Floats, Ints
 from drumlin.fem.substructure.interface import (
     ContactCouplingMatrices,
     ContactLine,
@@ -95,6 +99,13 @@ class CouplingMatricesOfFaceWithWidth(ContactCouplingMatrices):
         """The normal coupling (n m, 2 n m) [m^2] of the face's nodes."""
         return self._coupling_matrix_of_face_from_matrix_of_line(self.line.N)
 
+    def write_normal_coupling(self, out: Floats) -> None:
+        """Write the matrix N into a contiguous array (n m, 2 n m) of the caller.
+
+        No second matrix of this size exists at any time.
+        """
+        self._coupling_matrix_of_face_from_matrix_of_line(self.line.N, out)
+
     @property
     def T(self) -> Floats:
         """The tangential coupling (n m, 2 n m) [m^2] of the face's nodes."""
@@ -105,35 +116,46 @@ class CouplingMatricesOfFaceWithWidth(ContactCouplingMatrices):
         """The tangential coupling (n m, 2 n m) of the face, whose products take little time."""
         return CouplingMatrixAsKroneckerProduct(self.line.T, self.mass_across_width)
 
-    def _coupling_matrix_of_face_from_matrix_of_line(self, vectors: Floats) -> Floats:
-        """The coupling matrix (n m, 2 n m) of the face, from the matrix (n, 2n) of the line."""
+    def _coupling_matrix_of_face_from_matrix_of_line(
+        self, vectors: Floats, out: Floats | None = None
+    ) -> Floats:
+        """The coupling matrix (n m, 2 n m) of the face, from the matrix (n, 2n) of the line.
+
+        It is written into `out` if this array is given.
+        """
         n, m = len(vectors), self.mass_across_width
-        by_node = vectors.reshape(n, 1, n, 1, 2) * m[:, None, :, None]
-        return np.asarray(by_node.reshape(n * len(m), -1))
+        found = np.empty((n * len(m), 2 * n * len(m))) if out is None else out
+        by_node = found.reshape(n, len(m), n, len(m), 2)
+        np.multiply(vectors.reshape(n, 1, n, 1, 2), m[:, None, :, None], out=by_node)
+        return found
 
 
 @dataclass(frozen=True)
 class ContactFaceWithWidth(ContactLine):
     """The friction surface of a lining with a width, also called its contact face.
 
-    The face has n m nodes: the n nodes of the section's contact line times m nodes over half the
-    width.
-    The nodes are sorted by angle, and at each angle by distance from the mid-plane.
+    The face has k m nodes: k of the n nodes of the section's contact line, times m nodes over half
+    the width. The nodes are sorted by angle, and at each angle by distance from the mid-plane.
+    Without open columns k = n.
 
     Attributes
     ----------
-    nodes : (n m,) indices of the nodes
-    xy : (2, n m) coordinates of the nodes in the section [m]
-    phi : (n m,) angles of the nodes [rad]
+    nodes : (k m,) indices of the nodes
+    xy : (2, k m) coordinates of the nodes in the section [m]
+    phi : (k m,) angles of the nodes [rad]
     pieces : nodes of each edge of `line`, as indices into the nodes of `line`
     line : the contact line of the section
     functions : functions across the width
     half : half the width of the lining [m]
+    kept : (k,) indices of the line's nodes that the face has
+    open_columns : indices of the pieces of `line` of which the face has only the nodes at both ends
     """
 
     line: ContactLine
     functions: FunctionsAcrossWidth
     half: float
+    kept: Ints
+    open_columns: tuple[int, ...] = ()
 
     @cached_property
     def node_distances_from_mid_plane(self) -> Floats:
@@ -172,19 +194,52 @@ class ContactFaceWithWidth(ContactLine):
         The argument `width` has no effect: the face has its own width. `directions` gives the unit
         normals and tangents of the drum or the plane.
         """
-        line, m = (
-            coupling_matrices_of_contact_line(self.line, 1.0, directions),
-            self.mass_matrix_across_width,
+        line = coupling_matrices_of_contact_line(self._closed_line, 1.0, directions)
+        if self.open_columns:
+            other = coupling_matrices_of_contact_line(self._open_line, 1.0, directions)
+            line = ContactCouplingMatrices(
+                line.M + other.M, line.N + other.N, line.T + other.T, line.lever + other.lever
+            )
+        return CouplingMatricesOfFaceWithWidth(line, self.mass_matrix_across_width)
+
+    @property
+    def _closed_line(self) -> ContactLine:
+        """The face's nodes along the arc, with the pieces of all columns that are not open."""
+        closed = np.delete(self.line.pieces, self.open_columns, axis=1)
+        return self._line_of_kept_nodes_with_pieces(closed)
+
+    @property
+    def _open_line(self) -> ContactLine:
+        """The face's nodes along the arc, with the linear pieces of the open columns."""
+        return self._line_of_kept_nodes_with_pieces(
+            self.line.pieces[[0, -1]][:, list(self.open_columns)]
         )
-        return CouplingMatricesOfFaceWithWidth(line, m)
+
+    def _line_of_kept_nodes_with_pieces(self, pieces: Ints) -> ContactLine:
+        """The face's nodes along the arc, with pieces given by indices of nodes of `line`."""
+        return replace(
+            self.line,
+            nodes=np.arange(len(self.kept)),
+            xy=self.line.xy[:, self.kept],
+            phi=self.line.phi[self.kept],
+            pieces=np.searchsorted(self.kept, pieces),
+        )
+
+    def _values_at_all_nodes_of_line(self, values: Floats) -> Floats:
+        """Values (n, m) at all nodes of the line, from values (k, m) at the face's nodes.
+
+        Within open columns they are linear along the arc.
+        """
+        if not self.open_columns:
+            return values
+        phi = self.line.phi
+        return np.array([np.interp(phi, phi[self.kept], own) for own in values.T]).T
 
     def angles_and_pressures_averaged_over_width(self, p: Floats) -> tuple[Floats, Floats]:
         """Angles (n,) [rad] of the line's nodes, and their pressure (n,) [Pa], averaged over z."""
-        return (
-            self.line.phi,
-            p.reshape(-1, len(self.node_distances_from_mid_plane))
-            @ self.width_fraction_of_each_node_across_width,
-        )
+        by_node = p.reshape(-1, len(self.node_distances_from_mid_plane))
+        mean = by_node @ self.width_fraction_of_each_node_across_width
+        return self.line.phi, self._values_at_all_nodes_of_line(mean[:, None])[:, 0]
 
     @cached_property
     def _mid_plane_distances_of_written_pressures(self) -> Floats:
@@ -222,13 +277,13 @@ class ContactFaceWithWidth(ContactLine):
         return np.asarray(to_functions.T @ values)
 
     def pressure_at_distances_from_mid_plane(self, p: Floats, z: Floats) -> Floats:
-        """The pressure (n, k) [Pa] at the n angles of the face's nodes and at k distances z [m].
+        """The pressure (n, j) [Pa] at the n angles of the line's nodes and at j distances z [m].
 
-        `p` (n m,) [Pa] are the pressures at the nodes of the face, at n angles and m distances from
-        the mid-plane. `z` (k,) are distances from the mid-plane, too.
+        `p` (k m,) [Pa] are the pressures at the nodes of the face, at k angles and m distances from
+        the mid-plane. `z` (j,) are distances from the mid-plane, too.
         """
-        by_line_node = p.reshape(-1, len(self.node_distances_from_mid_plane))
-        return np.asarray(by_line_node @ self._values_of_node_polynomials(z))
+        by_node = p.reshape(-1, len(self.node_distances_from_mid_plane))
+        return self._values_at_all_nodes_of_line(by_node @ self._values_of_node_polynomials(z))
 
     def pressure_distribution_over_arc_and_width(self, p: Floats) -> PressureOverArcAndWidth:
         """The pressure over the arc and the whole width of the lining, as a file has it.
@@ -248,10 +303,10 @@ class ContactFaceWithWidth(ContactLine):
         return PressureOverArcAndWidth(both, np.hstack([half[:, :0:-1], half]), widths)
 
     def nodal_pressures_from_pressures_of_file(self, surface: PressureOverArcAndWidth) -> Floats:
-        """The pressures (n m,) [Pa] at the nodes of the face, from pressures that a file has.
+        """The pressures (k m,) [Pa] at the nodes of the face, from pressures that a file has.
 
-        The rows of `surface` are sorted by angle, as the nodes are.
+        The rows of `surface` are sorted by angle, as the nodes of `line` are.
         """
-        half = surface.pressure[:, len(surface.z) // 2 :]
+        half = surface.pressure[self.kept, len(surface.z) // 2 :]
         values = self._values_of_node_polynomials(self._mid_plane_distances_of_written_pressures)
         return np.asarray(np.linalg.lstsq(values.T, half.T)[0].T.ravel(), dtype=float)

@@ -68,7 +68,9 @@ the contact face, and no element can have its end there. If an end moves by more
 `SHORTEST_PATH_OF_CONTACT_END`, the columns over its path have equal widths
 (`hp.division.COLUMNS_PER_DEGREE_OVER_MOVING_CONTACT_END`). Such brakes need many pieces across the
 width as well, and some of them do not reach an error of 1 %, because the next finer pieces would
-take more memory than MOST_BYTES_OF_SOLID allows.
+take more memory than MOST_BYTES_OF_SOLID allows. Columns that were open over the whole width in
+earlier answers keep few contact nodes (`open_columns`). This changes no answer, and takes less
+memory and time.
 """
 
 import math
@@ -111,6 +113,10 @@ from drumlin.fem.width.functions import (
     piece_ends_across_half_width_of_shoe,
 )
 from drumlin.fem.width.levels import REFINEMENT_LEVELS_OF_SHOES_WITH_SEVERAL_WIDTHS
+from drumlin.fem.width.open_columns import (
+    divisions_with_open_columns,
+    solve_until_open_columns_stay_open,
+)
 from drumlin.fem.width.pieces import (
     PiecesAcrossWidthsOfShoes,
     coarsest_pieces_across_widths,
@@ -120,6 +126,7 @@ from drumlin.fem.width.prepare import (
     LARGEST_WIDTH_DEGREE,
     MOST_NODES_OF_CONTACT_FACE,
     MakeWidthFunctionsOfShoe,
+    divide_brake_with_shoe_widths,
     memory_bytes_of_condensation_on_divisions,
     memory_bytes_of_condensed_solid_shoe,
     prepare_model_with_shoe_widths,
@@ -171,23 +178,24 @@ width. From the second level to the third they grow by 2.3 to 3.3 times, so that
 at most some 200 000 unknowns. With a larger limit solves take more memory; with a smaller limit the
 stated errors of long shoes are larger. If the tolerance must be met, there is no limit.
 """
-MOST_BYTES_OF_SOLID = 750_000_000
+MOST_BYTES_OF_SOLID = 800_000_000
 """Largest memory [bytes] of the matrices of solid shoes if a tolerance may be missed.
 
 The memory is that of `prepare.memory_bytes_of_condensation_on_divisions`. The number of unknowns
-does not tell it: with 190 000 unknowns solves took 0.55 to 1.3 GB, because unknowns on the contact
-face take more memory than unknowns inside a shoe. With this limit solves of seven random brakes
-took 0.5 to 0.95 GB in all ("built" 510112, 510114, 510115, "free" 510031, 510093, 510094 and 510102
-of `drumlin_studies.solid_error`). With 800 MB one of them took 1.07 GB, and no further one reached
-1 %; with 600 MB "built" 510114 misses 1 %. If the tolerance must be met, there is no limit.
+does not tell it, because unknowns on the contact face take more memory than unknowns inside a shoe.
+Other data of a solve take 0.15 to 0.3 GB. With this limit "built" 510128 and "free" 510102 of
+`drumlin_studies.solid_error` took 0.97 and 1.02 GB in all, and "built" 510037 took 1.08 GB, the
+most of ten random brakes that need finer pieces than others. With 750 MB the first and the last of
+these three brakes miss 1 %. If the tolerance must be met, there is no limit.
 """
-MOST_BYTES_OF_KEPT_MODEL = 40_000_000
+MOST_BYTES_OF_KEPT_MODEL = 10_000_000
 """Largest memory [bytes] of the shoes of an answer whose prepared model is kept for later use.
 
 The memory is that of `prepare.memory_bytes_of_condensed_solid_shoe`. The answer may be the one
 that is returned, which needs the model. A larger model is made anew in this case. Up to three
 models of earlier steps exist while the next step is solved. With a larger number solves take more
-memory, with a smaller number more time.
+memory: with 40 MB "built" 510037 of `drumlin_studies.solid_error` takes 1.13 GB in all, with 10 MB
+1.08 GB. With a smaller number solves of small shoes take more time.
 """
 LEAST_FALL = 0.8
 """Ratio of errors of p below which a higher degree across the width counts as an improvement.
@@ -604,8 +612,13 @@ def solve_brake_with_widths_and_keep_model(
 
 def _does_choice_fit_into_memory(brake: Brake, most_bytes: float, choice: SolidChoice) -> bool:
     """Whether the matrices of a choice take at most `most_bytes`, which may be inf."""
-    return math.isinf(most_bytes) or most_bytes >= memory_bytes_of_condensation_on_divisions(
-        brake, choice.section.divisions, choice.width.functions_of_shoe
+    if math.isinf(most_bytes):
+        return True
+    divisions = divisions_with_open_columns(
+        brake, choice.section.divisions, [choice.width.solved.response]
+    )
+    return most_bytes >= memory_bytes_of_condensation_on_divisions(
+        brake, divisions, choice.width.functions_of_shoe
     )
 
 
@@ -649,8 +662,9 @@ def _solved_level_on_compared_elements(
     """
     model = width.solved.model
     if model is None:
+        divisions = divisions_with_open_columns(brake, compared.divisions, [width.solved.response])
         model = prepare_model_with_widths_on_given_elements(
-            brake, compared.divisions, width.functions, cache=cache
+            brake, divisions, width.functions, cache=cache
         )
     return SolvedLevel(model, width.solved.response)
 
@@ -818,7 +832,9 @@ def solve_cross_section_mesh_with_width_degree(
     brake : the brake
     level : degree of the section's hp elements, and their sizes at singular points
     degree : degree across the width, or a function from a shoe to its functions across the width
-    start : an earlier answer; the first division has small elements at the ends of its contact
+    start : an earlier answer; the first division has small elements at the ends of its contact. If
+        it is an answer with widths, columns that are open in it keep few contact nodes
+        (`open_columns`).
     penalty : factor alpha of the contact stiffness alpha E/t (lining modulus E, thickness t)
     cache : substructures of earlier solves
     most_contact_nodes : largest number of nodes of a shoe's contact face
@@ -828,22 +844,53 @@ def solve_cross_section_mesh_with_width_degree(
     NoAnswer
         where the level has no answer
     """
-
-    def prepare_model_with_width_degree(
-        divided: RefinementLevel, points: SingularPointsByShoeShape
-    ) -> PreparedModel:
-        """The prepared model of the brake, with small elements at the singular points."""
-        return prepare_model_with_shoe_widths(
-            brake, divided, degree, points, cache=cache, most_contact_nodes=most_contact_nodes
-        )
-
     answer = partial(solve_prepared_model, penalty=penalty)
-    steps = solve_brake_on_finer_and_finer_mesh_levels(
-        brake, answer, cache, [level], prepare=prepare_model_with_width_degree, start=start
+
+    def solve_with_open_columns(expected: Sequence[Response]) -> SolvedLevel:
+        """Solve the level with the columns that are open in all expected answers."""
+        prepare = partial(
+            prepare_model_with_open_columns,
+            brake,
+            degree=degree,
+            expected=expected,
+            cache=cache,
+            most_contact_nodes=most_contact_nodes,
+        )
+        steps = solve_brake_on_finer_and_finer_mesh_levels(
+            brake, answer, cache, [level], prepare=prepare, start=expected[-1]
+        )
+        for solved in steps:
+            return solved
+        raise NoAnswer(f"no equilibrium on a section of degree {level.degree} with its width")
+
+    return solve_until_open_columns_stay_open(brake, [start], solve_with_open_columns)
+
+
+def prepare_model_with_open_columns(
+    brake: Brake,
+    level: RefinementLevel,
+    points: SingularPointsByShoeShape,
+    *,
+    degree: int | MakeWidthFunctionsOfShoe,
+    expected: Sequence[Response],
+    cache: CacheOfCondensedBodies | None,
+    most_contact_nodes: int,
+) -> PreparedModel:
+    """The prepared model of a brake on a level, with the columns open that earlier answers show.
+
+    Parameters
+    ----------
+    expected : the earlier answers; an answer without widths shows no open columns
+    brake, level, points, degree, cache, most_contact_nodes : as in `prepare_model_with_shoe_widths`
+    """
+    divisions = divide_brake_with_shoe_widths(brake, level, degree, points)
+    return prepare_model_with_widths_on_given_elements(
+        brake,
+        divisions_with_open_columns(brake, divisions, expected),
+        degree,
+        cache=cache,
+        most_contact_nodes=most_contact_nodes,
     )
-    for solved in steps:
-        return solved
-    raise NoAnswer(f"no equilibrium on a section of degree {level.degree} with its width")
 
 
 def _solved_level_with_errors_and_notes(
@@ -1161,16 +1208,24 @@ def errors_of_finer_pieces_across_width(
         pieces = pieces_of_next_step(
             brake, steps[-1][0], [solved.response for _, solved in steps[-2:]], allowed
         )
-        # The steps that give the error of the first step are always allowed.
-        if are_limited and most_bytes < memory_bytes_of_condensation_on_divisions(
-            brake, section.divisions, pieces
-        ):
-            raise NoAnswer("the next pieces across the width take too much memory")
-        scene = prepare_model_with_widths_on_given_elements(
-            brake, section.divisions, pieces, cache=cache
-        )
-        solved = SolvedLevel(
-            scene, solve_prepared_model(scene, brake, penalty=penalty, start=plane)
+
+        def solve_with_open_columns(expected: Sequence[Response]) -> SolvedLevel:
+            """Solve the step with the columns that are open in all expected answers."""
+            divisions = divisions_with_open_columns(brake, section.divisions, expected)
+            # The steps that give the error of the first step are always allowed.
+            if are_limited and most_bytes < memory_bytes_of_condensation_on_divisions(
+                brake, divisions, pieces
+            ):
+                raise NoAnswer("the next pieces across the width take too much memory")
+            scene = prepare_model_with_widths_on_given_elements(
+                brake, divisions, pieces, cache=cache
+            )
+            return SolvedLevel(
+                scene, solve_prepared_model(scene, brake, penalty=penalty, start=plane)
+            )
+
+        solved = solve_until_open_columns_stay_open(
+            brake, [earlier.response for _, earlier in steps], solve_with_open_columns
         )
         steps.append((pieces, SolvedFunctionsAcrossWidth.answer_of_solved_level(solved)))
 

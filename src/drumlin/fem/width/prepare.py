@@ -70,21 +70,25 @@ MOST_BYTES_OF_KEPT_CHOLESKY_FACTOR = 10_000_000
 
 A larger factor is computed again when it is needed.
 """
-MOST_NODES_OF_CONTACT_FACE = 3200
+MOST_NODES_OF_CONTACT_FACE = 3500
 """Largest number of nodes of a contact face; a shoe with more is refused unless more are allowed.
 
-The limit is one of memory. By MATRICES_OF_CONTACT_NODES a shoe with so many nodes takes 0.66 GB
-while it is condensed. With 2822 nodes a solve to a tolerance took 0.81 GB in all ("free" 510080 of
-`drumlin_studies.solid_error`).
+The limit is one of memory. By the two constants below a shoe with so many nodes takes 0.79 GB, and
+0.89 GB with friction.
 """
-MATRICES_OF_CONTACT_NODES = 8.0
-"""Memory of a shoe's condensation to n contact nodes, divided by the memory of a matrix (n, n).
+MATRICES_OF_CONTACT_NODES_WITHOUT_FRICTION = 8.1
+"""Memory of a shoe with n contact nodes, divided by the memory of a matrix (n, n).
 
-The Cholesky factor of the contact stiffness makes up four such matrices, the displacements under
-unit pressures two, and both matrices of gap closure two. Earlier, the stiffness and its factor take
-eight, too. On "free" 510080 of `drumlin_studies.solid_error`, with 1892 nodes, the memory of the
-process grew by 8.9 such matrices until the contact was solved, and on the second level of "built"
-510060, with 1638 nodes, by 7.1.
+While the shoe is condensed, its contact stiffness and the Cholesky factor make up four such
+matrices each. On "built" 510128 of `drumlin_studies.solid_error` with 1111 to 2060 nodes the peak
+of the memory was 8.1 matrices.
+"""
+MATRICES_OF_CONTACT_NODES_WITH_FRICTION = 9.1
+"""The same with friction, while the contact is solved or the shoe is condensed.
+
+The contact problem then has two compliances, for two friction coefficients, beside the matrices of
+the shoe, the scaled equations and their factors. On "built" 510123 with 1067 to 1940 nodes, of
+which two thirds are in contact, the peak was 8.9 to 9.1 matrices.
 """
 NO_INTERIOR_RESULTS_MESSAGE = "interior fields: recovered only for a file or a picture"
 """Message which says that a prepared model of solid shoes has no stresses inside the bodies."""
@@ -192,6 +196,27 @@ def prepare_model_with_shoe_widths(
     NoAnswer
         for a singular stiffness, and for more than `most_contact_nodes` nodes of a contact face
     """
+    divisions = divide_brake_with_shoe_widths(brake, level, degree, points)
+    return prepare_model_with_widths_on_given_elements(
+        brake, divisions, degree, cache=cache, most_contact_nodes=most_contact_nodes
+    )
+
+
+def divide_brake_with_shoe_widths(
+    brake: Brake,
+    level: RefinementLevel,
+    degree: int | MakeWidthFunctionsOfShoe,
+    points: SingularPointsByShoeShape | None = None,
+) -> dict[int, ShoeElementDivision]:
+    """The divisions of the shoes' sections into hp elements, by the first shoe of each shape.
+
+    The parameters are those of `prepare_model_with_shoe_widths`.
+
+    Raises
+    ------
+    BadInput
+        if the model does not apply to the brake, or if the degree is out of range
+    """
     alike = indices_of_first_shoes_of_equal_shape(brake)
     tip = brake.actuation is not None and brake.actuation.is_cam_or_wedge
 
@@ -208,10 +233,7 @@ def prepare_model_with_shoe_widths(
     if not callable(degree) and not 0 <= degree <= LARGEST_WIDTH_DEGREE:
         raise BadInput(f"--across = {degree}: must be from 0 to {LARGEST_WIDTH_DEGREE}")
     level = refinement_level_for_narrow_shoes(brake, level)
-    divisions = {i: hp_element_division_of_shoe(i) for i in dict.fromkeys(alike)}
-    return prepare_model_with_widths_on_given_elements(
-        brake, divisions, degree, cache=cache, most_contact_nodes=most_contact_nodes
-    )
+    return {i: hp_element_division_of_shoe(i) for i in dict.fromkeys(alike)}
 
 
 def refinement_level_for_narrow_shoes(brake: Brake, level: RefinementLevel) -> RefinementLevel:
@@ -391,15 +413,18 @@ def contact_face_of_shoe_with_width(
     """The friction surface of a divided shoe with functions across the shoe's width."""
     line, half = contact_line_of_lining_face_nodes(shoe, radius, division), shoe.lining.width / 2
     count = len(functions.node_distances_across_half_width_of_part(half))
+    kept = division.indices_of_kept_contact_nodes
     return ContactFaceWithWidth(
-        nodes=np.arange(len(line.nodes) * count),
-        xy=np.repeat(line.xy, count, axis=1),
-        phi=np.repeat(line.phi, count),
+        nodes=np.arange(len(kept) * count),
+        xy=np.repeat(line.xy[:, kept], count, axis=1),
+        phi=np.repeat(line.phi[kept], count),
         pieces=line.pieces,
         edge=line.edge,
         line=line,
         functions=functions,
         half=half,
+        kept=kept,
+        open_columns=division.open_columns,
     )
 
 
@@ -435,7 +460,9 @@ def memory_bytes_of_condensation_on_divisions(
         nodes = _number_of_contact_face_nodes(brake.shoes[i], division, functions)
         if nodes > MOST_NODES_OF_CONTACT_FACE:
             return math.inf
-        own = _memory_bytes_of_condensation(brake.shoes[i], division, functions, nodes)
+        own = _memory_bytes_of_condensation(
+            brake.shoes[i], division, functions, nodes, friction=brake.friction > 0
+        )
         # Of a shoe that is condensed already three matrices are left.
         largest = max(largest, kept + own)
         kept += 3 * nodes**2 * np.dtype(float).itemsize
@@ -447,11 +474,16 @@ def _number_of_contact_face_nodes(
 ) -> int:
     """The number of nodes on the contact face of a shoe with functions across its width."""
     across = functions.node_distances_across_half_width_of_part(shoe.lining.width / 2)
-    return division.contact_nodes * len(across)
+    return len(division.indices_of_kept_contact_nodes) * len(across)
 
 
 def _memory_bytes_of_condensation(
-    shoe: Shoe, division: ShoeElementDivision, functions: FunctionsAcrossWidth, nodes: int
+    shoe: Shoe,
+    division: ShoeElementDivision,
+    functions: FunctionsAcrossWidth,
+    nodes: int,
+    *,
+    friction: bool,
 ) -> float:
     """The approximate memory [bytes] of a shoe's matrices while it is condensed to `nodes` nodes.
 
@@ -462,13 +494,19 @@ def _memory_bytes_of_condensation(
     stack = layers.layers_of_element_column_from_given_layer(
         division.degree, 0, contact=True, back=ConditionAtEdgeFarthestFromContact.FREE
     )
+    shared = stack.number_of_unknowns_of_contact // (division.degree + 1)
+    contact = [stack.number_of_unknowns_of_contact] * max(2, len(division.angles) - 1)
+    for column in division.open_columns:
+        contact[column] = 2 * shared
     entries_of_joins = matrix_entries_while_columns_are_joined(
-        max(2, len(division.angles) - 1),
-        stack.number_of_unknowns_on_each_side,
-        stack.number_of_unknowns_of_contact,
-        stack.number_of_unknowns_of_contact // (division.degree + 1),
+        stack.number_of_unknowns_on_each_side, contact, shared
     )
-    entries = max(MATRICES_OF_CONTACT_NODES * nodes**2, entries_of_joins)
+    matrices = (
+        MATRICES_OF_CONTACT_NODES_WITH_FRICTION
+        if friction
+        else MATRICES_OF_CONTACT_NODES_WITHOUT_FRICTION
+    )
+    entries = max(matrices * nodes**2, entries_of_joins)
     return entries * np.dtype(float).itemsize
 
 

@@ -139,7 +139,8 @@ class EliminatedUnknownsOfShoeWithWidth:
 
         Parameters
         ----------
-        nodal : (2n, m) forces on the n nodes of the contact face [N]
+        nodal : (2n, m) forces on the n nodes of the contact face [N], whose positions along the arc
+            are `ShoeElementDivision.indices_of_kept_contact_nodes`
         frame : (3, m) rigid-body displacements of the frame
         loads : (l, m) factors of the unit loads
 
@@ -194,10 +195,11 @@ class EliminatedUnknownsOfShoeWithWidth:
         half = self.layers.halves[0]
         to_functions = matrix_from_node_values_to_function_factors(self.functions, half)
         values, count = np.linalg.inv(to_functions).T, len(to_functions)
-        contact, cases = self.division.contact_nodes, nodal.shape[1]
-        by_function = np.einsum("kj,njcm->nkcm", values, nodal.reshape(contact, count, 2, cases))
+        contact, cases = self.division.indices_of_kept_contact_nodes, nodal.shape[1]
+        by_node = nodal.reshape(len(contact), count, 2, cases)
+        by_function = np.einsum("kj,njcm->nkcm", values, by_node)
         forces = np.zeros((self.grid.N, self.unknowns_per_node, cases))
-        forces[:contact, : 2 * count] = by_function.reshape(contact, 2 * count, cases)
+        forces[contact, : 2 * count] = by_function.reshape(len(contact), 2 * count, cases)
         return forces.reshape(-1, cases)
 
     def _indices_of_unknowns_and_unit_loads_on_loaded_end(self) -> tuple[Ints, Floats]:

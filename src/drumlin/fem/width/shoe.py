@@ -15,9 +15,11 @@ from drumlin.base.arrays import Floats, Ints
 from drumlin.brake.brake import Shoe
 from drumlin.brake.fields import Material
 from drumlin.fem.hp.columns import (
+    AnyColumnSubstructure,
     ColumnSubstructure,
     ColumnSubstructureMadeWhenNeeded,
     assemble_and_condense_row_of_element_columns,
+    column_with_contact_nodes_at_its_ends_only,
     eliminate_nodes_on_column_side,
     rotate_node_axes_of_matrix,
     rotate_node_axes_of_vectors,
@@ -238,7 +240,7 @@ class _CondensedColumnsUnderAndBesideLining(NamedTuple):
     counted from the first column under the lining. Both are 0 without a grip.
     """
 
-    under: list[ColumnSubstructure | ColumnSubstructureMadeWhenNeeded]
+    under: list[AnyColumnSubstructure]
     before: list[ColumnSubstructure]
     after: list[ColumnSubstructure]
     grip: tuple[int, int]
@@ -348,7 +350,7 @@ def _columns_made_at_once(
 
 def _columns_made_at_once_or_when_needed(
     make: MakeCondensedColumnsFunction, row: Ints, stack: LayersOfElementColumn
-) -> Sequence[ColumnSubstructure | ColumnSubstructureMadeWhenNeeded]:
+) -> Sequence[AnyColumnSubstructure]:
     """The condensed columns of a row under the lining, of which large ones are not computed yet.
 
     `row` has the kind of each column. The other parameters are those of `make`.
@@ -424,7 +426,27 @@ def _condensed_element_columns_of_shoe(
         row[a - 1] = column_beside_grip_with_shared_node_held(row[a - 1].made, stack, right=True)
     if a < b < under:
         row[b] = column_beside_grip_with_shared_node_held(row[b].made, stack, right=False)
+    row = _columns_of_which_some_keep_end_nodes_only(row, div.open_columns, stack)
     return _CondensedColumnsUnderAndBesideLining(row, rest[:before], rest[before:], (a, b))
+
+
+def _columns_of_which_some_keep_end_nodes_only(
+    row: Sequence[AnyColumnSubstructure], chosen: Sequence[int], stack: LayersOfElementColumn
+) -> list[AnyColumnSubstructure]:
+    """The columns of a row, of which those with the indices `chosen` keep fewer contact nodes.
+
+    Of their contact nodes these columns keep the two at their ends. `stack` has the layers of the
+    columns. Columns that are the same object in `row` are the same object in the result.
+    """
+    found = list(row)
+    shared = stack.number_of_unknowns_of_contact // (stack.p + 1)
+    by_identity: dict[int, AnyColumnSubstructure] = {}
+    for column in chosen:
+        key = id(row[column])
+        if key not in by_identity:
+            by_identity[key] = column_with_contact_nodes_at_its_ends_only(row[column], shared)
+        found[column] = by_identity[key]
+    return found
 
 
 def condense_shoe_with_width(
@@ -437,7 +459,8 @@ def condense_shoe_with_width(
 
     The nodes of the face are sorted by angle, and at each angle by distance from the mid-plane; the
     distances are `FunctionsAcrossWidth.node_distances_across_half_width_of_part`. x and y of a node
-    are neighbours.
+    are neighbours. The angles are those of the nodes
+    `ShoeElementDivision.indices_of_kept_contact_nodes`.
 
     Parameters
     ----------
@@ -454,7 +477,7 @@ def condense_shoe_with_width(
     layers = layers_with_width_functions(shoe, div, functions)
     row = _condensed_element_columns_of_shoe(shoe, radius, div, layers)
     count = layers.functions.counts_of_even_and_odd_functions_on_part(layers.halves[0])[0]
-    phi = node_positions_of_element_row(div.angles, div.degree)
+    phi = node_positions_of_element_row(div.angles, div.degree)[div.indices_of_kept_contact_nodes]
     xy = np.repeat(
         function_from_depth_and_angle_to_point(shoe, radius)(np.zeros(1), phi), count, axis=1
     )
@@ -507,8 +530,8 @@ class _ConversionFromColumnsToContactFace(NamedTuple):
     ) -> "_ConversionFromColumnsToContactFace":
         """The conversion for the contact face of a divided shoe."""
         inverse = matrix_from_node_values_to_function_factors(layers.functions, layers.halves[0])
-        angles = np.repeat(rotation_angles_of_contact_nodes_to_shoe_frame(shoe, div), len(inverse))
-        return cls(angles, inverse)
+        angles = rotation_angles_of_contact_nodes_to_shoe_frame(shoe, div)
+        return cls(np.repeat(angles[div.indices_of_kept_contact_nodes], len(inverse)), inverse)
 
     def forces_on_face_nodes(self, V: Floats) -> Floats:
         """Forces (m, 2 n nodes) on the nodes of the face, in the shoe's frame.
