@@ -313,8 +313,13 @@ def column_with_contact_nodes_at_its_ends_only(
         )
     n = len(piece.K)
     gone = slice(piece.left + shared, n - piece.right - shared)
-    kept = np.r_[: gone.start, gone.stop : n]
-    K, C = (np.ascontiguousarray(piece.K[rows][:, kept]) for rows in (kept, gone))
+    # The kept unknowns before and behind the eliminated ones, in the column and in the result.
+    before, behind = slice(gone.start), slice(gone.stop, n)
+    after = slice(gone.start, n - (gone.stop - gone.start))
+    K, C = np.empty((after.stop, after.stop)), np.empty((gone.stop - gone.start, after.stop))
+    for columns, to in ((before, before), (behind, after)):
+        K[before, to], K[after, to] = piece.K[before, columns], piece.K[behind, columns]
+        C[:, to] = piece.K[gone, columns]
     replace_matrix_by_schur_complement(K, C, piece.K[gone, gone].copy())
     return ColumnSubstructure(K, piece.left, piece.right)
 

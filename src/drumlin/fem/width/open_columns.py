@@ -5,8 +5,10 @@ memory and most of the time of a solve, wherever they lie. An earlier answer on 
 coarser elements shows where the face is open over the whole width. In the next solve the columns
 there keep few contact nodes (`ShoeElementDivision.open_columns`).
 
-The answer is the same as with all nodes, as long as no node of an open column is pressed. If one
-is, the brake is solved again, with fewer open columns.
+The answer is the same as with all nodes, as long as the face of the open columns stays open. If a
+node at an end of an open column is pressed, the brake is solved again, with fewer open columns.
+Contact that lies within one open column, with both of its ends open, would not be seen. The first
+answer of a solve has all nodes, and shows such contact.
 """
 
 from collections.abc import Callable, Mapping, Sequence
