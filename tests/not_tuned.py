@@ -143,8 +143,8 @@ NOT_TUNED: dict[str, dict[str, str]] = {
         "interface layers of the level before",
     },
     "fem/width/open_columns.py": {
-        "LEAST_DISTANCE_OF_OPEN_COLUMN_FROM_CONTACT": "changes no answer, since contact in an open "
-        "column is seen",
+        "LEAST_DISTANCE_OF_OPEN_COLUMN_FROM_CONTACT": "changes no answer, since contact near an "
+        "open column is seen",
         "LARGEST_ROUND_OFF_OF_ANGLE": ROUND_OFF,
     },
     "fem/width/pieces.py": {
@@ -416,6 +416,7 @@ NOT_TUNED: dict[str, dict[str, str]] = {
         "LARGEST_SILENT_OVERLAP_OVER_LINING_THICKNESS": SAID,
         "DEFAULT_PENALTY_FACTOR": "default of an option, whose effect each response states",
         "LARGEST_ACCEPTED_FORCE_IMBALANCE_OF_SHOE": SAID,
+        "LARGEST_ACCEPTED_FORCE_IMBALANCE_OF_SOLID_SHOE": SAID,
         "LARGEST_PRESSURE_ROUND_OFF_LEFT_UNREFINED": SAID,
         "LARGEST_ACCEPTED_PRESSURE_ROUND_OFF": SAID,
         "LARGEST_SIZE_OF_REFINED_SYSTEM": "limit of time: seconds of a refinement",

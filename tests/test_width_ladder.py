@@ -1,7 +1,7 @@
 """Brakes with widths solved to a tolerance: stated against true errors, and refusals."""
 
 import json
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from functools import partial
 
 import numpy as np
@@ -10,7 +10,8 @@ import pytest
 from command_line import drumlin
 from drumlin.base.errors import NoAnswer
 from drumlin.brake.file import vary
-from drumlin.fem import solid
+from drumlin.fem import model, solid
+from drumlin.fem.error_control import levels
 from drumlin.fem.error_control.adapt import TolerancesOfPressureAndTorque
 from drumlin.fem.error_control.levels import (
     REFINEMENT_LEVELS_FROM_COARSE_TO_FINE,
@@ -42,6 +43,7 @@ from drumlin.fem.width.prepare import (
     prepare_model_with_shoe_widths,
     prepare_model_with_widths_on_given_elements,
 )
+from drumlin.response.response import ForceAndMomentImbalance, RelativeChangesOfShoeResults
 from drumlin_studies.solid_error import (
     FIRST_WORDS_OF_TIMEOUT_REASON,
     FUNCTIONS_THAT_DRAW_BRAKES_BY_SOLID_KIND,
@@ -61,6 +63,7 @@ from drumlin_studies.solid_error import (
     table_lines_that_judge_stated_plane_stress_errors,
 )
 from sections import t_section
+from wide_shoes import HELD
 
 GRADED = FunctionsAcrossWidth((0.0, 17e-3, 20e-3), 4)
 """Functions for one width of 40 mm that leave 1e-5 of the torque."""
@@ -565,3 +568,50 @@ def test_where_a_finer_level_has_too_many_nodes_the_first_level_answers(flexible
     assert any("tolerance 0.004 not reached" in note for note in found.notes)
     with pytest.raises(NoAnswer, match="contact nodes"):
         solve_brake_with_widths_to_tolerance(table, tolerance)
+
+
+def test_a_level_whose_contact_still_moves_in_the_last_pass_has_this_answer(monkeypatch):
+    brake = HELD["narrow body in a grip"]()
+    monkeypatch.setattr(levels, "MAX_DIVISIONS_OF_BRAKE_PER_LEVEL", 1)
+    found = list(
+        solve_brake_on_finer_and_finer_mesh_levels(
+            brake, solve_prepared_model, levels=REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[:2]
+        )
+    )
+    assert [level.prepared_model.divisions[0].degree for level in found] == [3, 4]
+
+
+def test_a_solid_shoe_states_the_digits_that_it_loses(flexible, monkeypatch):
+    """Round-off of the pressure, and the imbalance of the forces, add to all stated errors."""
+    brake = t_section(flexible)
+    before = solid.solve(brake, across=2)
+    lost = RelativeChangesOfShoeResults(pressure=4e-4, torque=2e-4, reaction=3e-4, peak=5e-4)
+    exact = ladder.solve_prepared_model
+
+    def lose_digits(*args, **options):
+        response = exact(*args, **options)
+        return replace(
+            response,
+            shoes=tuple(replace(shoe, lost=lost) for shoe in response.shoes),
+            balance=ForceAndMomentImbalance(1e-5, 6e-5),
+        )
+
+    monkeypatch.setattr(ladder, "solve_prepared_model", lose_digits)
+    after = solid.solve(brake, across=2)
+    # The answers on the levels of the section contain the round-off as well.
+    for own, other in zip(after.shoes, before.shoes, strict=True):
+        for name, value in lost._asdict().items():
+            assert own.error[name] - other.error[name] > 0.99 * (value + 6e-5)
+    assert after.error["torque"] - before.error["torque"] > 0.99 * (2e-4 + 6e-5)
+
+
+def test_a_solid_shoe_whose_forces_hardly_balance_is_refused(flexible, monkeypatch):
+    brake = t_section(flexible)
+    scene = prepare_model_with_shoe_widths(brake, REFINEMENT_LEVELS_FROM_COARSE_TO_FINE[0], 2)
+    for imbalance, is_refused in ((9e-6, False), (2e-5, True)):
+        monkeypatch.setattr(model, "_largest_imbalance_of_shoes", lambda _, own=imbalance: own)
+        if not is_refused:
+            assert solve_prepared_model(scene, brake).torque > 0
+            continue
+        with pytest.raises(NoAnswer, match=r"balances only to 2\.0e-05.*not refine solid shoes"):
+            solve_prepared_model(scene, brake)

@@ -260,13 +260,14 @@ def solve_brake_on_finer_and_finer_mesh_levels(
         points_of_passes: list[SingularPointsByShoeShape] = []
         for _ in range(MAX_DIVISIONS_OF_BRAKE_PER_LEVEL):
             # The brake is divided with small elements at the singular points of the earlier pass,
-            # and solved.
+            # and solved. A shoe with a width takes hundreds of megabytes, so that the model of the
+            # earlier pass is dropped before.
+            model = solved = None
             limited = replace(level, largest_column=min(level.largest_column, column_limit))
             model = replace(prepare(limited, points), rigid_limits=rigid_limits)
             try:
                 response = respond(model, brake, start=last)
             except NoAnswer as refusal:
-                solved = None
                 if math.isinf(column_limit) and not isinstance(refusal, AnswerLostToRoundOff):
                     column_limit = shortest_arc / DEFAULT_ELEMENTS_ALONG_LINING
                     continue
@@ -283,9 +284,6 @@ def solve_brake_on_finer_and_finer_mesh_levels(
             # the contact that return to an earlier position would otherwise alternate for ever.
             if _do_singular_points_repeat_earlier_pass(brake, points_of_passes, points, end_motion):
                 break
-            # A shoe with a width takes hundreds of megabytes, which are free for the next pass.
-            del model, solved
-            solved = None
         end_motion = UNRESOLVED_LENGTH_OVER_CONTACT_LENGTH
         if solved is not None:
             yield solved

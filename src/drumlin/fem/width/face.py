@@ -7,8 +7,8 @@ of width 1, times the matrix m_kl = Int zeta_k zeta_l dz over the width. The pie
 zeta_k is 1 at the node k across the width and 0 at the other nodes.
 
 The face of a column that is expected to stay open has only the nodes at the ends of the column.
-Between these pressure and displacement are linear along the arc. As long as the face stays open,
-both are the same as with all nodes, because the pressure is zero.
+Between these pressure and displacement are linear along the arc. As long as the open columns and
+their neighbours stay open, both are the same as with all nodes (`open_columns`).
 """
 
 from dataclasses import dataclass, replace
@@ -104,6 +104,7 @@ class CouplingMatricesOfFaceWithWidth(ContactCouplingMatrices):
 
         No second matrix of this size exists at any time.
         """
+        assert out.flags.c_contiguous
         self._coupling_matrix_of_face_from_matrix_of_line(self.line.N, out)
 
     @property
@@ -194,22 +195,22 @@ class ContactFaceWithWidth(ContactLine):
         The argument `width` has no effect: the face has its own width. `directions` gives the unit
         normals and tangents of the drum or the plane.
         """
-        line = coupling_matrices_of_contact_line(self._closed_line, 1.0, directions)
+        line = coupling_matrices_of_contact_line(self._line_without_open_columns, 1.0, directions)
         if self.open_columns:
-            other = coupling_matrices_of_contact_line(self._open_line, 1.0, directions)
+            other = coupling_matrices_of_contact_line(self._line_of_open_columns, 1.0, directions)
             line = ContactCouplingMatrices(
                 line.M + other.M, line.N + other.N, line.T + other.T, line.lever + other.lever
             )
         return CouplingMatricesOfFaceWithWidth(line, self.mass_matrix_across_width)
 
     @property
-    def _closed_line(self) -> ContactLine:
+    def _line_without_open_columns(self) -> ContactLine:
         """The face's nodes along the arc, with the pieces of all columns that are not open."""
         closed = np.delete(self.line.pieces, self.open_columns, axis=1)
         return self._line_of_kept_nodes_with_pieces(closed)
 
     @property
-    def _open_line(self) -> ContactLine:
+    def _line_of_open_columns(self) -> ContactLine:
         """The face's nodes along the arc, with the linear pieces of the open columns."""
         return self._line_of_kept_nodes_with_pieces(
             self.line.pieces[[0, -1]][:, list(self.open_columns)]

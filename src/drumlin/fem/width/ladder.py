@@ -4,8 +4,8 @@ The section of a shoe is divided into hp elements. A level is one such division,
 sizes of the elements; the levels go from coarse to fine. Across the width the displacements are
 polynomials of the distance z from the mid-plane, up to some degree. The error has two parts, which
 are estimated separately and then added: the section's error, due to the hp elements, and the
-width's error, due to the degree across the width. The distance of two answers is their relative
-difference.
+width's error, due to the degree across the width. Round-off and the finite contact stiffness add to
+the sum. The distance of two answers is their relative difference.
 
 - For the section's error the brake is solved with a low degree across the width on finer and finer
   levels, until the error is at most SECTION_ERROR_SHARE_OF_TOLERANCE of the tolerance. If all parts
@@ -69,8 +69,7 @@ the contact face, and no element can have its end there. If an end moves by more
 (`hp.division.COLUMNS_PER_DEGREE_OVER_MOVING_CONTACT_END`). Such brakes need many pieces across the
 width as well, and some of them do not reach an error of 1 %, because the next finer pieces would
 take more memory than MOST_BYTES_OF_SOLID allows. Columns that were open over the whole width in
-earlier answers keep few contact nodes (`open_columns`). This changes no answer, and takes less
-memory and time.
+earlier answers keep few contact nodes (`open_columns`), which takes less memory and time.
 """
 
 import math
@@ -88,6 +87,7 @@ from drumlin.fem.error_control.estimate import (
     QUANTITIES_WITH_STATED_ERROR,
     EstimatedErrors,
     read_safety_factors,
+    sum_of_penalty_and_round_off_errors,
 )
 from drumlin.fem.error_control.levels import (
     REFINEMENT_LEVELS_FROM_COARSE_TO_FINE,
@@ -492,15 +492,23 @@ def largest_number_of_unknowns(solved: SolvedLevel) -> int:
 
 
 class SolidChoice(NamedTuple):
-    """Hp elements of the section and a degree across the width, with the sum of their errors."""
+    """Hp elements of the section and a degree across the width, with the sum of their errors.
+
+    `round_off` are the errors by round-off and by the finite contact stiffness, which are known
+    when the choice is solved; None before.
+    """
 
     section: SectionLevelWithItsError
     width: WidthError
+    round_off: RelativeErrorsOfSolidModel | None = None
 
     @property
     def error(self) -> RelativeErrorsOfSolidModel:
-        """The errors due to the section's elements plus the errors due to the degree."""
-        return self.section.error.sum_of_these_and_other_errors(self.width.error)
+        """The errors due to the section's elements, due to the degree, and by round-off."""
+        error = self.section.error.sum_of_these_and_other_errors(self.width.error)
+        if self.round_off is None:
+            return error
+        return error.sum_of_these_and_other_errors(self.round_off)
 
     @property
     def unknowns(self) -> float:
@@ -604,10 +612,32 @@ def solve_brake_with_widths_and_keep_model(
             raise
         choice = SolidChoice(sections.errors[0], choice.width)
         solved = _solved_level_on_compared_elements(brake, choice.width, compared, cache)
+    round_off = _penalty_and_round_off_errors(solved.response, choice.error)
+    choice = choice._replace(round_off=round_off)
     warning = ""
     if not choice.error.is_within_error_tolerance(tolerance):
         warning = _message_on_unreached_error_tolerance(tolerance, choice)
+        if must:
+            raise NoAnswer(warning)
     return _solved_level_with_errors_and_notes(solved, choice, warning)
+
+
+def _penalty_and_round_off_errors(
+    response: Response, other: RelativeErrorsOfSolidModel
+) -> RelativeErrorsOfSolidModel:
+    """The errors of a response by round-off and by the finite contact stiffness.
+
+    The imbalance of the forces on a shoe, which round-off causes too, adds to all errors. A
+    quantity without `other` errors, such as the torque without friction, has the error 0.
+    """
+    imbalance = max(response.balance.force, response.balance.moment)
+    torque, *errors = (sum_of_penalty_and_round_off_errors(response.shoes) + imbalance).tolist()
+    shoes = []
+    for k, known in enumerate(other.shoes):
+        first = k * len(QUANTITIES_WITH_STATED_ERROR)
+        own = zip(QUANTITIES_WITH_STATED_ERROR, errors[first:], strict=False)
+        shoes.append({name: value if known[name] > 0 else 0.0 for name, value in own})
+    return RelativeErrorsOfSolidModel(torque if other.torque > 0 else 0.0, tuple(shoes))
 
 
 def _does_choice_fit_into_memory(brake: Brake, most_bytes: float, choice: SolidChoice) -> bool:
@@ -849,7 +879,7 @@ def solve_cross_section_mesh_with_width_degree(
     def solve_with_open_columns(expected: Sequence[Response]) -> SolvedLevel:
         """Solve the level with the columns that are open in all expected answers."""
         prepare = partial(
-            prepare_model_with_open_columns,
+            _prepare_model_with_open_columns,
             brake,
             degree=degree,
             expected=expected,
@@ -866,7 +896,7 @@ def solve_cross_section_mesh_with_width_degree(
     return solve_until_open_columns_stay_open(brake, [start], solve_with_open_columns)
 
 
-def prepare_model_with_open_columns(
+def _prepare_model_with_open_columns(
     brake: Brake,
     level: RefinementLevel,
     points: SingularPointsByShoeShape,
