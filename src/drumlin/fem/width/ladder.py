@@ -1238,24 +1238,16 @@ def errors_of_finer_pieces_across_width(
         pieces = pieces_of_next_step(
             brake, steps[-1][0], [solved.response for _, solved in steps[-2:]], allowed
         )
-
-        def solve_with_open_columns(expected: Sequence[Response]) -> SolvedLevel:
-            """Solve the step with the columns that are open in all expected answers."""
-            divisions = divisions_with_open_columns(brake, section.divisions, expected)
+        solved = _solve_pieces_with_open_columns(
+            brake,
+            plane,
+            section.divisions,
+            pieces,
+            [earlier.response for _, earlier in steps],
             # The steps that give the error of the first step are always allowed.
-            if are_limited and most_bytes < memory_bytes_of_condensation_on_divisions(
-                brake, divisions, pieces
-            ):
-                raise NoAnswer("the next pieces across the width take too much memory")
-            scene = prepare_model_with_widths_on_given_elements(
-                brake, divisions, pieces, cache=cache
-            )
-            return SolvedLevel(
-                scene, solve_prepared_model(scene, brake, penalty=penalty, start=plane)
-            )
-
-        solved = solve_until_open_columns_stay_open(
-            brake, [earlier.response for _, earlier in steps], solve_with_open_columns
+            most_bytes=most_bytes if are_limited else math.inf,
+            penalty=penalty,
+            cache=cache,
         )
         steps.append((pieces, SolvedFunctionsAcrossWidth.answer_of_solved_level(solved)))
 
@@ -1279,6 +1271,45 @@ def errors_of_finer_pieces_across_width(
             return
         yield _width_error_of_first_step(brake, steps)
         steps, are_limited = steps[1:], True
+
+
+def _solve_pieces_with_open_columns(
+    brake: Brake,
+    plane: Response,
+    divisions: Mapping[int, ShoeElementDivision],
+    pieces: PiecesAcrossWidthsOfShoes,
+    earlier: Sequence[Response],
+    *,
+    most_bytes: float,
+    penalty: float,
+    cache: CacheOfCondensedBodies | None,
+) -> SolvedLevel:
+    """Solve a brake on some pieces across the width, with the columns open that were open before.
+
+    Parameters
+    ----------
+    brake : the brake; the parts of a shoe have several widths
+    plane : answer of plane stress
+    divisions : divisions of the sections into hp elements
+    pieces : the pieces
+    earlier : answers with widths, in all of which the open columns are open
+    most_bytes, penalty, cache : as in `errors_of_finer_pieces_across_width`
+
+    Raises
+    ------
+    NoAnswer
+        if the pieces have no answer, or take too much memory
+    """
+
+    def solve_with_open_columns(expected: Sequence[Response]) -> SolvedLevel:
+        """Solve the brake with the columns that are open in all expected answers."""
+        opened = divisions_with_open_columns(brake, divisions, expected)
+        if most_bytes < memory_bytes_of_condensation_on_divisions(brake, opened, pieces):
+            raise NoAnswer("the next pieces across the width take too much memory")
+        scene = prepare_model_with_widths_on_given_elements(brake, opened, pieces, cache=cache)
+        return SolvedLevel(scene, solve_prepared_model(scene, brake, penalty=penalty, start=plane))
+
+    return solve_until_open_columns_stay_open(brake, earlier, solve_with_open_columns)
 
 
 def _width_error_of_first_step(
