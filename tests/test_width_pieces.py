@@ -22,14 +22,12 @@ from drumlin.fem.width.pieces import (
     mean_pressure_of_each_piece,
     pieces_of_next_step,
 )
-from drumlin.fem.width.prepare import (
-    largest_number_of_unknowns_on_divisions,
-    prepare_model_with_widths_on_given_elements,
-)
+from drumlin.fem.width.prepare import prepare_model_with_widths_on_given_elements
 from drumlin_studies.solid_error import (
     FUNCTIONS_THAT_DRAW_BRAKES_BY_SOLID_KIND,
     functions_across_width_on_fine_pieces,
 )
+from drumlin_studies.width_calibration import largest_number_of_unknowns_on_divisions
 from held_shoes import BODY, brake_of
 from sections import t_section
 

@@ -14,7 +14,7 @@ table of the rows.
 
 import csv
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import partial
 from itertools import pairwise
 from pathlib import Path
@@ -26,6 +26,7 @@ from drumlin.base.errors import BadInput, NoAnswer
 from drumlin.brake.brake import Brake, Shoe
 from drumlin.fem.error_control.adapt import TolerancesOfPressureAndTorque
 from drumlin.fem.error_control.levels import REFINEMENT_LEVELS_FROM_COARSE_TO_FINE
+from drumlin.fem.hp.division import ShoeElementDivision
 from drumlin.fem.model import solve_prepared_model
 from drumlin.fem.preparation.cache import CacheOfCondensedBodies
 from drumlin.fem.solve import solve
@@ -56,7 +57,7 @@ from drumlin.fem.width.ladder import (
 from drumlin.fem.width.levels import REFINEMENT_LEVELS_OF_SHOES_WITH_SEVERAL_WIDTHS
 from drumlin.fem.width.prepare import (
     MakeWidthFunctionsOfShoe,
-    largest_number_of_unknowns_on_divisions,
+    number_of_displacement_unknowns_of_shoe,
     prepare_model_with_widths_on_given_elements,
     reason_why_width_model_does_not_apply,
 )
@@ -346,6 +347,24 @@ def error_rows_of_degrees_across_width(
                 )
             )
     return rows
+
+
+def largest_number_of_unknowns_on_divisions(
+    brake: Brake, divisions: Mapping[int, ShoeElementDivision], make: MakeWidthFunctionsOfShoe
+) -> int:
+    """The largest number of unknowns of a shoe, before any model of it is made.
+
+    Parameters
+    ----------
+    brake : the brake
+    divisions : divisions of the sections into hp elements, by the index of the first shoe of each
+        shape
+    make : function from a shoe to its functions across the width
+    """
+    return max(
+        number_of_displacement_unknowns_of_shoe(brake.shoes[i], division, make(brake.shoes[i]))
+        for i, division in divisions.items()
+    )
 
 
 def error_rows_of_steps_of_finer_pieces(

@@ -463,14 +463,13 @@ def _solve_group_of_coupled_shoes(
     # A group without struts and cam is refined if its round-off error or its imbalance is too
     # large.
     refinable = _can_full_system_be_refined(settled.group)
-    if refinable and not LONG_DOUBLE_IS_WIDER:
-        return _shoe_results_with_note_if_round_off_is_large(
-            settled.group, answers, NO_LONG_DOUBLE_REASON
-        )
+    reason = None
     if settled.group.prepared_model.model == "solid":
-        return _shoe_results_with_note_if_round_off_is_large(
-            settled.group, answers, SOLID_SHOES_NOT_REFINED_REASON
-        )
+        reason = SOLID_SHOES_NOT_REFINED_REASON
+    elif refinable and not LONG_DOUBLE_IS_WIDER:
+        reason = NO_LONG_DOUBLE_REASON
+    if reason is not None:
+        return _shoe_results_with_note_if_round_off_is_large(settled.group, answers, reason)
     most = (
         LARGEST_PRESSURE_ROUND_OFF_LEFT_UNREFINED
         if refinable

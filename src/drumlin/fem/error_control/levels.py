@@ -253,16 +253,16 @@ def solve_brake_on_finer_and_finer_mesh_levels(
     prepare = prepare or partial(make_prepared_model, brake, alike=alike, cache=cache)
     too_short = _too_short_contacts_before_first_pass(brake, start)
     for level in levels or REFINEMENT_LEVELS_FROM_COARSE_TO_FINE:
-        solved: SolvedLevel | None = None
         error = level.pressure_error_due_to_column_size_ratio
         points_after = partial(singular_points_of_each_shoe_shape, brake, alike=alike, error=error)
         points = points_after(last, too_short=too_short)
         points_of_passes: list[SingularPointsByShoeShape] = []
         for _ in range(MAX_DIVISIONS_OF_BRAKE_PER_LEVEL):
             # The brake is divided with small elements at the singular points of the earlier pass,
-            # and solved. A shoe with a width takes hundreds of megabytes, so that the model of the
-            # earlier pass is dropped before.
-            model = solved = None
+            # and solved. The model of the earlier pass may take hundreds of megabytes. It is
+            # dropped before the next one is made.
+            solved: SolvedLevel | None = None
+            model: PreparedModel | None = None
             limited = replace(level, largest_column=min(level.largest_column, column_limit))
             model = replace(prepare(limited, points), rigid_limits=rigid_limits)
             try:

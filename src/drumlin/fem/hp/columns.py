@@ -313,7 +313,8 @@ def column_with_contact_nodes_at_its_ends_only(
         )
     n = len(piece.K)
     gone = slice(piece.left + shared, n - piece.right - shared)
-    # The kept unknowns before and behind the eliminated ones, in the column and in the result.
+    # The slices `before` and `behind` are the kept unknowns in the column. In the result the latter
+    # ones have the slice `after`.
     before, behind = slice(gone.start), slice(gone.stop, n)
     after = slice(gone.start, n - (gone.stop - gone.start))
     K, C = np.empty((after.stop, after.stop)), np.empty((gone.stop - gone.start, after.stop))
@@ -468,31 +469,28 @@ def matrix_entries_while_columns_are_joined(side: int, contact: Sequence[int], s
     unknowns = [*(size.unknowns for size in sizes), *([0] * len(joins))]
     for join in joins:
         unknowns[join.joined] = unknowns[join.left] + unknowns[join.right] - 2 * side - shared
-    existing = {number: unknowns[number] for number in (0, columns - 1)}
-    largest = 0
+    ends = {0, columns - 1}
+    existing, largest = ends.copy(), 0
 
-    def take_stretch(number: int) -> int:
-        """Make a stretch if it does not exist, and drop it unless the row of the caller holds it.
-
-        Returns the entries of all stretches just before it is dropped.
-        """
-        held = number < columns and number in existing
-        existing[number] = unknowns[number]
-        entries = sum(size**2 for size in existing.values())
-        if not held:
-            existing.pop(number)
-        return entries
+    def entries_of_existing_stretches() -> int:
+        """The number of matrix entries of all stretches that exist at the moment."""
+        return sum(unknowns[number] ** 2 for number in existing)
 
     for join in _joins_in_depth_first_order(joins):
-        # The stretches are taken one after the other, and are copied in blocks: the stiffness on
-        # the eliminated line, its coupling with the remaining unknowns, and the remaining block.
+        # The stretches are taken one after the other. The blocks that are copied of a stretch are
+        # its stiffness on the eliminated line, its coupling with the remaining unknowns, and the
+        # block of these unknowns. A stretch is dropped then, unless the caller holds it.
         n, line = unknowns[join.joined], side**2
         left, right = (unknowns[number] - side for number in (join.left, join.right))
-        during_left = take_stretch(join.left) + line + side * left + left**2
-        during_right = take_stretch(join.right) + line + side * n + left**2 + right**2
-        existing[join.joined] = n
-        joined = sum(size**2 for size in existing.values()) + line + side * n + left**2 + right**2
-        largest = max(largest, during_left, during_right, joined)
+        existing.add(join.left)
+        largest = max(largest, entries_of_existing_stretches() + line + side * left + left**2)
+        existing -= {join.left} - ends
+        existing.add(join.right)
+        copied = line + side * n + left**2 + right**2
+        largest = max(largest, entries_of_existing_stretches() + copied)
+        existing -= {join.right} - ends
+        existing.add(join.joined)
+        largest = max(largest, entries_of_existing_stretches() + copied)
     return largest
 
 

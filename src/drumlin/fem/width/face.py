@@ -17,7 +17,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drumlin.base.arrays import Floats, Ints
+from drumlin.base.arrays import Bools, Floats, Ints
 from drumlin.fem.substructure.interface import (
     ContactCouplingMatrices,
     ContactLine,
@@ -148,15 +148,14 @@ class ContactFaceWithWidth(ContactLine):
     line : the contact line of the section
     functions : functions across the width
     half : half the width of the lining [m]
-    kept : (k,) indices of the line's nodes that the face has
-    open_columns : indices of the pieces of `line` of which the face has only the nodes at both ends
+    kept : (k,) indices of the line's nodes that the face has: all nodes, except those between the
+        ends of an open column
     """
 
     line: ContactLine
     functions: FunctionsAcrossWidth
     half: float
     kept: Ints
-    open_columns: tuple[int, ...] = ()
 
     @cached_property
     def node_distances_from_mid_plane(self) -> Floats:
@@ -195,26 +194,24 @@ class ContactFaceWithWidth(ContactLine):
         The argument `width` has no effect: the face has its own width. `directions` gives the unit
         normals and tangents of the drum or the plane.
         """
-        line = coupling_matrices_of_contact_line(self._line_without_open_columns, 1.0, directions)
-        if self.open_columns:
-            other = coupling_matrices_of_contact_line(self._line_of_open_columns, 1.0, directions)
+        is_open, pieces = self._which_pieces_of_line_are_open, self.line.pieces
+        closed = self._line_of_kept_nodes_with_pieces(pieces[:, ~is_open])
+        line = coupling_matrices_of_contact_line(closed, 1.0, directions)
+        if is_open.any():
+            linear = self._line_of_kept_nodes_with_pieces(pieces[[0, -1]][:, is_open])
+            other = coupling_matrices_of_contact_line(linear, 1.0, directions)
             line = ContactCouplingMatrices(
                 line.M + other.M, line.N + other.N, line.T + other.T, line.lever + other.lever
             )
         return CouplingMatricesOfFaceWithWidth(line, self.mass_matrix_across_width)
 
     @property
-    def _line_without_open_columns(self) -> ContactLine:
-        """The face's nodes along the arc, with the pieces of all columns that are not open."""
-        closed = np.delete(self.line.pieces, self.open_columns, axis=1)
-        return self._line_of_kept_nodes_with_pieces(closed)
+    def _which_pieces_of_line_are_open(self) -> Bools:
+        """A mask (pieces,), True for the pieces of which the face has only the nodes at both ends.
 
-    @property
-    def _line_of_open_columns(self) -> ContactLine:
-        """The face's nodes along the arc, with the linear pieces of the open columns."""
-        return self._line_of_kept_nodes_with_pieces(
-            self.line.pieces[[0, -1]][:, list(self.open_columns)]
-        )
+        Each of them belongs to an open column.
+        """
+        return np.asarray(~np.isin(self.line.pieces, self.kept).all(axis=0))
 
     def _line_of_kept_nodes_with_pieces(self, pieces: Ints) -> ContactLine:
         """The face's nodes along the arc, with pieces given by indices of nodes of `line`."""
@@ -231,7 +228,7 @@ class ContactFaceWithWidth(ContactLine):
 
         Within open columns they are linear along the arc.
         """
-        if not self.open_columns:
+        if len(self.kept) == len(self.line.nodes):
             return values
         phi = self.line.phi
         return np.array([np.interp(phi, phi[self.kept], own) for own in values.T]).T

@@ -79,6 +79,8 @@ from functools import partial
 from pathlib import Path
 from typing import NamedTuple
 
+import numpy as np
+
 from drumlin.base.errors import NoAnswer
 from drumlin.base.texts import error_text_in_percent
 from drumlin.brake.brake import Brake, Shoe
@@ -126,7 +128,6 @@ from drumlin.fem.width.prepare import (
     LARGEST_WIDTH_DEGREE,
     MOST_NODES_OF_CONTACT_FACE,
     MakeWidthFunctionsOfShoe,
-    divide_brake_with_shoe_widths,
     memory_bytes_of_condensation_on_divisions,
     memory_bytes_of_condensed_solid_shoe,
     prepare_model_with_shoe_widths,
@@ -633,9 +634,9 @@ def _penalty_and_round_off_errors(
     imbalance = max(response.balance.force, response.balance.moment)
     torque, *errors = (sum_of_penalty_and_round_off_errors(response.shoes) + imbalance).tolist()
     shoes = []
-    for k, known in enumerate(other.shoes):
-        first = k * len(QUANTITIES_WITH_STATED_ERROR)
-        own = zip(QUANTITIES_WITH_STATED_ERROR, errors[first:], strict=False)
+    rows = np.reshape(errors, (len(other.shoes), -1)).tolist()
+    for known, row in zip(other.shoes, rows, strict=True):
+        own = zip(QUANTITIES_WITH_STATED_ERROR, row, strict=True)
         shoes.append({name: value if known[name] > 0 else 0.0 for name, value in own})
     return RelativeErrorsOfSolidModel(torque if other.torque > 0 else 0.0, tuple(shoes))
 
@@ -878,14 +879,19 @@ def solve_cross_section_mesh_with_width_degree(
 
     def solve_with_open_columns(expected: Sequence[Response]) -> SolvedLevel:
         """Solve the level with the columns that are open in all expected answers."""
-        prepare = partial(
-            _prepare_model_with_open_columns,
-            brake,
-            degree=degree,
-            expected=expected,
-            cache=cache,
-            most_contact_nodes=most_contact_nodes,
-        )
+
+        def prepare(divided: RefinementLevel, points: SingularPointsByShoeShape) -> PreparedModel:
+            """The prepared model of the brake, with small elements at the singular points."""
+            return prepare_model_with_shoe_widths(
+                brake,
+                divided,
+                degree,
+                points,
+                answers=expected,
+                cache=cache,
+                most_contact_nodes=most_contact_nodes,
+            )
+
         steps = solve_brake_on_finer_and_finer_mesh_levels(
             brake, answer, cache, [level], prepare=prepare, start=expected[-1]
         )
@@ -894,33 +900,6 @@ def solve_cross_section_mesh_with_width_degree(
         raise NoAnswer(f"no equilibrium on a section of degree {level.degree} with its width")
 
     return solve_until_open_columns_stay_open(brake, [start], solve_with_open_columns)
-
-
-def _prepare_model_with_open_columns(
-    brake: Brake,
-    level: RefinementLevel,
-    points: SingularPointsByShoeShape,
-    *,
-    degree: int | MakeWidthFunctionsOfShoe,
-    expected: Sequence[Response],
-    cache: CacheOfCondensedBodies | None,
-    most_contact_nodes: int,
-) -> PreparedModel:
-    """The prepared model of a brake on a level, with the columns open that earlier answers show.
-
-    Parameters
-    ----------
-    expected : the earlier answers; an answer without widths shows no open columns
-    brake, level, points, degree, cache, most_contact_nodes : as in `prepare_model_with_shoe_widths`
-    """
-    divisions = divide_brake_with_shoe_widths(brake, level, degree, points)
-    return prepare_model_with_widths_on_given_elements(
-        brake,
-        divisions_with_open_columns(brake, divisions, expected),
-        degree,
-        cache=cache,
-        most_contact_nodes=most_contact_nodes,
-    )
 
 
 def _solved_level_with_errors_and_notes(

@@ -53,16 +53,15 @@ def divisions_with_open_columns(
     brake : the brake
     divisions : divisions of the sections into hp elements, by the index of the first shoe of each
         shape
-    responses : earlier answers with widths, on any elements; without any, no column is open
+    responses : earlier answers with widths, on any elements; without any, the divisions stay
     """
-    margin = LEAST_DISTANCE_OF_OPEN_COLUMN_FROM_CONTACT
-    return {
-        i: replace(
-            division,
-            open_columns=_columns_far_from_contact(brake, i, division, responses, margin),
-        )
-        for i, division in divisions.items()
-    }
+    if not responses:
+        return dict(divisions)
+    margin, found = LEAST_DISTANCE_OF_OPEN_COLUMN_FROM_CONTACT, {}
+    for i, division in divisions.items():
+        far = _columns_far_from_contact(brake, i, division, responses, margin)
+        found[i] = replace(division, open_columns=far)
+    return found
 
 
 def solve_until_open_columns_stay_open(
@@ -97,9 +96,10 @@ def solve_until_open_columns_stay_open(
 def _is_contact_near_any_open_column(brake: Brake, solved: SolvedLevel) -> bool:
     """Whether a node of an open column, or of a column beside it, is pressed."""
     for i, division in solved.prepared_model.divisions.items():
-        still_open = _columns_far_from_contact(brake, i, division, [solved.response], 0.0)
-        if not set(division.open_columns) <= set(still_open):
-            return True
+        if division.open_columns:
+            still_open = _columns_far_from_contact(brake, i, division, [solved.response], 0.0)
+            if not set(division.open_columns) <= set(still_open):
+                return True
     return False
 
 
@@ -117,13 +117,13 @@ def _columns_far_from_contact(
     brake : the brake
     first : index of the first shoe of a shape
     division : division of the shoes of this shape
-    responses : the answers; without any, the result is empty
+    responses : the answers, at least one
     margin : smallest distance of the contact from the columns and their neighbours, relative to the
         lining's thickness
     """
     alike = indices_of_first_shoes_of_equal_shape(brake)
     shoes = [i for i, own in enumerate(alike) if own == first]
-    far = np.full(len(division.angles) - 1, bool(responses))
+    far = np.ones(len(division.angles) - 1, dtype=bool)
     distance = margin * brake.shoes[first].lining.thickness / brake.size
     for response in responses:
         for i in shoes:

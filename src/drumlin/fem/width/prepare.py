@@ -1,7 +1,7 @@
 """The prepared model of a brake whose shoes have a finite width (hierarchic model of the width)."""
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import fields, replace
 from functools import partial
 from typing import NamedTuple
@@ -52,8 +52,10 @@ from drumlin.fem.width.functions import (
     functions_across_width_of_shoe,
     half_widths_of_parts,
 )
+from drumlin.fem.width.open_columns import divisions_with_open_columns
 from drumlin.fem.width.recovery import EliminatedUnknownsOfShoeWithWidth
 from drumlin.fem.width.shoe import condense_shoe_with_width, layers_with_width_functions
+from drumlin.response.response import Response
 
 LARGEST_POISSON_RATIO_OF_WIDTH_MODEL = 0.499
 """Largest Poisson's ratio for which the model of the width can be used.
@@ -172,6 +174,7 @@ def prepare_model_with_shoe_widths(
     degree: int | MakeWidthFunctionsOfShoe,
     points: SingularPointsByShoeShape | None = None,
     *,
+    answers: Sequence[Response] = (),
     cache: CacheOfCondensedBodies | None = None,
     most_contact_nodes: int = MOST_NODES_OF_CONTACT_FACE,
 ) -> PreparedModel:
@@ -186,6 +189,8 @@ def prepare_model_with_shoe_widths(
     degree : degree across the width, or a function from a shoe to its functions across the width; 0
         is plane stress
     points : singular points of the pressure, by the index of the first shoe of each shape
+    answers : earlier answers; columns that are open in all of them keep few contact nodes
+        (`open_columns`)
     cache : cache of condensed bodies; bodies found in it are used again, and new ones are added
     most_contact_nodes : largest number of nodes of a contact face
 
@@ -195,27 +200,6 @@ def prepare_model_with_shoe_widths(
         if the model does not apply to the brake, or if the degree is out of range
     NoAnswer
         for a singular stiffness, and for more than `most_contact_nodes` nodes of a contact face
-    """
-    divisions = divide_brake_with_shoe_widths(brake, level, degree, points)
-    return prepare_model_with_widths_on_given_elements(
-        brake, divisions, degree, cache=cache, most_contact_nodes=most_contact_nodes
-    )
-
-
-def divide_brake_with_shoe_widths(
-    brake: Brake,
-    level: RefinementLevel,
-    degree: int | MakeWidthFunctionsOfShoe,
-    points: SingularPointsByShoeShape | None = None,
-) -> dict[int, ShoeElementDivision]:
-    """The divisions of the shoes' sections into hp elements, by the first shoe of each shape.
-
-    The parameters are those of `prepare_model_with_shoe_widths`.
-
-    Raises
-    ------
-    BadInput
-        if the model does not apply to the brake, or if the degree is out of range
     """
     alike = indices_of_first_shoes_of_equal_shape(brake)
     tip = brake.actuation is not None and brake.actuation.is_cam_or_wedge
@@ -233,7 +217,14 @@ def divide_brake_with_shoe_widths(
     if not callable(degree) and not 0 <= degree <= LARGEST_WIDTH_DEGREE:
         raise BadInput(f"--across = {degree}: must be from 0 to {LARGEST_WIDTH_DEGREE}")
     level = refinement_level_for_narrow_shoes(brake, level)
-    return {i: hp_element_division_of_shoe(i) for i in dict.fromkeys(alike)}
+    divisions = {i: hp_element_division_of_shoe(i) for i in dict.fromkeys(alike)}
+    return prepare_model_with_widths_on_given_elements(
+        brake,
+        divisions_with_open_columns(brake, divisions, answers),
+        degree,
+        cache=cache,
+        most_contact_nodes=most_contact_nodes,
+    )
 
 
 def refinement_level_for_narrow_shoes(brake: Brake, level: RefinementLevel) -> RefinementLevel:
@@ -424,25 +415,6 @@ def contact_face_of_shoe_with_width(
         functions=functions,
         half=half,
         kept=kept,
-        open_columns=division.open_columns,
-    )
-
-
-def largest_number_of_unknowns_on_divisions(
-    brake: Brake, divisions: Mapping[int, ShoeElementDivision], make: MakeWidthFunctionsOfShoe
-) -> int:
-    """The largest number of unknowns of a shoe, before any model of it is made.
-
-    Parameters
-    ----------
-    brake : the brake
-    divisions : divisions of the sections into hp elements, by the index of the first shoe of each
-        shape
-    make : function from a shoe to its functions across the width
-    """
-    return max(
-        number_of_displacement_unknowns_of_shoe(brake.shoes[i], division, make(brake.shoes[i]))
-        for i, division in divisions.items()
     )
 
 
@@ -451,8 +423,15 @@ def memory_bytes_of_condensation_on_divisions(
 ) -> float:
     """The approximate memory [bytes] that the matrices of all shoes take while they are condensed.
 
-    The parameters are those of `largest_number_of_unknowns_on_divisions`. The memory is inf if a
-    contact face has more than MOST_NODES_OF_CONTACT_FACE nodes, since there is no model of it.
+    The memory is inf if a contact face has more than MOST_NODES_OF_CONTACT_FACE nodes, since there
+    is no model of it.
+
+    Parameters
+    ----------
+    brake : the brake
+    divisions : divisions of the sections into hp elements, by the index of the first shoe of each
+        shape
+    make : function from a shoe to its functions across the width
     """
     largest = kept = 0.0
     for i, division in divisions.items():
