@@ -582,14 +582,21 @@ def test_a_level_whose_contact_still_moves_in_the_last_pass_has_this_answer(monk
 
 
 def test_a_solid_shoe_states_the_digits_that_it_loses(flexible, monkeypatch):
-    """Round-off of the pressure, and the imbalance of the forces, add to all stated errors."""
+    """Round-off of the answer, and the imbalance of its forces, add to all stated errors.
+
+    The answers of degree 1 and of degrees 3 and 4, from which the other errors follow, lose
+    nothing.
+    """
     brake = t_section(flexible)
     before = solid.solve(brake, across=2)
     lost = RelativeChangesOfShoeResults(pressure=4e-4, torque=2e-4, reaction=3e-4, peak=5e-4)
     exact = ladder.solve_prepared_model
 
-    def lose_digits(*args, **options):
-        response = exact(*args, **options)
+    def lose_digits(scene, *args, **options):
+        response = exact(scene, *args, **options)
+        functions = getattr(scene.bodies[0].line, "functions", None)
+        if functions is None or functions.degree != 2:
+            return response
         return replace(
             response,
             shoes=tuple(replace(shoe, lost=lost) for shoe in response.shoes),
@@ -598,11 +605,10 @@ def test_a_solid_shoe_states_the_digits_that_it_loses(flexible, monkeypatch):
 
     monkeypatch.setattr(ladder, "solve_prepared_model", lose_digits)
     after = solid.solve(brake, across=2)
-    # The answers on the levels of the section contain the round-off as well.
     for own, other in zip(after.shoes, before.shoes, strict=True):
         for name, value in lost._asdict().items():
-            assert own.error[name] - other.error[name] > 0.99 * (value + 6e-5)
-    assert after.error["torque"] - before.error["torque"] > 0.99 * (2e-4 + 6e-5)
+            assert own.error[name] - other.error[name] == pytest.approx(value + 6e-5, rel=1e-3)
+    assert after.error["torque"] - before.error["torque"] == pytest.approx(2.6e-4, rel=1e-3)
 
 
 def test_a_solid_shoe_whose_forces_hardly_balance_is_refused(flexible, monkeypatch):

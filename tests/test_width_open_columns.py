@@ -6,6 +6,7 @@ from functools import partial
 import numpy as np
 import pytest
 
+import drumlin.fem.width.prepare as width_prepare
 import drumlin.fem.width.shoe as width_shoe
 from drumlin.fem.analysis.solid_fields import recover_stresses_in_half_of_each_solid_shoe
 from drumlin.fem.error_control.levels import REFINEMENT_LEVELS_FROM_COARSE_TO_FINE, SolvedLevel
@@ -122,7 +123,7 @@ def test_contact_that_grows_with_the_degree_is_that_of_all_nodes():
     )
 
 
-def test_open_columns_need_less_memory(lifted):
+def test_open_columns_need_less_memory(lifted, monkeypatch):
     brake, first = lifted
     full = first.prepared_model.divisions
     opened = divisions_with_open_columns(brake, full, [first.response])
@@ -131,6 +132,13 @@ def test_open_columns_need_less_memory(lifted):
         memory_bytes_of_condensation_on_divisions(brake, each, functions) for each in (full, opened)
     )
     assert 0.5 * before < after < 0.95 * before
+    # Only the nodes that are kept count for the largest number of nodes.
+    scene = prepare_model_with_widths_on_given_elements(brake, opened, functions)
+    nodes = len(scene.bodies[0].line.nodes)
+    for most, fits in ((nodes, True), (nodes - 1, False)):
+        monkeypatch.setattr(width_prepare, "MOST_NODES_OF_CONTACT_FACE", most)
+        found = memory_bytes_of_condensation_on_divisions(brake, opened, functions)
+        assert np.isfinite(found) == fits
 
 
 def test_no_column_is_open_where_an_answer_has_contact_nearby(lifted):
